@@ -43,7 +43,7 @@ fn least<const N: usize>(rounds: usize, mut tasks: [&mut dyn FnMut(); N]) -> [f6
 }
 
 fn main() {
-    // cargo bench adds an argument of its own.
+    // cargo bench adds its own argument.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     let ground = arguments.first().map_or_else(loma_prieta, |path| {
         let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{path}: {error}"));

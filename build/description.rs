@@ -54,7 +54,7 @@ pub struct Item {
 /// Name space of the GUIDs of this FMU: a random UUID, fixed once.
 const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61");
 
-/// Reads and checks the file. An error names the element and what was expected.
+/// Reads and checks the file. An error names the element and the expected value.
 pub fn read(text: &str) -> Result<Description, String> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
@@ -91,7 +91,7 @@ pub fn unique(text: &str) -> String {
 
 fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     let name = attribute(node, "name")?.to_string();
-    let wrong = |what: &str| format!("variable {name}: {what}");
+    let wrong = |fault: &str| format!("variable {name}: {fault}");
     if attribute(node, "valueReference")? != index.to_string() {
         return Err(wrong(&format!("valueReference should be its place, {index}")));
     }
@@ -193,8 +193,8 @@ fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, Str
         let choices: Vec<String> = items.iter().map(|item| format!("{} {}", item.value, item.name)).collect();
         let description =
             node.attribute_node("description").ok_or_else(|| format!("variable {name}: no description"))?;
-        let place = description.range_value();
-        edits.push((place.end..place.end, format!(": {}", choices.join(", "))));
+        let end = description.range_value().end;
+        edits.push((end..end, format!(": {}", choices.join(", "))));
         let of_type = node.children().find(Node::is_element).ok_or_else(|| format!("variable {name}: no type"))?;
         let start = start.map_or(String::new(), |start| format!(" start=\"{start}\""));
         edits.push((of_type.range(), format!("<Integer min=\"{min}\" max=\"{max}\"{start}/>")));
@@ -227,20 +227,20 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let indices = |list: &str| -> Result<Vec<usize>, String> {
         child(structure, list)?.children().filter(Node::is_element).map(|node| index(node, "index")).collect()
     };
-    let of = |causalities: &[&str]| -> Vec<usize> {
+    let numbers = |causalities: &[&str]| -> Vec<usize> {
         (1..).zip(variables).filter(|(_, v)| causalities.contains(&v.causality)).map(|(i, _)| i).collect()
     };
-    if indices("Outputs")? != of(&["Output"]) {
+    if indices("Outputs")? != numbers(&["Output"]) {
         return Err("ModelStructure/Outputs should list every output in order".into());
     }
-    if indices("InitialUnknowns")? != of(&["CalculatedParameter", "Output"]) {
+    if indices("InitialUnknowns")? != numbers(&["CalculatedParameter", "Output"]) {
         return Err("ModelStructure/InitialUnknowns should list every calculated parameter and output in order".into());
     }
     let declared = child(root, "ModelVariables")?.descendants();
     let states = declared.filter_map(|node| node.attribute("derivative")).map(str::to_string);
-    let later: Vec<String> = of(&["Input"]).iter().map(usize::to_string).chain(states).collect();
-    let initially: Vec<String> = of(&["Input", "Parameter"]).iter().map(usize::to_string).collect();
-    for (list, knowns, what) in [
+    let later: Vec<String> = numbers(&["Input"]).iter().map(usize::to_string).chain(states).collect();
+    let initially: Vec<String> = numbers(&["Input", "Parameter"]).iter().map(usize::to_string).collect();
+    for (list, knowns, excluded) in [
         ("Outputs", &later, "no input and no state"),
         ("Derivatives", &later, "no input and no state"),
         ("InitialUnknowns", &initially, "no input and no parameter"),
@@ -249,7 +249,7 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
             for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
                 if !knowns.iter().any(|known| known == dependency) {
                     let index = index(unknown, "index")?;
-                    return Err(format!("unknown {index} of {list} depends on {dependency}, which is {what}"));
+                    return Err(format!("unknown {index} of {list} depends on {dependency}, which is {excluded}"));
                 }
             }
         }
@@ -380,8 +380,11 @@ fn role(variable: &Variable) -> &'static str {
 pub fn identifier(name: &str) -> String {
     name.split(['.', '_'])
         .map(|part| {
-            let mut letters = part.chars();
-            letters.next().map(|first| first.to_uppercase().chain(letters).collect::<String>()).unwrap_or_default()
+            let mut characters = part.chars();
+            characters
+                .next()
+                .map(|first| first.to_uppercase().chain(characters).collect::<String>())
+                .unwrap_or_default()
         })
         .collect()
 }

@@ -40,7 +40,7 @@ const TERMINALS: &str = "fmiTerminalsAndIcons";
 
 type Attributes<'a> = Vec<(&'a str, &'a str)>;
 
-/// Writes the file. The value references are those of FMI 2.0, followed by those of the variables that only FMI 3.0 has.
+/// Writes the file. The value references are those of FMI 2.0, followed by those of the variables only in FMI 3.0.
 pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
     let nodes: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
@@ -133,7 +133,7 @@ impl File {
         self.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut attributes = vec![("fmiVersion", "3.0"), ("instantiationToken", PLACEHOLDER)];
         let replaced = ["fmiVersion", "guid", "numberOfEventIndicators"];
-        attributes.extend(of(root).into_iter().filter(|(name, _)| !replaced.contains(name)));
+        attributes.extend(attributes_of(root).into_iter().filter(|(name, _)| !replaced.contains(name)));
         self.event(Event::Start(BytesStart::new(ROOT).with_attributes(attributes)))?;
         let interface = |node: &Node| !["ModelVariables", TERMINALS].contains(&node.tag_name().name());
         elements(of_fmi3).filter(interface).try_for_each(|node| self.copy(node))?;
@@ -165,14 +165,15 @@ impl File {
     /// `SimpleType` with its type inside → an element named after the type.
     fn declaration(&mut self, node: Node) -> Written {
         let of_type = only_child(node)?;
-        let (element, attributes) = (format!("{}Type", type_name(of_type)), [of(node), of(of_type)].concat());
+        let (element, attributes) =
+            (format!("{}Type", type_name(of_type)), [attributes_of(node), attributes_of(of_type)].concat());
         self.element(&element, &attributes, &elements(of_type).collect::<Vec<_>>(), File::copy)
     }
 
     /// `ScalarVariable` with its type inside → an element named after the type. Continuous variables get `intermediateUpdate`.
     fn variable(&mut self, node: Node) -> Written {
         let of_type = only_child(node)?;
-        let mut attributes = of(node);
+        let mut attributes = attributes_of(node);
         if attribute(node, "causality")? == "input" {
             attributes.push(("initial", "exact"));
         }
@@ -183,7 +184,7 @@ impl File {
         let derivative = of_type.attribute("derivative").map(reference).transpose()?;
         attributes.extend(derivative.iter().map(|state| ("derivative", state.as_str())));
         let replaced = |name: &str| name == "derivative" || (text && name == "start");
-        attributes.extend(of(of_type).into_iter().filter(|(name, _)| !replaced(name)));
+        attributes.extend(attributes_of(of_type).into_iter().filter(|(name, _)| !replaced(name)));
         let starts: Vec<&str> = of_type.attribute("start").filter(|_| text).into_iter().collect();
         self.element(type_name(of_type), &attributes, &starts, |file, start| file.leaf("Start", &[("value", start)]))
     }
@@ -215,7 +216,7 @@ impl File {
     }
 
     fn copy(&mut self, node: Node) -> Written {
-        self.element(node.tag_name().name(), &of(node), &elements(node).collect::<Vec<_>>(), File::copy)
+        self.element(node.tag_name().name(), &attributes_of(node), &elements(node).collect::<Vec<_>>(), File::copy)
     }
 
     /// Writes an element with the content that `inside` makes from each node.
@@ -247,14 +248,14 @@ fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
     elements(node).next().ok_or_else(|| format!("{} has no type", node.tag_name().name()))
 }
 
-fn of<'a>(node: Node<'a, '_>) -> Attributes<'a> {
+fn attributes_of<'a>(node: Node<'a, '_>) -> Attributes<'a> {
     node.attributes().map(|attribute| (attribute.name(), attribute.value())).collect()
 }
 
 /// An index of FMI 2.0, from 1 → a value reference, from 0.
 fn reference(index: &str) -> Result<String, String> {
-    let place = index.parse().ok().and_then(|index: usize| index.checked_sub(1));
-    place.map(|place| place.to_string()).ok_or_else(|| format!("{index} is no index of a variable"))
+    let reference = index.parse().ok().and_then(|index: usize| index.checked_sub(1));
+    reference.map(|reference| reference.to_string()).ok_or_else(|| format!("{index} is no index of a variable"))
 }
 
 /// Returns the FMI 3.0 name of a type of FMI 2.0.

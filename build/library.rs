@@ -78,7 +78,7 @@ pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Ve
     };
     let library = |&version: &Version| {
         let content = load(folder.join(format!("{prefix}{}.{suffix}", file(version))))?;
-        Ok(BTreeMap::from([(place(version)?, content)]))
+        Ok(BTreeMap::from([(path_in_fmu(version)?, content)]))
     };
     versions.iter().map(library).collect()
 }
@@ -96,7 +96,7 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
     }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
-    // The libraries contain no paths of this machine, and no names except the exported ones.
+    // The libraries contain no paths of this machine, and no symbols except the exported ones.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");
     let mut folder = target_dir.clone();
     if host != target {
@@ -116,7 +116,7 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
 }
 
 /// Returns the path of a native binary inside the FMU.
-fn place(version: Version) -> Result<String, String> {
+fn path_in_fmu(version: Version) -> Result<String, String> {
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
     let (system, suffix) = match os.as_str() {
@@ -204,8 +204,9 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     Ok(flags)
 }
 
-/// Returns true if the outer cargo only checks or documents, which should not cost the packing of an FMU. Cargo does not tell its
-/// build scripts, but on Linux the command line of the parent process shows it. If it cannot be read, the FMU is packed.
+/// Returns true if the outer cargo only checks or documents, so that no FMU is needed.
+///
+/// Cargo hides its command from build scripts, but on Linux the parent process shows it. Otherwise the FMU is packed.
 pub fn only_checking() -> bool {
     #[cfg(target_os = "linux")]
     {

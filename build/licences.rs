@@ -57,8 +57,8 @@ pub fn collect(versions: &[Version]) -> Result<BTreeMap<String, Vec<u8>>, String
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
     let linked = linked(&metadata, versions)?;
-    let mut files = BTreeMap::from([(sbom::PLACE.to_string(), sbom::write(&metadata, &linked)?.into_bytes())]);
-    let place = |name: &str| format!("documentation/licenses/{name}");
+    let mut files = BTreeMap::from([(sbom::PATH.to_string(), sbom::write(&metadata, &linked)?.into_bytes())]);
+    let path = |name: &str| format!("documentation/licenses/{name}");
     let mut index = String::from(
         "The FMU's binary holds code of these packages, under these licences, whose texts stand beside this file:\n\n\
          rust-standard-library: MIT OR Apache-2.0 https://github.com/rust-lang/rust\n",
@@ -73,7 +73,7 @@ pub fn collect(versions: &[Version]) -> Result<BTreeMap<String, Vec<u8>>, String
         let package = &metadata[&id];
         if id == root {
             for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
-                files.insert(place(name), std::fs::read(name).map_err(|e| format!("{name}: {e}"))?);
+                files.insert(path(name), std::fs::read(name).map_err(|e| format!("{name}: {e}"))?);
             }
         }
         let folder = format!("{}-{}", package.name, package.version);
@@ -85,16 +85,14 @@ pub fn collect(versions: &[Version]) -> Result<BTreeMap<String, Vec<u8>>, String
             let home = package.manifest_path.parent().ok_or("a manifest is in no folder")?;
             let texts = licence_files(home.as_std_path())?;
             if texts.is_empty() {
-                return Err(format!(
-                    "{folder} ({licence}) comes without the text of its licence, which the FMU has to hold"
-                ));
+                return Err(format!("{folder} ({licence}) has no licence file; expected one for the FMU"));
             }
             for (name, text) in texts {
-                files.insert(place(&format!("{folder}/{name}")), text);
+                files.insert(path(&format!("{folder}/{name}")), text);
             }
         }
     }
-    files.insert(place("license.txt"), index.into_bytes());
+    files.insert(path("license.txt"), index.into_bytes());
     Ok(files)
 }
 
@@ -105,8 +103,9 @@ fn metadata() -> Result<Metadata, String> {
     MetadataCommand::parse(output_of(command)?).map_err(|e| format!("cargo metadata: {e}"))
 }
 
-/// Returns the root, the glue of WebAssembly, and their run-time dependencies, without build and test dependencies and macros. `cargo tree` knows the optional
-/// dependencies that are really used; `cargo metadata` does not.
+/// Returns the root, the glue of WebAssembly, and their run-time dependencies, without build and test dependencies and macros.
+///
+/// `cargo tree` knows the optional dependencies that are really used; `cargo metadata` does not.
 fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageId>, String> {
     let mut command = library::inner_cargo()?;
     command.args(["tree", "--edges", "normal,no-proc-macro", "--no-default-features", "--locked", "--no-dedupe"]);

@@ -13,7 +13,7 @@ use super::library;
 use super::licences::{self, CLibrary};
 
 /// Path of the bill inside the FMU.
-pub const PLACE: &str = "documentation/sbom.cdx.json";
+pub const PATH: &str = "documentation/sbom.cdx.json";
 
 /// Returns the bill for the linked packages.
 pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String, String> {
@@ -56,7 +56,7 @@ pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String
         "components": components,
         "dependencies": dependencies,
     });
-    serde_json::to_string_pretty(&bill).map(|text| text + "\n").map_err(|e| format!("{PLACE}: {e}"))
+    serde_json::to_string_pretty(&bill).map(|text| text + "\n").map_err(|e| format!("{PATH}: {e}"))
 }
 
 fn component(kind: &str, package: &Package, checksum: Option<&String>) -> Value {

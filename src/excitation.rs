@@ -24,7 +24,7 @@ pub struct Ramp<T = f64> {
 }
 
 impl<T: Scalar> Ramp<T> {
-    /// A constant.
+    /// Returns a constant.
     #[inline(always)]
     pub fn held(value: T) -> Ramp<T> {
         Ramp { value, rate: T::from(0.0) }
@@ -35,7 +35,7 @@ impl<T: Scalar> Ramp<T> {
         elapsed * self.rate + self.value
     }
 
-    /// The ramp seen from a reference time `elapsed` seconds later.
+    /// Returns the ramp with a reference time `elapsed` (s) later.
     pub fn moved(self, elapsed: T) -> Ramp<T> {
         Ramp { value: self.at(elapsed), rate: self.rate }
     }
@@ -44,7 +44,7 @@ impl<T: Scalar> Ramp<T> {
 impl<T: Elementary> Ramp<T> {
     #[inline(always)]
     fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
-        // No force needs no divisions.
+        // The usual case without loads needs no divisions.
         if force.value.is_zero() && force.rate.is_zero() {
             return self;
         }
@@ -70,24 +70,24 @@ pub struct Inputs<T = f64> {
 }
 
 impl Inputs {
-    /// The sum of both, with the reference of `self`.
+    /// Returns the sum of both, with the reference time of `self`.
     pub fn plus(&self, others: &Inputs) -> Inputs {
         let sum = |a: Ramp, b: Ramp| Ramp { value: a.value + b.value, rate: a.rate + b.rate };
         self.with(&others.moved_to(self.time), sum)
     }
 
-    /// The same inputs with their reference at another time.
+    /// Returns the inputs with another reference time.
     pub fn moved_to(&self, time: f64) -> Inputs {
         let elapsed = time - self.time;
         Inputs { time, ..self.with(self, |ramp, _| ramp.moved(elapsed)) }
     }
 
-    /// The values at the reference time, held constant.
+    /// Returns the values at the reference time, held constant.
     pub fn held(&self) -> Inputs {
         self.with(self, |ramp, _| Ramp::held(ramp.value))
     }
 
-    /// The line from these values to the values of `end`, each at its reference time.
+    /// Returns the line from these values to those of `end`, each at its reference time.
     pub fn line_to(&self, end: &Inputs) -> Inputs {
         let duration = end.time - self.time;
         self.with(end, |a, b| Ramp { value: a.value, rate: (b.value - a.value) / duration })
@@ -130,12 +130,12 @@ pub struct Forcing<T> {
     pub z: T,
     /// `M_y/M` (m²/s²).
     pub moment: T,
-    /// The states of the restraints at this instant: those that act are loads that follow from where the block is.
+    /// The states of the restraints at this instant; those that act are loads that depend on the motion of the block.
     pub restraints: States,
 }
 
 impl<R: Scalar> Forcing<R> {
-    /// This forcing as dual numbers with `derivative` in their dual parts.
+    /// Returns the forcing with `derivative` in the dual parts.
     #[inline(always)]
     pub fn with_derivative(self, derivative: Forcing<R>) -> Forcing<Dual<R>> {
         Forcing {
@@ -152,11 +152,11 @@ impl<R: Scalar> Forcing<R> {
 pub struct ForcingSeries<const N: usize, T = f64> {
     /// Coefficients of `a_gx − F_x/M` (m/s²).
     pub x: [T; N],
-    /// The number of coefficients of x that may differ from zero.
+    /// Number of coefficients of x that may differ from zero.
     pub terms: usize,
-    /// Those of `a_gz − F_z/M` (m/s²), which is linear.
+    /// Coefficients of `a_gz − F_z/M` (m/s²), which is linear.
     pub z: [T; 2],
-    /// Those of `M_y/M` (m²/s²), which is linear.
+    /// Coefficients of `M_y/M` (m²/s²), which is linear.
     pub moment: [T; 2],
 }
 
@@ -170,7 +170,7 @@ impl<const N: usize> ForcingSeries<N> {
 }
 
 impl<const N: usize, T: Scalar> ForcingSeries<N, T> {
-    /// Makes `factor` times the unit of time that of the powers.
+    /// Rescales the powers to a unit of time `factor` times as long.
     #[inline(always)]
     pub fn scale<S: Copy + Mul<Output = S>>(&mut self, factor: S)
     where
@@ -186,7 +186,7 @@ impl<const N: usize, T: Scalar> ForcingSeries<N, T> {
     }
 }
 
-/// The excitation over a piece of time in which it is smooth: no pulse begins or ends inside.
+/// The excitation over a smooth piece of time, in which no pulse begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excitation<T = f64> {
     time: T,
@@ -197,7 +197,7 @@ pub struct Excitation<T = f64> {
 }
 
 impl<T: Elementary> Excitation<T> {
-    /// The excitation of a block of this mass (kg), with a pulse if there is one that acts.
+    /// Returns the excitation of a block of this mass (kg), with a pulse that acts, if any.
     #[inline]
     pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
         let mut x = inputs.a_gx.minus(inputs.f_x, mass);
@@ -216,43 +216,43 @@ impl<T: Elementary> Excitation<T> {
 }
 
 impl<T: Elementary> Excitation<T> {
-    /// Integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
+    /// Returns the integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
     pub fn horizontal_drift(&self, from: T, to: T) -> (T, T) {
         let duration = to - from;
         let start = self.x.at(from - self.time);
-        let (mut velocity, mut way) = (
+        let (mut velocity, mut displacement) = (
             duration * (start + self.x.rate * 0.5 * duration),
             duration * duration * (start * 0.5 + self.x.rate * duration / T::from(6.0)),
         );
         if let Some(wave) = &self.wave {
             let drift = wave.drift(from, to);
-            (velocity, way) = (velocity + drift.0, way + drift.1);
+            (velocity, displacement) = (velocity + drift.0, displacement + drift.1);
         }
-        (velocity, way)
+        (velocity, displacement)
     }
 }
 
 impl<T: Scalar> Excitation<T> {
-    /// Ground accelerations alone, horizontal and vertical, from a reference time (s) on.
+    /// Returns horizontal and vertical ground accelerations alone, from a reference time (s) on.
     #[inline(always)]
     pub fn of_ground(time: T, [x, z]: [Ramp<T>; 2]) -> Excitation<T> {
         Excitation { time, x, z, moment: Ramp::held(T::from(0.0)), wave: None }
     }
 
-    /// The same at an instant at which the acceleration of a pulse changes at this rate (m/s³): [`Excitation::rate_at`] includes it.
+    /// Adds the rate of a pulse's acceleration (m/s³) at one instant to the excitation, for [`Excitation::rate_at`].
     #[inline(always)]
     pub fn with_rate(mut self, of_pulse: T) -> Excitation<T> {
         self.x.rate = self.x.rate + of_pulse;
         self
     }
 
-    /// Whether it is linear in time.
+    /// Whether the excitation is linear in time.
     #[inline]
     pub fn is_linear(&self) -> bool {
         self.wave.is_none()
     }
 
-    /// The forcing at `time` (s), without restraints.
+    /// Returns the forcing at `time` (s), without restraints.
     #[inline(always)]
     pub fn at<N: CombinesWith<T>>(&self, time: N) -> Forcing<N> {
         let pulse = match &self.wave {
@@ -262,7 +262,7 @@ impl<T: Scalar> Excitation<T> {
         self.at_with(pulse, time)
     }
 
-    /// The same with this acceleration (m/s²) as that of the pulse.
+    /// Returns the forcing at `time` (s) with a known acceleration of the pulse (m/s²).
     #[inline(always)]
     pub fn at_with<N: CombinesWith<T>>(&self, pulse: N, time: N) -> Forcing<N> {
         let elapsed = time - self.time;
@@ -274,7 +274,7 @@ impl<T: Scalar> Excitation<T> {
         }
     }
 
-    /// The rate at which the forcing changes at `time` (s), per second.
+    /// Returns the rate of the forcing at `time` (s), per second.
     #[inline(always)]
     pub fn rate_at(&self, time: T) -> Forcing<T> {
         let pulse = match &self.wave {
@@ -284,7 +284,7 @@ impl<T: Scalar> Excitation<T> {
         Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate, restraints: States::NONE }
     }
 
-    /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].
+    /// Returns the forcing after `time` (s) as power series; needs [`Excitation::has_series`].
     #[inline(always)]
     pub fn series<const TERMS: usize, N: CombinesWith<T>>(&self, time: N) -> ForcingSeries<TERMS, N> {
         let elapsed = time - self.time;
@@ -299,7 +299,7 @@ impl<T: Scalar> Excitation<T> {
         series
     }
 
-    /// Whether its power series has a simple form: that of a sine, or of no wave at all.
+    /// Whether the power series has a simple form: that of a sine, or of no wave.
     #[inline]
     pub fn has_series(&self) -> bool {
         self.wave.is_none_or(|wave| wave.is_sine())
@@ -308,7 +308,7 @@ impl<T: Scalar> Excitation<T> {
 
 #[cfg(feature = "lanes")]
 impl<V: Simd> Excitation<Wide<V>> {
-    /// The excitations of several lanes, whose waves are sines if there are any.
+    /// Returns the excitations of several lanes, whose waves, if any, are sines.
     #[inline(always)]
     pub fn in_lanes<'a>(has_waves: bool, of: impl Fn(usize) -> &'a Excitation) -> Excitation<Wide<V>> {
         let ramp = |ramp: fn(&Excitation) -> &Ramp| Ramp {
@@ -326,13 +326,13 @@ impl<V: Simd> Excitation<Wide<V>> {
 }
 
 impl Excitation {
-    /// The excitation of `block` from `time` to the pulse's next kink.
+    /// Returns the excitation of `block` from `time` (s) to the pulse's next kink.
     #[inline]
     pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, block: &Block) -> Excitation {
         Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
     }
 
-    /// Becomes another excitation, number by number: a copy of all at once would wait until the processor has stored them.
+    /// Copies another excitation number by number: a block copy would stall until the processor has stored all of them.
     #[cfg(feature = "lanes")]
     #[inline(always)]
     pub fn adopt(&mut self, other: &Excitation) {
@@ -345,24 +345,23 @@ impl Excitation {
         }
     }
 
-    /// Nothing drives the block.
+    /// Returns zero excitation.
     pub fn none() -> Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
     }
 
-    /// The reference time, the accelerations from there on that are linear in time, horizontal and vertical, and the pulse; none where a
-    /// moment acts.
+    /// Returns reference time (s), linear accelerations, horizontal and vertical, and pulse; `None` if a moment acts.
     #[inline]
     pub fn without_moment(&self) -> Option<(f64, [Ramp; 2], Option<Wave>)> {
         (self.moment == Ramp::default()).then_some((self.time, [self.x, self.z], self.wave))
     }
 
-    /// Whether nothing of it changes.
+    /// Whether the excitation is constant.
     pub fn is_constant(&self) -> bool {
         self.wave.is_none() && [self.x, self.z, self.moment].iter().all(|ramp| ramp.rate == 0.0)
     }
 
-    /// Greatest circular frequency of the pulse that acts (rad/s), zero if none does.
+    /// Returns the greatest circular frequency of the acting pulse (rad/s), or zero.
     pub fn frequency(&self) -> f64 {
         self.wave.map_or(0.0, |wave| wave.frequency())
     }

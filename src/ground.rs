@@ -72,8 +72,8 @@ impl Ground {
 
     /// Describes both records in one line, see [`fingerprint`].
     pub fn fingerprint(&self) -> String {
-        let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
-        format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
+        let text = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
+        format!("horizontal {}; vertical {}", text(&self.horizontal), text(&self.vertical))
     }
 
     /// Returns the piece around `time` (s). The reference time of its inputs is that of the last sample of any record.
@@ -122,7 +122,7 @@ impl Ground {
     }
 }
 
-/// Describes a record in one line that distinguishes it from any other, independent of its file's place.
+/// Describes a record in one line that distinguishes it from any other, independent of its path.
 pub fn fingerprint(record: &Record) -> String {
     let Record { acceleration, time_step, start_time, processing, .. } = record;
     let mut hasher = crc32fast::Hasher::new();
@@ -152,7 +152,7 @@ fn line<T: Elementary>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
 }
 
 /// A record with the derivatives of its samples and of its time axis in a direction.
-pub struct Varied<'a, F> {
+pub struct VariedRecord<'a, F> {
     /// The record.
     pub record: &'a Record,
     /// Returns the derivative of the sample with this index (m/s²).
@@ -163,10 +163,10 @@ pub struct Varied<'a, F> {
     pub time_step: f64,
 }
 
-impl<F: Fn(usize) -> f64> Varied<'_, F> {
+impl<F: Fn(usize) -> f64> VariedRecord<'_, F> {
     /// Returns the acceleration at `time` (s), as in [`Ground::piece_at`], with its derivative.
     pub fn at(&self, time: Along) -> Along {
-        let Varied { record, .. } = self;
+        let VariedRecord { record, .. } = self;
         let zero = Along::from(0.0);
         let Some(i) = record.sample_at(time.re) else { return zero };
         if i + 1 >= record.acceleration.len() {
@@ -180,7 +180,7 @@ impl<F: Fn(usize) -> f64> Varied<'_, F> {
 
     /// Returns the derivative of the peak ground acceleration (m/s²): that of the sample of largest magnitude.
     ///
-    /// If several are equally large, or all are zero, that of the sample whose magnitude grows most.
+    /// Of equal samples, the one whose magnitude grows most counts.
     pub fn peak(&self) -> f64 {
         let peak = self.record.peak().acceleration.abs();
         let samples = self.record.acceleration.iter().enumerate().filter(|(_, a)| a.abs() == peak);

@@ -8,15 +8,15 @@
 //! | --- | --- |
 //! | [`numerics`] | a right-hand side → steps, their errors, roots; numbers with derivatives, lanes: knows nothing of blocks |
 //! | [`block`] | parameters → all that the equations need; the contact of each corner → the regime |
-//! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
+//! | [`excitation`] | inputs over a step, pulses → the excitation at any time |
 //! | [`ground`] | records → inputs, linear between their samples |
-//! | [`system`] | pose and excitation → accelerations, reactions, and what an event makes of them: no clock, no counters |
+//! | [`system`] | pose and excitation → accelerations, reactions, and resets at events; without a clock or counters |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
 //! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`mod@unit`] | the variables of modelDescription.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
-//! | [`fmi`] | the calls of an importer → the unit: what the C interfaces share, and [`fmi::fmi2`] and [`fmi::fmi3`] |
+//! | [`fmi`] | the calls of an importer → the unit: code shared by the C interfaces, [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
-//! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
+//! Dependencies run one way: a block is independent of its integration, and both are independent of the interfaces.
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 

@@ -89,14 +89,14 @@ def call(command, *arguments):
     environment = {**os.environ, "RUST_BACKTRACE": "0"}
     done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment)
     try:
-        said = json.loads(done.stdout)
+        result = json.loads(done.stdout)
     except json.JSONDecodeError:
         lines = [line for line in done.stderr.strip().splitlines() if not line.startswith("note:")]
-        said = {"error": lines[-1] if lines else "no message"}
-    if "error" in said:
-        print(f"  {' '.join(Path(word).name for word in command)}: {said['error']}", file=sys.stderr)
+        result = {"error": lines[-1] if lines else "no message"}
+    if "error" in result:
+        print(f"  {' '.join(Path(word).name for word in command)}: {result['error']}", file=sys.stderr)
         return None
-    return said
+    return result
 
 
 def measure(case, folder, records, arguments):
@@ -118,20 +118,20 @@ def measure(case, folder, records, arguments):
         ]
     for run in planned:
         tolerance, solver, method, command = run
-        said = call(command, path, method, tolerance, "trace")
-        if said is not None:
-            error = cases.error(said["theta"], reference, values["alpha"])
+        result = call(command, path, method, tolerance, "trace")
+        if result is not None:
+            error = cases.error(result["theta"], reference, values["alpha"])
             points[solver, method, tolerance] = Point(case, solver, method, tolerance, error, 0, 0, 0, math.inf)
             runs.append(run)
     # Solvers take turns, so that other load on the machine affects all of them; the shortest time counts.
     runs.sort(key=lambda run: -run[0])
     for _ in range(arguments.rounds):
         for tolerance, solver, method, command in runs:
-            said = call(command, path, method, tolerance, "time", arguments.seconds)
-            if said is not None:
+            result = call(command, path, method, tolerance, "time", arguments.seconds)
+            if result is not None:
                 point = points[solver, method, tolerance]
-                point.rhs, point.steps, point.events = said["rhs"], said["steps"], said["events"]
-                point.cpu = min(point.cpu, said["cpu"])
+                point.rhs, point.steps, point.events = result["rhs"], said["steps"], said["events"]
+                point.cpu = min(point.cpu, result["cpu"])
     return [point for point in points.values() if math.isfinite(point.cpu)]
 
 

@@ -255,7 +255,7 @@ fn order(pair: &Pair) -> f64 {
         let end = (0..steps).fold(start, |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
         (end - State::from([6_f64.sin(), 6_f64.cos(), 6_f64.sin().exp(), 1.0 / 7.0])).norm()
     };
-    // The steps are long enough to hide rounding, which Verner's large coefficients magnify.
+    // The steps are long enough to hide round-off, which Verner's large coefficients magnify.
     let coarse = if pair.order > 5 { 24 } else { 60 };
     (error(coarse) / error(2 * coarse)).log2()
 }

@@ -52,7 +52,7 @@ enum Call {
         time: f64,
         step: f64,
     },
-    /// From where the block is, over so many eighths of a radian of its fastest motion.
+    /// From the present time, over this number of eighths of a radian of the fastest motion.
     Go {
         eighths: u8,
     },

@@ -150,7 +150,7 @@ class Block(_engine.Block):
         tolerance : float
             Relative tolerance of the integration, 1e-14 to 1e-1.
         on_separation : {"fly", "terminate", "hold"}
-            At complete separation the block flies, lands and rocks on, by default in all functions of the package. With
+            At complete separation the block flies and lands, the default in all functions of the package. With
             "terminate" the run ends there, as in the paper; with "hold" the block is frozen until `duration`.
         on_overturning : {"terminate", "hold"}
             At a quarter turn the run ends, or the block is frozen until `duration`.
@@ -167,7 +167,7 @@ class Block(_engine.Block):
         Raises
         ------
         ValueError
-            An invalid option, nothing that moves the block, or a failed run; the message is the engine's.
+            An invalid option, no excitation, or a failed run; the message is the engine's.
         TypeError
             An argument that is not a record or a pulse.
 
@@ -186,15 +186,17 @@ class Block(_engine.Block):
         >>> run.gradients["pulse.period"].peak.theta > 0
         True
         """
-        given = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
-        beginning = {name: None if value is None else number(name, value) for name, value in given.items()}
+        initial = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
+        initial = {name: None if value is None else number(name, value) for name, value in initial.items()}
         options = run_options(tolerance, on_separation, on_overturning, duration, step)
-        along = None if record is None else as_record("record", record, self.g)
-        up = None if vertical is None else as_record("vertical", vertical, self.g)
+        horizontal = None if record is None else as_record("record", record, self.g)
+        vertical = None if vertical is None else as_record("vertical", vertical, self.g)
         with ticking(progress) as tick:
-            factor, of = number("scale", scale), [str(name) for name in gradients]
-            made = _engine.history(self, along, up, factor, as_pulse(pulse), beginning, options, of, tick)
-        return Run.of(self, made)
+            factor, parameters = number("scale", scale), [str(name) for name in gradients]
+            result = _engine.history(
+                self, horizontal, vertical, factor, as_pulse(pulse), initial, options, parameters, tick
+            )
+        return Run.of(self, result)
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draws the block with its centre of mass, foundation and dimensions with Matplotlib.

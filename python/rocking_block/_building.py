@@ -105,11 +105,11 @@ def floor_motions(
     for floor in chosen:
         if floor not in range(building.floors + 1):
             raise ValueError(f"floors has {floor}; expected floors from 0, the ground, to {building.floors}")
-    made = building.motions(ground)
+    motions = building.motions(ground)
     name = f"{ground.name}, " if ground.name else ""
     return FloorMotions(
         floors=tuple(chosen),
-        records=tuple(Record(made[floor][1], ground.dt, f"{name}floor {floor}", ground.start) for floor in chosen),
-        PFA=np.array([made[floor][2] for floor in chosen]),
-        PFV=np.array([made[floor][3] for floor in chosen]),
+        records=tuple(Record(motions[floor][1], ground.dt, f"{name}floor {floor}", ground.start) for floor in chosen),
+        PFA=np.array([motions[floor][2] for floor in chosen]),
+        PFV=np.array([motions[floor][3] for floor in chosen]),
     )

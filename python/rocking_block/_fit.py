@@ -39,7 +39,7 @@ class Test:
     record, vertical, scale, pulse, theta, theta_dot, v, v_dot
         Ground motion and initial state, as in `Block.run`.
     zero : float
-        Measured value of a quantity that is zero: the drift of the sensor.
+        Measured value where the quantity is zero: the offset of the sensor.
     delay : float
         Measured time at time 0 of the run [s]. Before it the block is held in its initial state.
     free : sequence of str
@@ -157,7 +157,7 @@ class Combination:
     is_determined: bool
     """Whether the data determine it."""
     meaning: str
-    """What the data tell about it, in words."""
+    """Its determination by the data, in words."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -201,12 +201,12 @@ class Fit:
             import pandas
 
         rows = [
-            {"unit": of.unit, "value": of.value, "standard_error": of.standard_error}
-            | dict(zip(("low", "high"), of.interval or (None, None), strict=True))
-            | dict(zip(("quadratic_low", "quadratic_high"), of.quadratic_interval, strict=True))
-            for of in self.estimates
+            {"unit": estimate.unit, "value": estimate.value, "standard_error": estimate.standard_error}
+            | dict(zip(("low", "high"), estimate.interval or (None, None), strict=True))
+            | dict(zip(("quadratic_low", "quadratic_high"), estimate.quadratic_interval, strict=True))
+            for estimate in self.estimates
         ]
-        return pandas.DataFrame(rows, index=pandas.Index([of.name for of in self.estimates], name="parameter"))
+        return pandas.DataFrame(rows, index=pandas.Index([estimate.name for estimate in self.estimates], name="parameter"))
 
     def plot(self, axes: Any = None) -> "npt.NDArray[Any]":
         """Draws measured and fitted values of each test over time, and the residuals under them, with Matplotlib.
@@ -226,11 +226,11 @@ class Fit:
         return _plot.fit(self.tests, axes)
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{of.name} = {of.value:.5g} ± {of.standard_error:.2g}" for of in self.estimates)
+        shown = ", ".join(f"{x.name} = {x.value:.5g} ± {x.standard_error:.2g}" for x in self.estimates)
         return f"<Fit of {len(self.tests)} tests: {shown}; {len(self.notes)} notes>"
 
     def _repr_html_(self) -> str:
-        rows = [(of.name, f"{of.value:.5g} ± {of.standard_error:.2g} {of.unit.replace('1', '')}") for of in self.estimates]
+        rows = [(x.name, f"{x.value:.5g} ± {x.standard_error:.2g} {x.unit.replace('1', '')}") for x in self.estimates]
         return html_table(f"fit of {len(self.tests)} tests", (), rows + [("note", note) for note in self.notes])
 
 
@@ -264,7 +264,7 @@ def fit(
     bounds : mapping of str to (float, float), optional
         Bounds of free parameters; by default a range about their values (docs/fit.md).
     prior : mapping of str to (float, float), optional
-        Mean and standard deviation of what is known beside the tests; needs the noise of each test.
+        Mean and standard deviation from other knowledge; needs the noise of each test.
     starts : int
         Number of starts.
     seed : int
@@ -285,7 +285,7 @@ def fit(
 
     Examples
     --------
-    A block is let go with a tilt of 0.15 rad; here a run takes the place of the test:
+    A block is released with a tilt of 0.15 rad; here a run takes the index of the test:
 
     >>> import rocking_block as rb
     >>> truth = rb.Block(alpha=0.2, p=2.5, foundation="rigid", restitution_factor=0.95)
@@ -295,26 +295,26 @@ def fit(
     >>> round(fit["p"].value, 6), round(fit["restitution_factor"].value, 6)
     (2.5, 0.95)
     """
-    of_tests = [tests] if isinstance(tests, Test) else list(tests)
-    for given in of_tests:
-        if not isinstance(given, Test):
-            raise TypeError(f"tests has a {type(given).__name__}; expected a Test, as in Test(t, theta, theta=0.1)")
+    listed = [tests] if isinstance(tests, Test) else list(tests)
+    for test in listed:
+        if not isinstance(test, Test):
+            raise TypeError(f"tests has a {type(test).__name__}; expected a Test, as in Test(t, theta, theta=0.1)")
     options = {"starts": starts, "seed": seed, "level": number("level", level), "tolerance": number("tolerance", tolerance)}
     shared = _free(free, bounds or {}, prior or {})
     with ticking(progress) as tick:
-        text, columns = _engine.fit(block, [of.of_engine(block.g) for of in of_tests], shared, options, threads, tick)
+        text, columns = _engine.fit(block, [test.of_engine(block.g) for test in listed], shared, options, threads, tick)
     found = json.loads(text)
-    estimates = tuple(Estimate(**_tuples(of)) for of in found["estimates"])
-    changes = {of.name: of.value for of in estimates[: len(shared)]}
+    estimates = tuple(Estimate(**_tuples(fields)) for fields in found["estimates"])
+    changes = {estimate.name: estimate.value for estimate in estimates[: len(shared)]}
     fits = tuple(
-        TestFit(t=np.array(test.t, dtype=np.float64), measured=measured, fitted=fitted, residuals=residuals, **of)
-        for test, (measured, fitted, residuals), of in zip(of_tests, columns, found["tests"], strict=True)
+        TestFit(t=np.array(test.t, dtype=np.float64), measured=measured, fitted=fitted, residuals=residuals, **fields)
+        for test, (measured, fitted, residuals), fields in zip(listed, columns, found["tests"], strict=True)
     )
     return Fit(
         block=_changed(block, changes),
         estimates=estimates,
         covariance=np.array(found["covariance"]),
-        combinations=tuple(Combination(**_tuples(of)) for of in found["combinations"]),
+        combinations=tuple(Combination(**_tuples(fields)) for fields in found["combinations"]),
         tests=fits,
         **{name: found[name] for name in ("reduced_chi_squared", "noise", "level", "is_converged")},
         other_minima=tuple(map(tuple, found["other_minima"])),
@@ -326,15 +326,15 @@ def fit(
 def _free(free: Sequence[str], bounds: _Pairs, prior: _Pairs) -> list[tuple[str, Any, Any]]:
     """Returns names, bounds and priors of free parameters in the engine's form."""
     names = [free] if isinstance(free, str) else [str(name) for name in free]
-    for what, given in (("bounds", bounds), ("prior", prior)):
-        for name, pair in given.items():
+    for option, pairs in (("bounds", bounds), ("prior", prior)):
+        for name, pair in pairs.items():
             if name not in names:
-                raise ValueError(f"{what} of {name}, which is not free; expected one of {', '.join(names)}")
+                raise ValueError(f"{option} of {name}, which is not free; expected one of {', '.join(names)}")
             if np.shape(pair) != (2,):
-                raise ValueError(f"{what} of {name} = {pair!r}; expected two numbers")
+                raise ValueError(f"{option} of {name} = {pair!r}; expected two numbers")
 
-    def pair_of(given: _Pairs, name: str) -> list[float] | None:
-        return [number(name, value) for value in given[name]] if name in given else None
+    def pair_of(pairs: _Pairs, name: str) -> list[float] | None:
+        return [number(name, value) for value in pairs[name]] if name in pairs else None
 
     return [(name, pair_of(bounds, name), pair_of(prior, name)) for name in names]
 
@@ -344,16 +344,16 @@ def _changed(block: Block, values: Mapping[str, float]) -> Block:
     ties = list(block.ties)
     changes: dict[str, Any] = {}
     for name, value in values.items():
-        tie, _, of = name.partition(".")
-        if of:
-            place = int(tie.removeprefix("tie_")) - 1
-            ties[place] = dataclasses.replace(ties[place], **{of: value})
+        tie, _, parameter = name.partition(".")
+        if parameter:
+            index = int(tie.removeprefix("tie_")) - 1
+            ties[index] = dataclasses.replace(ties[index], **{parameter: value})
             changes["ties"] = ties
         else:
             changes[name] = value
     return block.replace(**changes)
 
 
-def _tuples(of: dict[str, Any]) -> dict[str, Any]:
-    """Returns a dictionary with tuples in place of lists."""
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in of.items()}
+def _tuples(fields: dict[str, Any]) -> dict[str, Any]:
+    """Returns a dictionary with tuples in index of lists."""
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}

@@ -95,24 +95,24 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their duration was too short."""
     separated: int
     """Rows omitted because their runs ended at complete separation, with the outcome open."""
-    _given: tuple[Any, ...]
+    _arguments: tuple[Any, ...]
 
     def __new__(
         cls,
         rows: tuple[Floats, Floats, Floats, npt.NDArray[np.int64]],
-        how: tuple[str, float, int | None, int],
-        what: tuple[str, str, str | float, int, int, int],
+        options: tuple[str, float, int | None, int],
+        labels: tuple[str, str, str | float, int, int, int],
         tick: Any = lambda done, total: None,
     ) -> "Self":
-        fit = super().__new__(cls, *rows, *how, tick)
+        fit = super().__new__(cls, *rows, *options, tick)
         fit.measures, fit.fractions = rows[:2]
-        fit.ci = how[1]
-        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided = what
-        fit._given = (rows, how, what)
+        fit.ci = options[1]
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided = labels
+        fit._arguments = (rows, options, labels)
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), self._given)
+        return (type(self), self._arguments)
 
     def curve(self, x: npt.ArrayLike) -> Floats:
         """Returns the probability of exceeding the limit [1] at measures `x` > 0 of any array shape."""
@@ -288,7 +288,7 @@ def fragility(
         fraction = _numbers(table, f"P({_limit_word(limit)})")
         separated, unknown = np.zeros_like(exceeded), np.isnan(fraction)
         undecided, failed = unknown & (outcome == "undecided"), unknown & (outcome != "undecided")
-    tells = ~separated & ~undecided & ~failed
+    decided = ~separated & ~undecided & ~failed
     rocked = (outcome == "completed") & (peak > 0.0)
     if "events.liftoffs" in table:
         rocked &= np.asarray(table["events.liftoffs"]) > 0
@@ -301,15 +301,15 @@ def fragility(
     keys = [key if any(key) else ("", "", str(row)) for row, key in enumerate(shared)]
     motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
     measures = _numbers(table, im)
-    rows = (measures[tells], fraction[tells], peak[tells], motions[tells])
+    rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
     for column in rows:
         column.setflags(write=False)
     units = table.units if isinstance(table, Table) else getattr(table, "attrs", {}).get("units", {})
     unit = units.get(im, "")
-    what = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
-    how = (link, ci, samples if resampled else None, seed)
+    labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
+    options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        return Fragility(rows, how, what, tick)
+        return Fragility(rows, options, labels, tick)
 
 
 def export_fragility(
@@ -362,10 +362,10 @@ def export_fragility(
     E.20.22.102a,0,Peak Floor Velocity,mps,0,1
     """
     components = []
-    for name, given in curves.items():
-        states = [given] if isinstance(given, Fragility) else given
+    for name, curve in curves.items():
+        states = [curve] if isinstance(curve, Fragility) else curve
         if not isinstance(states, Sequence) or not states or not all(isinstance(state, Fragility) for state in states):
-            raise TypeError(f"curves[{name!r}] = {given!r}; expected a Fragility or several")
+            raise TypeError(f"curves[{name!r}] = {curve!r}; expected a Fragility or several")
         ims = sorted({state.im for state in states})
         if len(ims) > 1:
             raise ValueError(f"found curves over {' and '.join(ims)} for {name}; expected one measure")

@@ -39,7 +39,7 @@ _Columns = Mapping[str, npt.NDArray[Any]]
 
 
 class _Fit(Protocol):
-    """The parts of a fragility curve that are drawn."""
+    """The drawn attributes of a fragility curve."""
 
     measures: Floats
     fractions: Floats
@@ -66,12 +66,12 @@ def run(
     first = number == 0
     base = "rigid base" if np.isnan(block.eta) else f"η = {block.eta:.4g}"
     label = label or f"α = {block.alpha:.3g}, p = {block.p:.3g} rad/s, {base}"
-    look = _look(number, color)
-    for panel, of_order in zip(panels, (_rotation, _reactions, _ground, None, None)):
+    curve_style = _curve_style(number, color)
+    for panel, default in zip(panels, (_rotation, _reactions, _ground, None, None)):
         panel._rocking_block = {"run": number + 1}
-        draw = getattr(panel, "_rocking_kind", of_order)
+        draw = getattr(panel, "_rocking_kind", default)
         if draw is not None and draw in (*kinds, _ground):
-            draw(panel, block, columns, first, label, _style(look, style if draw is _rotation else {}))
+            draw(panel, block, columns, first, label, _style(curve_style, style if draw is _rotation else {}))
     rotation = panels[0]
     title = f"{label}\n{summary}"
     rotation.set_title(title if first else "", fontsize="medium")
@@ -168,8 +168,8 @@ def _contact(axes: Axes, run: _Columns) -> None:
 def record(record: _engine.Record, times: Floats, ax: Axes | None, style: dict[str, Any]) -> Axes:
     """Draws a record's acceleration."""
     axes = _axes(ax, "record", (9.0, 3.0))
-    look = _look(_add(axes, "record"), None)
-    axes.plot(times, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | look, style))
+    curve_style = _curve_style(_add(axes, "record"), None)
+    axes.plot(times, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | curve_style, style))
     axes.set(xlabel="time [s]", ylabel="acceleration [m/s²]")
     if len(axes.lines) > 1:
         axes.legend()
@@ -185,11 +185,11 @@ def fragility(
     """Draws a curve and its band; marks at 0 and 1 are runs, rings the fraction of those that exceed the limit."""
     axes = _axes(ax, "fragility", (7.0, 4.5))
     number = _add(axes, "fragility")
-    first, look = number == 0, _look(number, color)
+    first, curve_style = number == 0, _curve_style(number, color)
     low, high = float(fit.measures.min()), float(fit.measures.max())
     x = np.geomspace(low, high, 200)
     label = label or f"{fit.im}: median {fit.median:.3g}, β = {fit.beta:.2f}"
-    (line,) = axes.plot(x, fit.curve(x), **_style({"linewidth": 1.8, "label": label} | look, style))
+    (line,) = axes.plot(x, fit.curve(x), **_style({"linewidth": 1.8, "label": label} | curve_style, style))
     band = f"{100 * fit.ci:g} % confidence" if first else None
     axes.fill_between(x, *fit.band(x), color=line.get_color(), alpha=0.18, lw=0, label=band)
     if runs:
@@ -204,13 +204,13 @@ def fragility(
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    over, what = f"{fit.im} [{fit.unit}]" if fit.unit else fit.im, f"probability: {limit}"
+    abscissa, ordinate = f"{fit.im} [{fit.unit}]" if fit.unit else fit.im, f"probability: {limit}"
     if not first:
         left, right = axes.get_xlim()
         low, high = min(low, left), max(high, right)
-        over = over if axes.get_xlabel() == over else "intensity measure"
-        what = what if axes.get_ylabel() == what else "probability"
-    axes.set(xlabel=over, ylabel=what, ylim=(-0.04, 1.04), xlim=(low, high))
+        abscissa = abscissa if axes.get_xlabel() == abscissa else "intensity measure"
+        ordinate = ordinate if axes.get_ylabel() == ordinate else "probability"
+    axes.set(xlabel=abscissa, ylabel=ordinate, ylim=(-0.04, 1.04), xlim=(low, high))
     # Curves rise from the left, and the marks of the runs are above them.
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.95), frameon=False, fontsize="small")
     return axes
@@ -250,7 +250,7 @@ def annual_rate(found: _engine.AnnualRate, im: str, unit: str, ax: Axes | None, 
     parts = [found.between(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
     density = np.array(parts) / np.diff(np.log(edges)) / found.rate
     middle = np.sqrt(edges[:-1] * edges[1:])
-    (line,) = axes.plot(middle, density, **_style({"label": f"{found.rate:.3g} per year"} | _look(number, None), style))
+    (line,) = axes.plot(middle, density, **_style({"label": f"{found.rate:.3g} per year"} | _curve_style(number, None), style))
     inside = (middle >= found.quantile(0.05)) & (middle <= found.quantile(0.95))
     axes.fill_between(middle, density, where=inside.tolist(), color=line.get_color(), alpha=0.18, lw=0, label="90 % of the rate")
     axes.axvline(found.quantile(0.5), color=line.get_color(), lw=0.8, ls="--")
@@ -279,7 +279,7 @@ def table(
         # A spectrum has curves over the size; runs under many records have points over a measure of the records.
         known = (*_ABSCISSAS, *(name for name in varying if _is_parameter(name)))
         fitting = [name for name in known if name in varying and table[name].dtype.kind in "fiu"]
-        if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _tell_apart(varying, "2pi/p", y)):
+        if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _distinguishing(varying, "2pi/p", y)):
             fitting.remove("2pi/p")
         if not fitting:
             raise ValueError(f"no column to draw over varies; expected x, one of {', '.join(table)}")
@@ -291,7 +291,7 @@ def table(
         if table[name].dtype.kind not in "fiub":
             raise ValueError(f"column {name!r} has {table[name].dtype} values; expected numbers")
     if by is None:
-        by = _tell_apart(varying, x, y)
+        by = _distinguishing(varying, x, y)
         single = _makes_curves(table, x, by)
         if not single:
             by = ["outcome"] if "outcome" in table else []
@@ -303,15 +303,15 @@ def table(
     for key, rows in groups.items():
         rows = rows[np.argsort(table[x][rows], kind="stable")] if single else rows
         number = _add(axes, "table")
-        look, values = _look(number, None), table[y][rows]
+        curve_style, values = _curve_style(number, None), table[y][rows]
         if not single:
             others = tuple(_MARKS.values())
             mark = _MARKS.get(key[0], "o") if by == ["outcome"] else others[number // len(_COLOURS) % len(others)]
-            look = {"color": look["color"], "linestyle": "", "marker": mark, "markersize": 4, "alpha": 0.7}
-            # Points beyond the edge are drawn on it, so that none is lost.
+            curve_style = {"color": curve_style["color"], "linestyle": "", "marker": mark, "markersize": 4, "alpha": 0.7}
+            # Points beyond the edge are drawn on it, so that all are visible.
             values = np.minimum(values, _CUT) if y == _ROTATION else values
         label = ", ".join(_named(name, value) for name, value in zip(by, key))
-        axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | look, style))
+        axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | curve_style, style))
     axes.set(xlabel=heading(x), ylabel=heading(y))
     if y == _ROTATION:
         axes.set_ylabel("greatest rotation |θ|/α")
@@ -324,7 +324,7 @@ def table(
     return axes
 
 
-def _tell_apart(varying: Sequence[str], x: str, y: str) -> list[str]:
+def _distinguishing(varying: Sequence[str], x: str, y: str) -> list[str]:
     """Returns the parameters that distinguish curves over x."""
     return [name for name in varying if _is_parameter(name) and name not in (x, y, *_FOLLOWS.get(x, ()))]
 
@@ -344,11 +344,11 @@ def _groups(table: _Columns, by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDA
     groups: dict[tuple[Any, ...], list[int]] = {}
     # Indices of unique values, since nan does not equal itself.
     unique = [np.unique(table[name], return_inverse=True) for name in by]
-    keys = zip(*(places.tolist() for _, places in unique), strict=True) if by else [()] * _rows(table)
+    keys = zip(*(indices.tolist() for _, indices in unique), strict=True) if by else [()] * _rows(table)
     for row, key in enumerate(keys):
         groups.setdefault(key, []).append(row)
     return {
-        tuple(values[place] for (values, _), place in zip(unique, key, strict=True)): np.array(rows, dtype=np.intp)
+        tuple(values[index] for (values, _), index in zip(unique, key, strict=True)): np.array(rows, dtype=np.intp)
         for key, rows in groups.items()
     }
 
@@ -363,8 +363,8 @@ def _named(name: str, value: Any) -> str:
     return f"{name} = {value:.4g}" if isinstance(value, float) else f"{name} = {value}"
 
 
-def _axes(ax: Axes | None, kind: str, size: tuple[float, float]) -> Axes:
-    """Returns the axes to draw on; a plot of another kind on the current axes is left alone."""
+def _axes(ax: Axes | None, kind: str | None, size: tuple[float, float]) -> Axes:
+    """Returns the axes to draw on. Current axes with a plot of another kind, or of any if `kind` is None, are left alone."""
     if ax is not None:
         if not isinstance(ax, Axes):
             raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")
@@ -401,15 +401,15 @@ def _add(axes: Axes, kind: str) -> int:
     return before
 
 
-def _look(number: int, color: Any) -> dict[str, Any]:
+def _curve_style(number: int, color: Any) -> dict[str, Any]:
     """Returns colour and dashes of the n-th curve."""
     dashes = _DASHES[number // len(_COLOURS) % len(_DASHES)]
     return {"color": color if color is not None else _COLOURS[number % len(_COLOURS)], "linestyle": dashes}
 
 
-def _style(usual: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+def _style(defaults: dict[str, Any], explicit: dict[str, Any]) -> dict[str, Any]:
     """Returns options of `Axes.plot`; explicit ones, including their short forms, override the defaults."""
-    return usual | dict(normalize_kwargs(given, Line2D))
+    return defaults | dict(normalize_kwargs(explicit, Line2D))
 
 
 def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
@@ -422,6 +422,6 @@ def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
     axes.set_ylim(-_CUT if axes.get_ylim()[0] < 0.0 else 0.0, _CUT)
     for text in [text for text in axes.texts if text.get_gid() == "rocking_block.cut"]:
         text.remove()
-    said = f"cut at {_CUT}; up to {greatest:.3g}"
-    axes.text(0.995, 0.98, said, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
+    note = f"cut at {_CUT}; up to {greatest:.3g}"
+    axes.text(0.995, 0.98, note, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
               gid="rocking_block.cut")

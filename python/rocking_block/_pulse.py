@@ -18,7 +18,7 @@ class Pulse:
     """A pulse of horizontal ground acceleration, zero outside its duration.
 
     Cycloidal pulses of Palmeri & Makris (2008), Table I: type A is "one-sine", type B "one-cosine", each over one
-    period; "c1" and "c2" return the ground to its place after one and a half and two and a half periods, minus their
+    period; "c1" and "c2" return the ground to its initial position after one and a half and two and a half periods, minus their
     phase. "half-sine" lasts half a period, "rectangular" one (Housner, 1963). The Ricker wavelets of Vassiliou & Makris
     (2011) last 3 and 4 periods. "gabor" is the wavelet of Mavroeidis & Papageorgiou (2003), with velocity
     A/2 (1 + cos(ω_p τ/γ)) cos(ω_p τ + ν) at τ from its middle, and a_p = ω_p A.
@@ -141,8 +141,8 @@ def fit_pulse(record: Record | str | os.PathLike[str], shape: FittedShape = "gab
     return PulseFit(Pulse(word, amplitude, period, start, **gabor), r_squared)
 
 
-def as_pulse(given: object) -> Pulse | None:
+def as_pulse(pulse: object) -> Pulse | None:
     """Returns a pulse unchanged; anything else is an error."""
-    if given is not None and not isinstance(given, Pulse):
-        raise TypeError(f'pulse = {given!r}; expected a Pulse, as in Pulse("one-sine", amplitude=3.0, period=1.2)')
-    return given
+    if pulse is not None and not isinstance(pulse, Pulse):
+        raise TypeError(f'pulse = {pulse!r}; expected a Pulse, as in Pulse("one-sine", amplitude=3.0, period=1.2)')
+    return pulse

@@ -52,8 +52,8 @@ class Hazard:
     def __init__(
         self, levels: npt.ArrayLike, rates: npt.ArrayLike, im: str = "", unit: str = "", *, g: float = 9.81
     ) -> None:
-        made = _engine.check_hazard(_floats("levels", levels), _floats("rates", rates), unit or None, g)
-        self._set(im, *made)
+        fields = _engine.check_hazard(_floats("levels", levels), _floats("rates", rates), unit or None, g)
+        self._set(im, *fields)
 
     def _set(self, im: str, levels: Floats, rates: Floats, _: str | None, unit: str | None, remarks: list[str]) -> None:
         for column in (levels, rates):
@@ -86,9 +86,9 @@ class Hazard:
         return self._remarks
 
     def __repr__(self) -> str:
-        of, unit = f" of {self.im}" if self.im else "", f" {self.unit}" if self.unit not in ("", "1") else ""
+        measure, unit = f" of {self.im}" if self.im else "", f" {self.unit}" if self.unit not in ("", "1") else ""
         levels = f"{len(self.levels)} levels from {self.levels[0]:.4g} to {self.levels[-1]:.4g}{unit}"
-        return f"<Hazard{of}: {levels}, annual rates {self.rates[0]:.3g} to {self.rates[-1]:.3g}>"
+        return f"<Hazard{measure}: {levels}, annual rates {self.rates[0]:.3g} to {self.rates[-1]:.3g}>"
 
 
 def read_hazard(
@@ -121,11 +121,11 @@ def read_hazard(
     Raises
     ------
     ValueError
-        Another format, or a choice that was not made.
+        Another format, or several curves without a choice.
     """
     curve = Hazard.__new__(Hazard)
-    made = _engine.read_hazard(path, im=im, unit=unit, site=site, investigation_time=investigation_time, g=g)
-    curve._set(made[2] or "", *made)
+    fields = _engine.read_hazard(path, im=im, unit=unit, site=site, investigation_time=investigation_time, g=g)
+    curve._set(fields[2] or "", *fields)
     return curve
 
 
@@ -133,8 +133,8 @@ class AnnualRate(_engine.AnnualRate):
     """The annual rate at which a limit is exceeded; made by `annual_rate`.
 
     `rate` is the rate [1/year] and `rate_ci` its interval, None without a fitted curve. `below_hazard` and `above_hazard` are its
-    parts from measures outside of the hazard's levels [1/year]. `between(low, high)` gives the part from a range of the measure,
-    `quantile(share)` the measure below which a share of the rate comes about, and `probability(years)` the probability of at
+    parts from measures outside the hazard's levels [1/year]. `between(low, high)` gives the part from a range of the measure,
+    `quantile(share)` the measure below which a share of the rate arises, and `probability(years)` the probability of at
     least one event in some years.
     """
 
@@ -142,7 +142,7 @@ class AnnualRate(_engine.AnnualRate):
     """The hazard curve, of the measure of the fragility curve."""
     rows: tuple[float, float] | None
     """Least and greatest measure of the rows behind a fitted curve."""
-    _given: tuple[Any, ...]
+    _arguments: tuple[Any, ...]
 
     def __new__(
         cls,
@@ -151,14 +151,14 @@ class AnnualRate(_engine.AnnualRate):
         lognormal: tuple[float, float] | None,
         table: tuple[Floats, Floats] | None,
     ) -> "Self":
-        made = super().__new__(cls, hazard.levels, hazard.rates, fit, lognormal, table)
-        made.hazard = hazard
-        made.rows = None if fit is None else (float(fit.measures.min()), float(fit.measures.max()))
-        made._given = (hazard, fit, lognormal, table)
-        return made
+        rate = super().__new__(cls, hazard.levels, hazard.rates, fit, lognormal, table)
+        rate.hazard = hazard
+        rate.rows = None if fit is None else (float(fit.measures.min()), float(fit.measures.max()))
+        rate._arguments = (hazard, fit, lognormal, table)
+        return rate
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), self._given)
+        return (type(self), self._arguments)
 
     @property
     def return_period(self) -> float:
@@ -282,22 +282,22 @@ def annual_rate(
         else:
             table = (_floats("levels", first), _floats("probabilities", second))
     found = AnnualRate(hazard, fit, lognormal, table)
-    places = {
+    sources = {
         "below_hazard": f"below {hazard.levels[0]:.4g}, the least level of the hazard curve",
         "above_hazard": f"above {hazard.levels[-1]:.4g}, the greatest level of the hazard curve",
     }
     if found.rows is not None:
-        places["below_rows"] = f"below {found.rows[0]:.4g}, the least value in the rows of the fragility curve"
-        places["above_rows"] = f"above {found.rows[1]:.4g}, the greatest value in the rows of the fragility curve"
+        sources["below_rows"] = f"below {found.rows[0]:.4g}, the least value in the rows of the fragility curve"
+        sources["above_rows"] = f"above {found.rows[1]:.4g}, the greatest value in the rows of the fragility curve"
     for name, share in found.extrapolated.items():
         if share >= _NOTABLE:
-            message = f"{100 * share:.3g} % of the rate comes from {hazard.im or 'measures'} {places[name]}"
+            message = f"{100 * share:.3g} % of the rate comes from {hazard.im or 'measures'} {sources[name]}"
             warnings.warn(message, stacklevel=2)
     return found
 
 
-def _floats(name: str, given: npt.ArrayLike) -> Floats:
-    column = np.asarray(given, dtype=np.float64)
+def _floats(name: str, values: npt.ArrayLike) -> Floats:
+    column = np.asarray(values, dtype=np.float64)
     if column.ndim != 1:
         raise ValueError(f"{name} has shape {column.shape}; expected one dimension")
     return column

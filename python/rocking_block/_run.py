@@ -47,7 +47,7 @@ class Peak:
     friction_demand: float
     """|H|/(N_L + N_R) [1]: the coefficient of friction that prevents sliding."""
     slip: float
-    """Distance of the foot from its place at the start [m], of blocks with friction."""
+    """Distance of the foot from its initial position [m], of blocks with friction."""
     tensions: tuple[float, ...]
     """Tension of each tie [N]."""
 
@@ -69,12 +69,12 @@ class Gradient:
 
 @dataclass(frozen=True)
 class Grazing:
-    """An event that hardly happens: from there on a run has no derivatives."""
+    """An event whose function barely crosses zero: after it a run has no derivatives."""
 
     t: float
     """Time [s]."""
     event: str
-    """As in `Event`, or "held" where a corner is held from there on, or bears again."""
+    """As in `Event`, or "held" where a corner begins or ceases to be held."""
     corner: str | None
     """"L" or "R", of a lift-off or a landing."""
 
@@ -148,32 +148,32 @@ class Run:
     broken: tuple[bool, ...] = ()
     """Whether each tie is broken at the end."""
     gradients: dict[str, Gradient] = field(default_factory=dict)
-    """Derivatives by the names of their parameters, as asked for in `Block.run`; NaN after `grazing`."""
+    """Derivatives by the names of their parameters, as requested in `Block.run`; NaN after `grazing`."""
     grazing: Grazing | None = None
     """The event from which on there are no derivatives, if one grazes."""
 
     @staticmethod
-    def of(block: _engine.Block, made: dict[str, Any]) -> "Run":
+    def of(block: _engine.Block, result: dict[str, Any]) -> "Run":
         """Builds a run from the engine's result."""
         gradients = {
             name: Gradient(columns, event_times, Peak(*peak))
-            for name, (columns, event_times, peak) in made["gradients"].items()
+            for name, (columns, event_times, peak) in result["gradients"].items()
         }
-        of_gradients = [array for of in gradients.values() for array in (*of.columns.values(), of.event_times)]
-        for column in (*made["columns"].values(), *of_gradients):
+        derivatives = [array for gradient in gradients.values() for array in (*gradient.columns.values(), gradient.event_times)]
+        for column in (*result["columns"].values(), *derivatives):
             column.setflags(write=False)
         return Run(
             block=block,
-            columns=made["columns"],
-            events=tuple(Event(*event) for event in made["events"]),
-            peak=Peak(*made["peak"]),
-            counts=Counts(*made["counts"]),
-            outcome=made["outcome"],
-            end_time=made["end_time"],
-            has_come_down=made["has_come_down"],
-            broken=tuple(made["broken"]),
+            columns=result["columns"],
+            events=tuple(Event(*event) for event in result["events"]),
+            peak=Peak(*result["peak"]),
+            counts=Counts(*result["counts"]),
+            outcome=result["outcome"],
+            end_time=result["end_time"],
+            has_come_down=result["has_come_down"],
+            broken=tuple(result["broken"]),
             gradients=gradients,
-            grazing=Grazing(*made["grazing"]) if made["grazing"] else None,
+            grazing=Grazing(*result["grazing"]) if result["grazing"] else None,
         )
 
     def __getitem__(self, name: str) -> Floats:
@@ -274,7 +274,7 @@ class Run:
 
     @property
     def slip(self) -> Floats:
-        """Displacement of the foot from its position at the start [m], positive to the right; only for blocks with friction."""
+        """Displacement of the foot from its initial position [m], positive to the right; only for blocks with friction."""
         return self._of_friction("slip")
 
     @property
@@ -305,8 +305,8 @@ class Run:
     @property
     def energy(self) -> Energy:
         """Energies [J]."""
-        none = np.zeros(len(self))
-        return Energy(**{of.name: self.columns.get(f"energy.{of.name}", none) for of in fields(Energy)})
+        zeros = np.zeros(len(self))
+        return Energy(**{part.name: self.columns.get(f"energy.{part.name}", zeros) for part in fields(Energy)})
 
     def to_frame(self) -> "pandas.DataFrame":
         """Returns the columns as a pandas DataFrame with the index `t` [s].

@@ -35,8 +35,8 @@ class Search:
     """Width to which each change is bisected."""
 
     def __repr__(self) -> str:
-        said = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
-        least = "none in the range" if self.least is None else f"{said}{self.least:.6g}"
+        bound = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
+        least = "none in the range" if self.least is None else f"{bound}{self.least:.6g}"
         stretches = "; ".join(f"{outcome} {start:.6g} to {stop:.6g}" for start, stop, outcome in self.stretches[:5])
         more = f"; {len(self.stretches) - 5} more" if len(self.stretches) > 5 else ""
         return f"<Search over {self.parameter}: least {least}; {stretches}{more}>"
@@ -104,10 +104,10 @@ def search_overturning(
     if not isinstance(block, _engine.Block):
         raise TypeError(f"block = {block!r}; expected a Block")
     pulse = as_pulse(pulse)
-    along = None if record is None else as_record("record", record, block.g)
-    up = None if vertical is None else as_record("vertical", vertical, block.g)
+    horizontal = None if record is None else as_record("record", record, block.g)
+    vertical_record = None if vertical is None else as_record("vertical", vertical, block.g)
     with ticking(progress) as tick:
-        found = _engine.search_overturning(block, pulse, along, up, scan, options, tick)
+        found = _engine.search_overturning(block, pulse, horizontal, vertical_record, scan, options, tick)
     least, bound, stretches, spacing = found
     parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
     return Search(parameter, least, bound, tuple(stretches), spacing, resolution)

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from rocking_block import _engine
-from rocking_block._plot import _INK, _add, _make_room
+from rocking_block._plot import _INK, _add, _axes
 from rocking_block._words import optional
 
 with optional("plot", "matplotlib"):
@@ -23,7 +23,7 @@ _REACH, _DEPTH = 0.9, 0.4
 
 def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     """Draws a block with its centre of mass, foundation, ties and dimensions, in metres."""
-    axes = _free_axes(ax)
+    axes = _axes(ax, None, (7.0, 5.0))
     _add(axes, "block")
     slot = _slot(axes)
     b, body = block.width / 2, block.height
@@ -76,27 +76,12 @@ def _slot(axes: Axes) -> _Point:
 def _write_values(axes: Axes, lines: list[str], slot: _Point, x: _Point, y: _Point) -> None:
     """Sets the view to these ranges of the drawing and as much room at the right as the lines need."""
     width, height = slot
-    letters = max(len(line.replace("$", "").replace("_", "")) for line in lines)
+    length = max(len(line.replace("$", "").replace("_", "")) for line in lines)
     # Letters are 0.58 of the font size wide on average, in points.
-    room = min(letters * 0.58 * pyplot.rcParams["font.size"] / 72, 0.6 * width)
+    room = min(length * 0.58 * pyplot.rcParams["font.size"] / 72, 0.6 * width)
     scale = min(height / (y[1] - y[0]), (width - room) / (x[1] - x[0]))
     axes.set(xlim=(x[0], x[0] + width / scale), ylim=y, aspect="equal")
     axes.text(x[1], y[1], "\n".join(lines), va="top", linespacing=1.5)
-
-
-def _free_axes(ax: Any) -> Axes:
-    """Returns the axes to draw on; axes with any plot of the package are left alone."""
-    if ax is not None:
-        if not isinstance(ax, Axes):
-            raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")
-        return ax
-    figure = pyplot.gcf()
-    if figure.axes:
-        if not hasattr(pyplot.gca(), "_rocking_block"):
-            return pyplot.gca()
-        figure = pyplot.figure()
-    _make_room(figure, (7.0, 5.0))
-    return figure.add_subplot()
 
 
 def _reach(tie: Any, b: float, body: float, size: float) -> tuple[_Point, _Point, bool]:
@@ -217,6 +202,6 @@ def _values(block: _engine.Block, offset: float) -> list[str]:
     for number, tie in enumerate(block.ties, 1):
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
         lines += ["", f"tie {number}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
-        given = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"))
-        lines += [f"{name} {getattr(tie, name):.4g} {unit}" for name, unit in given if getattr(tie, name)]
+        options = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"))
+        lines += [f"{name} {getattr(tie, name):.4g} {unit}" for name, unit in options if getattr(tie, name)]
     return lines

@@ -100,7 +100,7 @@ def spectrum(
     on_overturning
         As in `Block.run`.
     on_separation : {"fly", "terminate", "hold"}
-        Blocks that leave the ground fly on by default.
+        Blocks that leave the ground fly by default.
     duration : float, optional
         Duration of each run [s]; by default until the ground has come to rest and the block has come down.
     step : float, optional
@@ -125,7 +125,7 @@ def spectrum(
     Raises
     ------
     ValueError
-        An invalid parameter or option, or nothing that moves the ground.
+        An invalid parameter or option, or no ground motion.
     OSError
         A file cannot be read.
 
@@ -272,7 +272,7 @@ def sweep(
         A study file (TOML), or its content as a dictionary. Paths in it are relative to the file's folder, or to the
         working directory.
     on_separation : {"fly", "terminate"}, optional
-        Action at complete separation if the study does not name it; by default the block flies on.
+        Action at complete separation if the study does not name it; by default the block flies.
     threads, progress
         As in `spectrum`.
 
@@ -319,9 +319,9 @@ def sweep(
     return table
 
 
-def _refuse(unread: bool, given: Mapping[str, object], why: str) -> None:
+def _refuse(unread: bool, arguments: Mapping[str, object], why: str) -> None:
     """Raises the engine's error for arguments without effect."""
-    for name, value in given.items():
+    for name, value in arguments.items():
         if unread and value is not None:
             raise ValueError(f"{name} has no effect {why}")
 
@@ -357,44 +357,44 @@ def _outcomes(
     threads: int | None,
     progress: bool | None,
 ) -> Table:
-    along, up = _read("records", records, g), _read("vertical", vertical, g)
+    horizontal, vertical_records = _read("records", records, g), _read("vertical", vertical, g)
     pulse = as_pulse(pulse)
-    if not along and not up and pulse is None:
+    if not horizontal and not vertical_records and pulse is None:
         raise ValueError("nothing moves the ground; expected records or a pulse")
-    if along and up and len(along) != len(up):
-        raise ValueError(f"found {len(up)} vertical and {len(along)} horizontal records; expected as many")
-    number = max(len(along), len(up), 1)
+    if horizontal and vertical_records and len(horizontal) != len(vertical_records):
+        raise ValueError(f"found {len(vertical_records)} vertical and {len(horizontal)} horizontal records; expected equal numbers")
+    number = max(len(horizontal), len(vertical_records), 1)
     nothing: list[Record | None] = [None] * number
-    pairs = list(zip(along or nothing, up or nothing, strict=True))
+    pairs = list(zip(horizontal or nothing, vertical_records or nothing, strict=True))
     scales = np.asarray(scale, dtype=np.float64)
     if scales.ndim > 1:
         raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
     if scales.size == 0:
         raise ValueError("scale = []; expected at least one factor")
-    if not along and not up and not np.array_equal(scales, 1.0):
+    if not horizontal and not vertical_records and not np.array_equal(scales, 1.0):
         raise ValueError("scale has no effect without records")
-    of_spectra = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
-    if not along and of_spectra:
+    spectral_periods = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
+    if not horizontal and spectral_periods:
         raise ValueError("periods has no effect without horizontal records")
     factors = scales.ravel().tolist()
     with ticking(progress) as tick:
-        made, units, failure = _engine.outcomes(
-            many, pairs, factors, of_spectra, g, pulse, friction_demand, options, threads, tick
+        results, units, failure = _engine.outcomes(
+            many, pairs, factors, spectral_periods, g, pulse, friction_demand, options, threads, tick
         )
 
-    def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
+    def motion_column(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
         """Returns a column of values of the records, or of the scales, repeated for each record."""
         return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
 
     columns: dict[str, npt.ArrayLike] = {}
-    if along:
-        columns["record"] = of_motion(_names(along), len(factors))
-    if up:
-        columns["vertical"] = of_motion(_names(up), len(factors))
-    if along or up:
-        columns["scale"] = of_motion(factors, 1)
-    if up:
-        pga = of_motion([record.pga for record in up], len(factors))
+    if horizontal:
+        columns["record"] = motion_column(_names(horizontal), len(factors))
+    if vertical_records:
+        columns["vertical"] = motion_column(_names(vertical_records), len(factors))
+    if horizontal or vertical_records:
+        columns["scale"] = motion_column(factors, 1)
+    if vertical_records:
+        pga = motion_column([record.pga for record in vertical_records], len(factors))
         columns["PGA.vertical"] = pga * np.abs(columns["scale"])
     columns["foundation"] = np.tile(np.array(many.foundations()), number * len(factors))
     for name in ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor"):
@@ -403,11 +403,11 @@ def _outcomes(
     columns["2pi/p"] = 2 * np.pi / frequencies
     if pulse is not None:
         columns["omega_p/p"] = 2 * np.pi / pulse.period / frequencies
-    columns.update({name: made[name] for name, _ in units})
-    columns.update(made)
-    _warn(made["outcome"], failure)
-    one = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
-    axes = (*(() if one else (number,)), *scales.shape, *shape)
+    columns.update({name: results[name] for name, _ in units})
+    columns.update(results)
+    _warn(results["outcome"], failure)
+    single = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
+    axes = (*(() if single else (number,)), *scales.shape, *shape)
     above = {name: "s" for name in columns if name.startswith("friction_demand>")}
     return Table(columns, {name: unit for name, unit in (_UNITS | dict(units) | above).items() if name in columns},
     axes)

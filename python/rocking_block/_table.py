@@ -65,7 +65,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         self._units = dict(units or {})
         self._shape = shape if shape is not None else (max(rows, default=0),)
         if math.prod(self._shape) != max(rows, default=0):
-            raise ValueError(f"shape = {shape} with {max(rows, default=0)} rows; expected as many elements")
+            raise ValueError(f"shape = {shape} with {max(rows, default=0)} rows; expected an equal number of elements")
 
     @property
     def units(self) -> dict[str, str]:

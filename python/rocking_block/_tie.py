@@ -9,8 +9,8 @@ from rocking_block._words import number
 class Tie:
     """A tendon, guy or restraint, which pulls a point of the block towards a point of the ground and never pushes.
 
-    Places count from the middle of the base of the block at rest without ties, x to the right and z up [m]. Stretched by s from its
-    length there, minus the slack and plus pretension/stiffness, a tie pulls with k s + c ds/dt while s > 0 and that is positive.
+    Coordinates are measured from the middle of the base of the block at rest without ties, x to the right and z up [m]. Stretched by s from its
+    length there, minus the slack and plus pretension/stiffness, a tie pulls with k s + c ds/dt while s and this force are positive.
 
     Parameters
     ----------

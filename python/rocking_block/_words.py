@@ -24,24 +24,24 @@ Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]
 def chosen(name: str, found: object, words: tuple[str, ...]) -> str:
     """Returns the chosen word, ignoring case, hyphens and underscores. The error lists the words."""
     for word in words:
-        if isinstance(found, str) and _letters(found) == _letters(word):
+        if isinstance(found, str) and _normalized(found) == _normalized(word):
             return word
     shown = f'"{found}"' if isinstance(found, str) else repr(found)
     raise ValueError(f"{name} = {shown}; expected one of " + ", ".join(f'"{word}"' for word in words))
 
 
-def _letters(word: str) -> str:
+def _normalized(word: str) -> str:
     return word.lower().replace("-", "").replace("_", "")
 
 
-def number(name: str, given: Any) -> float:
+def number(name: str, value: Any) -> float:
     """Returns a number as a float. Strings and lists are errors that name the argument."""
     try:
-        if not isinstance(given, str | bytes):
-            return float(given)
+        if not isinstance(value, str | bytes):
+            return float(value)
     except (TypeError, ValueError):
         pass
-    raise TypeError(f"{name} = {given!r}; expected a number")
+    raise TypeError(f"{name} = {value!r}; expected a number")
 
 
 def run_options(
@@ -62,7 +62,7 @@ def run_options(
 
 
 @contextmanager
-def optional(what: str, package: str) -> Iterator[None]:
+def optional(feature: str, package: str) -> Iterator[None]:
     """Explains how to install a package that an import in the block does not find."""
     try:
         yield
@@ -70,7 +70,7 @@ def optional(what: str, package: str) -> Iterator[None]:
         # If an installed package lacks one of its own dependencies, its message says more.
         if error.name is None or error.name.partition(".")[0] != package:
             raise
-        message = f"{what} needs {package}; python -m pip install {package}"
+        message = f"{feature} needs {package}; python -m pip install {package}"
         raise ModuleNotFoundError(message, name=error.name, path=error.path) from None
 
 

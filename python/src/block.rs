@@ -6,7 +6,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Given, Physical, restraints};
+use rocking_block::block::{
+    self as engine, Common, Corner, Dimensionless, Foundation, Parameterization, Physical, restraints,
+};
 use rocking_block::words::Words;
 
 use crate::options::{choice, invalid};
@@ -50,7 +52,7 @@ impl ExplicitParameters {
         ]
     }
 
-    /// Returns an error for the first of these parameters that was given.
+    /// Refuses the first of these parameters that the user gave.
     fn refuse(&self, names: &[&str], why: &str) -> PyResult<()> {
         match self.named().into_iter().find(|(name, value)| value.is_some() && names.contains(name)) {
             Some((name, _)) => Err(PyValueError::new_err(format!("{name} has no effect {why}"))),
@@ -58,16 +60,16 @@ impl ExplicitParameters {
         }
     }
 
-    /// The parameters of this block, in the way in which they were given.
-    fn given(&self, block: &engine::Block) -> Given {
+    /// Returns the parameters of this block in the user's parameterization.
+    fn parameterization(&self, block: &engine::Block) -> Parameterization {
         match self.width {
-            None => Given::Dimensionless(Dimensionless {
+            None => Parameterization::Dimensionless(Dimensionless {
                 alpha: block.alpha,
                 p: block.p,
                 eta: self.eta.unwrap_or(block.eta()),
                 xi_v: block.xi_v,
             }),
-            Some(_) => Given::Physical(Physical {
+            Some(_) => Parameterization::Physical(Physical {
                 width: 2.0 * block.b,
                 height: 2.0 * block.h,
                 stiffness: block.stiffness,
@@ -119,7 +121,7 @@ impl ExplicitParameters {
 #[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
-    given: ExplicitParameters,
+    explicit: ExplicitParameters,
     pub block: engine::Block,
 }
 
@@ -142,12 +144,12 @@ impl Hash for Block {
 }
 
 impl Block {
-    /// The parameters of this block, in the way in which they were given.
-    pub fn given(&self) -> (Given, Common) {
+    /// Returns the parameters of this block in the user's parameterization.
+    pub fn parameterization(&self) -> (Parameterization, Common) {
         let engine::Block { mass, gamma, epsilon, gravity, foundation, .. } = self.block;
         let engine::Block { restitution_factor, eccentricity, friction, .. } = self.block;
         let common = Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction };
-        (self.given.given(&self.block), common)
+        (self.explicit.parameterization(&self.block), common)
     }
 }
 
@@ -184,7 +186,7 @@ impl Block {
     ) -> PyResult<Block> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let (stiffness, damping) = (K, C);
-        let given = ExplicitParameters {
+        let explicit = ExplicitParameters {
             alpha,
             p,
             eta,
@@ -212,7 +214,7 @@ impl Block {
             friction,
         };
         let ties: Vec<restraints::Tie> = ties.iter().map(Tie::of_engine).collect();
-        let block = given.block(&common)?.with_ties(&ties).map_err(invalid)?;
+        let block = explicit.block(&common)?.with_ties(&ties).map_err(invalid)?;
         for (name, is_given, why) in [
             ("K", K.is_some(), "eta and xi_v depend"),
             ("inertia", inertia.is_some(), "p depends"),
@@ -224,7 +226,7 @@ impl Block {
             }
         }
         warn_of_soft_supports(py, &[block], 1)?;
-        Ok(Block { block, given })
+        Ok(Block { block, explicit })
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -234,15 +236,15 @@ impl Block {
     /// Returns the parameters that define this block: the explicit ones and those common to all blocks.
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
-        for (name, value) in self.given.named() {
+        for (name, value) in self.explicit.named() {
             if let Some(value) = value {
                 parameters.set_item(name, value)?;
             }
         }
         let engine::Block { mass, gamma, epsilon, gravity, .. } = self.block;
         for (name, value) in [("mass", mass), ("gamma", gamma), ("epsilon", epsilon), ("g", gravity)] {
-            // The shape factor of a given moment of inertia follows.
-            if name != "gamma" || self.given.inertia.is_none() {
+            // An explicit moment of inertia determines the shape factor.
+            if name != "gamma" || self.explicit.inertia.is_none() {
                 parameters.set_item(name, value)?;
             }
         }
@@ -275,7 +277,7 @@ impl Block {
 
     #[getter]
     pub fn eta(&self) -> f64 {
-        self.of_supports(self.given.eta.unwrap_or(self.block.eta()))
+        self.of_supports(self.explicit.eta.unwrap_or(self.block.eta()))
     }
 
     #[getter]
@@ -401,9 +403,9 @@ impl Block {
 }
 
 impl Block {
-    /// Returns a block of the engine; its explicit η may differ from ω_v/p by rounding.
+    /// Returns a block of the engine; its explicit η may differ from ω_v/p by round-off.
     pub fn with_eta(block: engine::Block, eta: f64) -> Block {
-        Block { given: ExplicitParameters { eta: Some(eta), ..ExplicitParameters::default() }, block }
+        Block { explicit: ExplicitParameters { eta: Some(eta), ..ExplicitParameters::default() }, block }
     }
 
     /// Returns a value that a rigid base lacks.

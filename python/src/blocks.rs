@@ -13,7 +13,7 @@ use crate::options::{choice, invalid};
 #[pyclass(frozen, module = "rocking_block._engine")]
 pub struct Blocks {
     pub blocks: Vec<engine::Block>,
-    /// The explicit η: a block's ω_v/p may differ from it by rounding.
+    /// The explicit η: a block's ω_v/p may differ from it by round-off.
     eta: Vec<f64>,
 }
 
@@ -73,7 +73,7 @@ impl Blocks {
 
     /// Returns one parameter of all blocks by name.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let of: fn(&Block) -> f64 = match name {
+        let parameter: fn(&Block) -> f64 = match name {
             "alpha" => Block::alpha,
             "p" => Block::p,
             "eta" => Block::eta,
@@ -87,8 +87,8 @@ impl Blocks {
             "friction" => Block::friction,
             _ => return Err(PyValueError::new_err(format!("blocks have no column {name}"))),
         };
-        let seen = |(block, eta): (&engine::Block, &f64)| of(&Block::with_eta(*block, *eta));
-        Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(seen)))
+        let value = |(block, eta): (&engine::Block, &f64)| parameter(&Block::with_eta(*block, *eta));
+        Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(value)))
     }
 
     /// Returns the foundation of each block.

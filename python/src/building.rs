@@ -98,7 +98,7 @@ impl Building {
 }
 
 impl Building {
-    fn of_modes<'py>(&self, py: Python<'py>, of: impl Fn(&Mode) -> f64) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.building.modes().iter().map(of))
+    fn of_modes<'py>(&self, py: Python<'py>, value: impl Fn(&Mode) -> f64) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.building.modes().iter().map(value))
     }
 }

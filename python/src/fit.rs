@@ -49,8 +49,8 @@ impl Test<'_> {
     }
 }
 
-fn free(given: &[FreeTuple]) -> Vec<Free> {
-    given.iter().map(|(name, bounds, prior)| Free { name: name.clone(), bounds: *bounds, prior: *prior }).collect()
+fn free(tuples: &[FreeTuple]) -> Vec<Free> {
+    tuples.iter().map(|(name, bounds, prior)| Free { name: name.clone(), bounds: *bounds, prior: *prior }).collect()
 }
 
 /// Starts, seed, level and tolerance: a dictionary with these keys.
@@ -77,7 +77,7 @@ pub fn fit<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<(String, Vec<Columns<'py>>)> {
-    let (given, common) = block.get().given();
+    let (parameterization, common) = block.get().parameterization();
     let options = Options {
         starts: whole("starts", options.starts, 1..=100_000)? as u32,
         seed: whole("seed", options.seed, 0..=i64::MAX)?,
@@ -86,7 +86,7 @@ pub fn fit<'py>(
     };
     let tests = tests.iter().map(Test::of_engine).collect::<PyResult<Vec<_>>>()?;
     let ties = block.get().block.ties().to_vec();
-    let problem = Problem { given, common, ties, free: free(&shared), tests, options };
+    let problem = Problem { parameterization, common, ties, free: free(&shared), tests, options };
     let pool = pool(threads)?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {

@@ -52,8 +52,8 @@ impl Fragility {
             motion: *motion as usize,
         };
         let cases: Vec<Case> = cases.map(case).collect();
-        let made = wait(py, tick, move |_| Assessment::new(&cases, &measures, link, ci, uncertainty))?;
-        Ok(Fragility(made.map_err(invalid)?))
+        let assessment = wait(py, tick, move |_| Assessment::new(&cases, &measures, link, ci, uncertainty))?;
+        Ok(Fragility(assessment.map_err(invalid)?))
     }
 
     #[getter]

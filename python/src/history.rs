@@ -71,7 +71,7 @@ pub fn history<'py>(
         || initial.theta_dot != 0.0
         || initial.vertical.is_some();
     if !moves {
-        return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or a beginning"));
+        return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or an initial state"));
     }
     let output_step = options.step.or(ground.time_step()).unwrap_or(0.01);
     finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;
@@ -82,7 +82,7 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
-    let (given, common) = block.get().given();
+    let (parameterization, common) = block.get().parameterization();
     let (block, settings) = (block.get().block, options.settings()?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     let duration = run.longest_duration();
@@ -92,7 +92,7 @@ pub fn history<'py>(
         return Err(PyValueError::new_err(message));
     }
     let parameters = Parameters {
-        given,
+        parameterization,
         common,
         ties: block.ties().to_vec(),
         initial,
@@ -106,9 +106,9 @@ pub fn history<'py>(
         return Err(PyValueError::new_err(message));
     }
     const PARTS: u64 = 1000;
-    let made = wait(py, tick, move |progress| {
-        let mut show = |part: f64| {
-            progress.show((part * PARTS as f64) as u64, PARTS);
+    let computed = wait(py, tick, move |progress| {
+        let mut show = |fraction: f64| {
+            progress.show((fraction * PARTS as f64) as u64, PARTS);
             progress.end_if_abandoned();
         };
         if gradients.is_empty() {
@@ -116,12 +116,12 @@ pub fn history<'py>(
         }
         run.history_with_gradients(&parameters, &gradients, &mut show)
     })?;
-    let made = made.ok_or_else(|| PyValueError::new_err("gradients: a parameter is missing"))?;
-    let (history, gradients) = made.map_err(invalid)?;
+    let computed = computed.ok_or_else(|| PyValueError::new_err("gradients: a parameter is missing"))?;
+    let (history, gradients) = computed.map_err(invalid)?;
     let result = shown(py, &block, &history)?;
     result.set_item("gradients", derivatives(py, &block, &gradients)?)?;
     let grazing = gradients.grazing.map(|Grazing { time, kind }| {
-        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.place()));
+        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.location()));
         (time, event, corner)
     });
     result.set_item("grazing", grazing)?;
@@ -159,7 +159,7 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
         columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
     }
     let events = events.iter().map(|event| {
-        let (name, corner) = (event.kind.word(), event.kind.place());
+        let (name, corner) = (event.kind.word(), event.kind.location());
         (event.time, name, corner, event.before.to_string(), event.after.to_string())
     });
     let last = rows.last().map_or(0.0, |row| row.time);

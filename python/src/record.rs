@@ -148,8 +148,8 @@ pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
 pub fn intensity(py: Python, record: &Bound<Record>, periods: Vec<f64>, g: f64) -> PyResult<Vec<(String, f64)>> {
     finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
     let (record, measures) = (&record.get().record, measures(&periods)?);
-    let of = |measure: &Measure| (measure.to_string(), measure.of(record, g).unwrap_or(f64::NAN));
-    Ok(py.detach(|| measures.iter().map(of).collect()))
+    let evaluate = |measure: &Measure| (measure.to_string(), measure.of(record, g).unwrap_or(f64::NAN));
+    Ok(py.detach(|| measures.iter().map(evaluate).collect()))
 }
 
 /// A column of a table, by its name or its number from 1.
@@ -194,11 +194,11 @@ pub fn rot_d(
     finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
     finite("percentile", percentile, |x| (0.0..=100.0).contains(&x), "a number from 0 to 100")?;
     let (pair, measures) = ([&record.get().record, &transverse.get().record], measures(&periods)?);
-    let of = |measure: &Measure| {
+    let evaluate = |measure: &Measure| {
         let [value] = measures_of::rot_d(*measure, pair, [percentile], g)?.unwrap_or([f64::NAN]);
         Ok((measure.to_string(), value))
     };
-    py.detach(|| measures.iter().map(of).collect::<Result<_, String>>()).map_err(PyValueError::new_err)
+    py.detach(|| measures.iter().map(evaluate).collect::<Result<_, String>>()).map_err(PyValueError::new_err)
 }
 
 /// Returns the value of a unit (m/s²), with this gravity for g (m/s²).
@@ -208,7 +208,7 @@ pub fn unit_factor(unit: &str, g: f64) -> PyResult<f64> {
     Ok(unit.parse::<Unit>().map_err(invalid)?.factor(g))
 }
 
-/// Returns the pulse fitted to a record: amplitude, period, start, phase, cycles and R²; nothing if none fits.
+/// Returns the pulse fitted to a record: amplitude, period, start, phase, cycles and R²; `None` if none fits.
 #[pyfunction]
 pub fn fit_pulse(py: Python, record: &Bound<Record>, shape: &str) -> PyResult<Option<[f64; 6]>> {
     let shape = choice("shape", shape, &pulse_fit::SHAPES)?;
@@ -248,9 +248,9 @@ pub fn read_record(
         processing: Processing::default(),
     };
     let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
-    let said = RecordOptions { both: options, ..RecordOptions::default() };
+    let record_options = RecordOptions { both: options, ..RecordOptions::default() };
     let ground = Ground { horizontal: Some(record.clone()), vertical: None };
-    if let Some((name, needed)) = said.unread(&[ground]) {
+    if let Some((name, needed)) = record_options.unread(&[ground]) {
         return Err(PyValueError::new_err(format!("{} has no effect without {needed}", name.key())));
     }
     let engine::Record { title, start_time, time_step, acceleration, .. } = record;

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::Interval;
 use rocking_studies::intensity::Measure;
-use rocking_studies::risk::{self, AnnualRate as Found, FragilityCurve, HazardCurve, HazardOptions};
+use rocking_studies::risk::{self, AnnualRate as Rate, FragilityCurve, HazardCurve, HazardOptions};
 
 use crate::fragility::Fragility;
 use crate::options::{finite, invalid};
@@ -14,7 +14,7 @@ use crate::options::{finite, invalid};
 /// Levels, rates, measure, unit and remarks of a hazard curve.
 type Hazard<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Option<String>, Option<String>, Vec<String>);
 
-fn parts<'py>(py: Python<'py>, curve: &HazardCurve) -> Hazard<'py> {
+fn fields<'py>(py: Python<'py>, curve: &HazardCurve) -> Hazard<'py> {
     let [levels, rates] = [curve.levels(), curve.rates()].map(|all| PyArray1::from_slice(py, all));
     (levels, rates, curve.measure.clone(), curve.unit.clone(), curve.remarks.clone())
 }
@@ -36,7 +36,7 @@ pub fn read_hazard(
     let options = HazardOptions { measure: im, unit, site, years: investigation_time, gravity: g };
     let name = path.display().to_string();
     let curve = risk::read_hazard(&name, &text, &options).map_err(|error| invalid(format!("{name}: {error}")))?;
-    Ok(parts(py, &curve))
+    Ok(fields(py, &curve))
 }
 
 /// Checks levels and rates, and converts the levels to the SI unit of their unit.
@@ -54,7 +54,7 @@ pub fn check_hazard<'py>(
         curve = curve.scaled(factor);
         curve.unit = Some(unit.into());
     }
-    Ok(parts(py, &curve))
+    Ok(fields(py, &curve))
 }
 
 fn hazard(levels: &PyReadonlyArray1<f64>, rates: &PyReadonlyArray1<f64>) -> PyResult<HazardCurve> {
@@ -73,14 +73,14 @@ pub fn measure_scale(im: &str, alpha: Option<f64>, p: Option<f64>, g: f64) -> Py
     };
     let alpha = if measure == Measure::PeriodToBlock { 1.0 } else { need("alpha", alpha)? };
     let p = if measure == Measure::PgaToUplift { 1.0 } else { need("p", p)? };
-    let (of_record, factor) = measure.record_measure_at(alpha, p, g);
-    Ok((of_record.to_string(), factor))
+    let (base, factor) = measure.record_measure_at(alpha, p, g);
+    Ok((base.to_string(), factor))
 }
 
 /// An annual rate; the Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
 pub struct AnnualRate {
-    found: Found,
+    result: Rate,
     interval: Option<Interval>,
 }
 
@@ -111,18 +111,18 @@ impl AnnualRate {
             let assessment = &fit.0;
             py.detach(|| risk::interval(&hazard, assessment))
         });
-        let found = Found::new(&hazard, &curve);
-        if !found.rate.is_finite() {
+        let result = Rate::new(&hazard, &curve);
+        if !result.rate.is_finite() {
             let message = "found a hazard that grows faster towards small measures than the logistic curve falls; expected a hazard \
                            curve from lower levels, or link = \"probit\"";
             return Err(invalid(message));
         }
-        Ok(AnnualRate { found, interval })
+        Ok(AnnualRate { result, interval })
     }
 
     #[getter]
     fn rate(&self) -> f64 {
-        self.found.rate
+        self.result.rate
     }
 
     #[getter]
@@ -132,12 +132,12 @@ impl AnnualRate {
 
     #[getter]
     fn below_hazard(&self) -> f64 {
-        self.found.below_hazard
+        self.result.below_hazard
     }
 
     #[getter]
     fn above_hazard(&self) -> f64 {
-        self.found.above_hazard
+        self.result.above_hazard
     }
 
     fn between(&self, low: f64, high: f64) -> PyResult<f64> {
@@ -145,17 +145,17 @@ impl AnnualRate {
         if high.is_nan() || high < low {
             return Err(invalid(format!("high = {high}; expected a measure of at least low = {low}")));
         }
-        Ok(self.found.between(low, high))
+        Ok(self.result.between(low, high))
     }
 
     fn quantile(&self, share: f64) -> PyResult<f64> {
         finite("share", share, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
-        Ok(self.found.quantile(share).unwrap_or(f64::NAN))
+        Ok(self.result.quantile(share).unwrap_or(f64::NAN))
     }
 
     /// Returns lower ends, upper ends, rates and shares of the parts.
     fn parts<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 4] {
-        let parts = self.found.deaggregation();
+        let parts = self.result.deaggregation();
         [
             parts.iter().map(|part| part.from).collect::<Vec<_>>(),
             parts.iter().map(|part| part.to).collect(),
@@ -167,6 +167,6 @@ impl AnnualRate {
 
     fn probability(&self, years: f64) -> PyResult<f64> {
         finite("years", years, |x| x > 0.0, "a number of years above 0")?;
-        Ok(risk::probability_in(years, self.found.rate))
+        Ok(risk::probability_in(years, self.result.rate))
     }
 }

@@ -90,15 +90,15 @@ pub fn outcomes<'py>(
         true => of_record.iter().copied().chain(Measure::OF_BLOCK).collect(),
         false => Vec::new(),
     };
-    let grounds = pairs.iter().map(|(along, up)| ground(along.as_ref(), up.as_ref(), 1.0));
+    let grounds = pairs.iter().map(|(horizontal, vertical)| ground(horizontal.as_ref(), vertical.as_ref(), 1.0));
     let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
     scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let blocks = blocks.get().blocks.clone();
     let holds = blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or);
     let RunOptions { duration, step, .. } = options;
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
-    let columns_of = shown.clone();
-    let made = wait(py, tick, move |progress| {
+    let measures = shown.clone();
+    let outcomes = wait(py, tick, move |progress| {
         let motion =
             |number: u64| GroundMotion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
         let motions =
@@ -122,9 +122,9 @@ pub fn outcomes<'py>(
         };
         let row = |(number, outcome): (u64, Outcome)| {
             let (motion, scale, block) = case(number);
-            let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
+            let evaluate = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
             let above = friction_demand.map(|demand| run(number).longest_above(demand));
-            (outcome, block.alpha, shown.iter().map(of).chain(above).collect())
+            (outcome, block.alpha, shown.iter().map(evaluate).chain(above).collect())
         };
         let width = VectorWidth::widest();
         rows(&pool, count, 1, progress, |numbers| {
@@ -132,24 +132,24 @@ pub fn outcomes<'py>(
             numbers.zip(outcomes).map(row).collect()
         })
     })?;
-    let made: Vec<(Outcome, f64, Vec<f64>)> = made;
-    let failure = made.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
-    let columns = columns(py, &made, holds)?;
-    for (place, measure) in columns_of.iter().enumerate() {
-        columns.set_item(measure.to_string(), PyArray1::from_iter(py, made.iter().map(|row| row.2[place])))?;
+    let outcomes: Vec<(Outcome, f64, Vec<f64>)> = outcomes;
+    let failure = outcomes.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
+    let columns = columns(py, &outcomes, holds)?;
+    for (i, measure) in measures.iter().enumerate() {
+        columns.set_item(measure.to_string(), PyArray1::from_iter(py, outcomes.iter().map(|row| row.2[i])))?;
     }
     if let Some(demand) = friction_demand {
-        let above = PyArray1::from_iter(py, made.iter().map(|row| row.2[columns_of.len()]));
+        let above = PyArray1::from_iter(py, outcomes.iter().map(|row| row.2[measures.len()]));
         columns.set_item(sliding::name(demand), above)?;
     }
-    let units = columns_of.iter().map(|measure| (measure.to_string(), measure.unit()));
+    let units = measures.iter().map(|measure| (measure.to_string(), measure.unit()));
     Ok((columns, units.collect(), failure))
 }
 
 /// Returns the columns of outcomes, each with the slenderness of its block (rad).
-fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)], holds: Holds) -> PyResult<Bound<'py, PyDict>> {
+fn columns<'py>(py: Python<'py>, outcomes: &[(Outcome, f64, Vec<f64>)], holds: Holds) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    columns.set_item("outcome", made.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
+    columns.set_item("outcome", outcomes.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
     type Number = fn(&Outcome, f64) -> f64;
     let numbers: [(&str, Number); 7] = [
         ("end_time", |outcome, _| outcome.end_time),
@@ -160,14 +160,18 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)], holds: Holds
         ("peak.friction_demand", |outcome, _| outcome.peaks.friction_demand),
         ("first_separation", |outcome, _| outcome.flights.first.unwrap_or(f64::NAN)),
     ];
-    for (name, of) in numbers {
-        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, alpha, _)| of(outcome, *alpha))))?;
+    for (name, value) in numbers {
+        columns.set_item(
+            name,
+            PyArray1::from_iter(py, outcomes.iter().map(|(outcome, alpha, _)| value(outcome, *alpha))),
+        )?;
     }
     if holds.friction {
-        columns.set_item("peak.slip", PyArray1::from_iter(py, made.iter().map(|(outcome, ..)| outcome.peaks.slip)))?;
+        columns
+            .set_item("peak.slip", PyArray1::from_iter(py, outcomes.iter().map(|(outcome, ..)| outcome.peaks.slip)))?;
     }
     for tie in 0..holds.ties {
-        let tensions = made.iter().map(|(outcome, ..)| outcome.peaks.pull[tie]);
+        let tensions = outcomes.iter().map(|(outcome, ..)| outcome.peaks.pull[tie]);
         columns.set_item(format!("peak.tie_{}.tension", tie + 1), PyArray1::from_iter(py, tensions))?;
     }
     type Count = fn(&Outcome) -> u32;
@@ -176,8 +180,9 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)], holds: Holds
         ("events.impacts", |outcome| outcome.counts.impacts),
         ("events.liftoffs", |outcome| outcome.counts.liftoffs),
     ];
-    for (name, of) in counts {
-        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, ..)| i64::from(of(outcome)))))?;
+    for (name, value) in counts {
+        columns
+            .set_item(name, PyArray1::from_iter(py, outcomes.iter().map(|(outcome, ..)| i64::from(value(outcome)))))?;
     }
     Ok(columns)
 }
@@ -194,11 +199,11 @@ pub fn sweep<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Table<'py>> {
-    // Line numbers help with a file only: the text made from a dictionary is never shown.
+    // Line numbers are useful only for files: the text of a dictionary is never shown.
     let without_line = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
     let name_shown = name.unwrap_or("the study");
     let (file, content) = (name_shown.to_string(), text.to_string());
-    // With many combinations it takes a while to check that all make valid blocks.
+    // Checking that many combinations make valid blocks takes time.
     let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
     if let Some(on_separation) = on_separation {
         let choices = [OnSeparation::Terminate, OnSeparation::Fly];
@@ -211,13 +216,13 @@ pub fn sweep<'py>(
     let pool = pool(threads)?;
     let headings = study.header().columns;
     let count = study.rows();
-    let made: Vec<StudyRow> = wait(py, tick, move |progress| {
+    let study_rows: Vec<StudyRow> = wait(py, tick, move |progress| {
         let width = VectorWidth::widest();
         rows(&pool, count, study.runs_in_a_row(), progress, |numbers| study.make(numbers, width))
     })?;
-    let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
+    let failure = study_rows.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {
-        let fields = made.iter().map(|row| row.fields.get(number).unwrap_or_default());
+        let fields = study_rows.iter().map(|row| row.fields.get(number).unwrap_or_default());
         if !heading.ends_with(']') {
             return Ok(fields.collect::<Vec<_>>().into_pyobject(py)?.into_any());
         }

@@ -9,11 +9,10 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Interval between Python's checks of progress and signals: long enough to cost nothing, short enough to seem
-/// immediate.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval between Python's checks of progress and signals: too long to cost time, too short to notice.
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Progress of the work, and whether somebody still waits for it.
+/// Progress of the work, and whether the caller still waits for it.
 #[derive(Default)]
 pub struct Progress {
     done: AtomicU64,
@@ -45,8 +44,8 @@ impl Progress {
 }
 
 /// Does work on a separate thread, without the interpreter lock. `tick(done, total)` is called about 20 times a
-/// second, and Python's signals are handled as often. An exception of either, such as `KeyboardInterrupt`, is raised at
-/// once; the work ends by itself when it next reports progress.
+/// second, and Python's signals are handled at the same rate. An exception of either, such as `KeyboardInterrupt`, is raised at
+/// once; the work ends when it next reports progress.
 pub fn wait<T: Send + 'static>(
     py: Python,
     tick: &Bound<PyAny>,
@@ -63,7 +62,7 @@ pub fn wait<T: Send + 'static>(
     let receiver = std::sync::Mutex::new(receiver);
     loop {
         let received = py.detach(|| match receiver.lock() {
-            Ok(receiver) => receiver.recv_timeout(LOOK),
+            Ok(receiver) => receiver.recv_timeout(CHECK_INTERVAL),
             Err(_) => Err(RecvTimeoutError::Disconnected),
         });
         match received {

@@ -23,8 +23,8 @@ def test_the_examples_of_the_page(capsys, monkeypatch):
     names = {}
     for code in codes:
         exec(compile(code, "python.md", "exec"), names)
-    said = re.search(r"print\(run\)  # (.*)", codes[0])[1]
-    assert capsys.readouterr().out.startswith(f"{said}\n")
+    printed = re.search(r"print\(run\)  # (.*)", codes[0])[1]
+    assert capsys.readouterr().out.startswith(f"{printed}\n")
     assert isinstance(names["fit"], rb.Fragility) and names["table"].shape == (20, 5, 8)
 
 

@@ -91,17 +91,17 @@ impl std::fmt::Display for Regime {
 /// The contact of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Contact<T = f64> {
-    /// It stands on its support, or on the rigid base.
+    /// Standing on its support, or on the rigid base.
     Bearing,
-    /// It carries no load and follows its support, which creeps to its free height: full contact would lift the corner, and the regime
+    /// On its support without load, while the support creeps to its free height: full contact would lift the corner, and the regime
     /// without it would press it back. See docs/model.md.
     Held(Creep<T>),
-    /// It has left its support, which creeps back to its free height.
+    /// Off its support, which creeps back to its free height.
     Lifted(Creep<T>),
 }
 
 impl<T> Contact<T> {
-    /// The same in other numbers.
+    /// Returns the contact with each number converted.
     #[cfg(feature = "lanes")]
     pub fn map<U>(self, number: impl Fn(T) -> U) -> Contact<U> {
         let creep = |Creep { depth, since }| Creep { depth: number(depth), since: number(since) };
@@ -133,7 +133,7 @@ impl<T: Elementary> Contacts<T> {
         self.0[corner.index()]
     }
 
-    /// The same, to change it.
+    /// Returns the contact of a corner for a change.
     #[inline]
     pub fn of_mut(&mut self, corner: Corner) -> &mut Contact<T> {
         &mut self.0[corner.index()]
@@ -173,8 +173,7 @@ impl<T: Elementary> Contacts<T> {
         }
     }
 
-    /// Returns the height of the support's top under a corner (m), above its position under the block at rest, and its rate (m/s). Both
-    /// are zero if the corner bears.
+    /// Returns the height of a support's top above its position at rest (m), and its rate (m/s). Both are zero if the corner bears.
     #[inline]
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match self.of(corner) {

@@ -28,13 +28,13 @@ pub struct Creep<T = f64> {
 }
 
 impl<T: Elementary> Creep<T> {
-    /// Returns the height of the support's top above its position under the block at rest (m), and its rate (m/s).
+    /// Returns the height of the support's top above its position at rest (m), and its rate (m/s).
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match block.foundation {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
                 let rate = block.creep_rate();
-                // Without damping it recovers at once.
+                // A support without damping recovers at once.
                 if self.depth.is_zero() || rate.value().is_infinite() {
                     return Sample { value: block.free_height(corner), rate: T::from(0.0) };
                 }
@@ -49,8 +49,7 @@ impl<T: Elementary> Creep<T> {
 }
 
 impl Block {
-    /// Returns a warning if a block without restraints falls over by itself on its supports: their moment per radian, 2 K b², is at most that
-    /// of the weight, M g h.
+    /// Returns a warning if the supports of a block without restraints are too soft to keep it upright: 2 K b² ≤ M g h.
     pub fn soft_supports(&self) -> Option<String> {
         let Block { mass, gravity, b, h, stiffness, .. } = *self;
         let (eta, least) = (self.eta(), mass * gravity * h / (2.0 * b * b));

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::block::Block;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
-/// Place and motion of the block, from which its restraints follow.
+/// Position and motion of the block, from which its restraints follow.
 #[derive(Clone, Copy, Debug)]
-pub struct Place<T> {
+pub struct Kinematics<T> {
     /// Sine and cosine of θ.
     pub sin_cos: [T; 2],
     /// θ̇ (rad/s).
@@ -37,7 +37,7 @@ impl Corner {
         [f(Corner::Left), f(Corner::Right)]
     }
 
-    /// `s` of the equations: +1 on L, −1 on R.
+    /// Returns `s` of the equations: +1 on L, −1 on R.
     #[inline]
     pub fn sign(self) -> f64 {
         match self {
@@ -46,7 +46,7 @@ impl Corner {
         }
     }
 
-    /// The other corner.
+    /// Returns the other corner.
     #[inline]
     pub fn other(self) -> Corner {
         match self {
@@ -55,7 +55,7 @@ impl Corner {
         }
     }
 
-    /// Index in a pair of values `[left, right]`.
+    /// Returns the index in a pair of values `[left, right]`.
     #[inline]
     pub fn index(self) -> usize {
         match self {
@@ -84,7 +84,7 @@ pub struct Lever<T> {
 }
 
 impl<T> Lever<T> {
-    /// The lever of a centre of mass that is at this horizontal and vertical distance (m) while the block is upright.
+    /// Returns the lever at a rotation with this sine and cosine, from the horizontal and vertical distance (m) of the upright block.
     #[inline(always)]
     pub fn of<P: Copy>(offset: P, h: P, sin: T, cos: T) -> Lever<T>
     where
@@ -95,20 +95,19 @@ impl<T> Lever<T> {
 }
 
 impl<P: Scalar> Block<P> {
-    /// Horizontal distance of the middle of the base from a corner (m), positive to the right of the corner: b from L, −b from R.
+    /// Returns the horizontal distance of the middle of the base from a corner (m): b from L, −b from R.
     #[inline(always)]
     pub fn half_base(&self, corner: Corner) -> P {
         self.b * corner.sign()
     }
 
-    /// Horizontal distance of the centre of mass from a corner of the upright block (m), positive to the right of the corner: `b +
-    /// e_x` from L, `e_x − b` from R.
+    /// Returns the horizontal distance of the centre of mass from a corner of the upright block (m): `b + e_x` from L, `e_x − b` from R.
     #[inline(always)]
     pub fn offset(&self, corner: Corner) -> P {
         self.half_base(corner) + self.eccentricity
     }
 
-    /// The same from the foot: e_x from the middle of the base.
+    /// Returns the horizontal distance of the centre of mass from the foot of the upright block (m): e_x from the middle of the base.
     #[inline(always)]
     pub fn offset_from(&self, foot: Foot) -> P {
         match foot {
@@ -117,7 +116,7 @@ impl<P: Scalar> Block<P> {
         }
     }
 
-    /// Horizontal distance of a corner from the foot of the upright block (m), positive to the right; `None` for the foot itself.
+    /// Returns the horizontal distance of a corner from the foot (m), positive to the right; `None` for the foot itself.
     #[inline(always)]
     pub fn from_foot(&self, corner: Corner, foot: Foot) -> Option<P> {
         match foot {
@@ -127,7 +126,7 @@ impl<P: Scalar> Block<P> {
         }
     }
 
-    /// The centre of mass as seen from the foot, at a rotation with this sine and cosine.
+    /// Returns the position of the centre of mass relative to the foot, at a rotation with this sine and cosine.
     #[inline(always)]
     pub fn lever<T: CombinesWith<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
         Lever::of(self.offset_from(foot), self.h, sin, cos)

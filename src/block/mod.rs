@@ -6,7 +6,7 @@
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
 //! | [`contact`] | the contact of each corner → the regime |
-//! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, what is watched |
+//! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, event functions |
 
 pub mod contact;
 pub mod foundation;
@@ -21,12 +21,13 @@ use parameters::{check_common, not_negative, open_range, positive};
 
 pub use contact::{Contact, Contacts, Regime};
 pub use foundation::{Creep, Foundation};
-pub use geometry::{Corner, Foot, Lever, Place};
-pub use parameters::{BlockError, Common, Dimensionless, Given, Physical};
+pub use geometry::{Corner, Foot, Kinematics, Lever};
+pub use parameters::{BlockError, Common, Dimensionless, Parameterization, Physical};
 pub use restraints::Restraints;
 
-/// A block on its foundation, in both parameterizations; one of `f64` is valid by construction. Lanes hold several blocks on
-/// foundations of the same kind.
+/// A block on its foundation, in both parameterizations. A `Block<f64>` from a checked constructor is valid.
+///
+/// Lanes hold several blocks on foundations of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block<T = f64> {
     /// Mass M (kg).
@@ -72,7 +73,7 @@ pub struct Block<T = f64> {
 }
 
 impl Block {
-    /// The block with the paper's parameters. Errors name the first parameter that is not valid.
+    /// Makes a block with the paper's parameters. An error names the first invalid parameter.
     pub fn from_dimensionless(d: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         open_range("alpha", d.alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
@@ -82,7 +83,7 @@ impl Block {
         Block::of_dimensionless(d, common).checked()
     }
 
-    /// The block with these sizes. Errors name the first parameter that is not valid.
+    /// Makes a block with these sizes. An error names the first invalid parameter.
     pub fn from_physical(physical: &Physical, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         positive("width", physical.width)?;
@@ -95,11 +96,11 @@ impl Block {
         Block::of_physical(physical, common).checked()
     }
 
-    /// The block with these parameters. Errors name the first parameter that is not valid.
-    pub fn from_given(given: &Given, common: &Common) -> Result<Block, BlockError> {
-        match given {
-            Given::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
-            Given::Physical(physical) => Block::from_physical(physical, common),
+    /// Makes a block with these parameters. An error names the first invalid parameter.
+    pub fn from_parameters(parameterization: &Parameterization, common: &Common) -> Result<Block, BlockError> {
+        match parameterization {
+            Parameterization::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
+            Parameterization::Physical(physical) => Block::from_physical(physical, common),
         }
     }
 
@@ -134,7 +135,7 @@ impl Block {
         if self.foundation == Foundation::Rigid && self.friction >= self.jamming_friction() {
             return Err(BlockError::Jams { friction: self.friction, limit: self.jamming_friction() });
         }
-        // A factor of at most 1 is fine whatever rounding made of an e near 1.
+        // A factor of at most 1 is valid even if round-off took an e near 1 above 1.
         let [left, right] = Corner::each(|corner| self.housner_restitution(corner));
         let (factor, housner) = (self.restitution_factor, if right > left { right } else { left });
         if self.foundation == Foundation::Rigid && factor > 1.0 && housner * factor > 1.0 {
@@ -142,7 +143,7 @@ impl Block {
             if factor * housner > 1.0 + ROUNDING {
                 return Err(BlockError::Restitution { factor, housner });
             }
-            // A factor 1/e that was rounded: a number times its rounded inverse never exceeds 1.
+            // The user gave a rounded 1/e; a number times its rounded inverse never exceeds 1.
             self.restitution_factor = 1.0 / housner;
         }
         Ok(self)
@@ -150,22 +151,22 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether it goes beyond the paper's block: uneven, restrained, or with a limit of friction. Its horizontal position is then kept when the
-    /// foot changes.
+    /// Whether the block is uneven, restrained, or has a limit of friction, unlike the paper's: its horizontal position then matters, and is
+    /// kept when the foot changes.
     pub fn is_extended(&self) -> bool {
         self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.restraints.is_empty()
     }
 }
 
 impl<T: Scalar> Block<T> {
-    /// Rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
+    /// Returns the rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
     pub fn creep_rate(&self) -> T {
         self.stiffness / self.damping
     }
 }
 
 impl<T: Elementary> Block<T> {
-    /// The block with the paper's parameters, which are not checked.
+    /// Makes a block with the paper's parameters, without checks.
     pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
         let omega_v = d.eta * d.p;
         let (sin, cos) = d.alpha.sin_cos();
@@ -183,7 +184,7 @@ impl<T: Elementary> Block<T> {
         }
     }
 
-    /// The block with these sizes, which are not checked.
+    /// Makes a block with these sizes, without checks.
     pub fn of_physical(physical: &Physical<T>, common: &Common<T>) -> Block<T> {
         let (b, h) = (physical.width * 0.5, physical.height * 0.5);
         let r0 = b.hypot(h);
@@ -202,11 +203,11 @@ impl<T: Elementary> Block<T> {
         }
     }
 
-    /// The block with these parameters, which are not checked.
-    pub fn of_given(given: &Given<T>, common: &Common<T>) -> Block<T> {
-        match given {
-            Given::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, common),
-            Given::Physical(physical) => Block::of_physical(physical, common),
+    /// Makes a block with these parameters, without checks.
+    pub fn of_parameters(parameterization: &Parameterization<T>, common: &Common<T>) -> Block<T> {
+        match parameterization {
+            Parameterization::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, common),
+            Parameterization::Physical(physical) => Block::of_physical(physical, common),
         }
     }
 
@@ -252,20 +253,19 @@ impl<T: Elementary> Block<T> {
         self.gravity / (self.omega_v * self.omega_v)
     }
 
-    /// Static deflection of the support under a corner (m), which is also the free height of that support above its height at
-    /// rest.
+    /// Static deflection of the support under a corner (m): the free height of that support above its height at rest.
     pub fn free_height(&self, corner: Corner) -> T {
         self.static_deflection() * (self.share[corner.index()] * 2.0)
     }
 
-    /// Slenderness angle of a corner (rad): the rotation at which the centre of mass stands over it. `arctan((b ± e_x)/h)`, with
-    /// + on L; α without eccentricity.
+    /// Slenderness angle of a corner (rad): the rotation that puts the centre of mass over it, `arctan((b ± e_x)/h)` with + on L.
     pub fn alpha_of(&self, corner: Corner) -> T {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
     }
 
-    /// Restitution e of the rotation at a landing on `corner` (1): on the rigid base the ratio of θ̇ after to before, Housner's e times the
-    /// factor; on supports Housner's e equivalent to ε.
+    /// Restitution e of the rotation at a landing on `corner` (1).
+    ///
+    /// On the rigid base the ratio of θ̇ after to before, Housner's e times the factor; on supports Housner's e equivalent to ε.
     pub fn restitution_of(&self, corner: Corner) -> T {
         match self.foundation {
             Foundation::Rigid => self.housner_restitution(corner) * self.restitution_factor,
@@ -279,8 +279,9 @@ impl<T: Elementary> Block<T> {
         T::select_less(right.value(), left.value(), right, left)
     }
 
-    /// Housner's restitution e equivalent to ε at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the conservation
-    /// of angular momentum about that corner.
+    /// Housner's restitution e equivalent to ε at a landing on `corner` (1), eq. (6).
+    ///
+    /// For an eccentric centre of mass it follows from the conservation of angular momentum about that corner.
     pub fn housner_restitution(&self, corner: Corner) -> T {
         let Block { gamma, epsilon, eccentricity, b, r0, .. } = *self;
         let cos = (self.alpha * 2.0).cos();
@@ -291,15 +292,16 @@ impl<T: Elementary> Block<T> {
         momentum / (gamma + 1.0 + (cross + square) * uneven)
     }
 
-    /// The least coefficient of friction at which a corner that slides along a rigid base may jam (1): `2 √(k (k + 1))` with k =
-    /// I0/(M R²) and the distance R of the centre of mass from the farther corner.
+    /// Least coefficient of friction at which a corner that slides along a rigid base may jam (1).
+    ///
+    /// `2 √(k (k + 1))` with k = I0/(M R²) and the distance R of the centre of mass from the farther corner.
     pub fn jamming_friction(&self) -> T {
         let across = self.b + T::select_less(self.eccentricity.value(), 0.0, -self.eccentricity, self.eccentricity);
         let k = self.i0 / (across * across + self.h * self.h);
         (k * (k + 1.0)).sqrt() * 2.0
     }
 
-    /// Greatest e without jumps, at ε = 0 (1), eq. (2).
+    /// Greatest e without a jump after the impact, at ε = 0 (1), eq. (2).
     pub fn max_restitution(&self) -> T {
         (self.gamma * (self.alpha * 2.0).cos() + 1.0) / (self.gamma + 1.0)
     }

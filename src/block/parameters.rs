@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Foundation;
 
-/// The paper's four parameters, plain or dual.
+/// The paper's four parameters, plain or with derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dimensionless<T = f64> {
     /// Slenderness angle α (rad), 0 < α < π/2.
@@ -17,7 +17,7 @@ pub struct Dimensionless<T = f64> {
     pub xi_v: T,
 }
 
-/// Sizes and one support's stiffness and damping.
+/// Sizes of the block, and stiffness and damping of one support.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Physical<T = f64> {
     /// Width of the base, 2b (m).
@@ -32,9 +32,9 @@ pub struct Physical<T = f64> {
     pub inertia: Option<T>,
 }
 
-/// A block in one of the two parameterizations, from which the other follows.
+/// The parameters of a block in one of the two parameterizations, from which the other follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Given<T = f64> {
+pub enum Parameterization<T = f64> {
     /// The paper's parameters.
     Dimensionless(Dimensionless<T>),
     /// Sizes, stiffness and damping.
@@ -90,7 +90,7 @@ pub enum BlockError {
         /// The valid values.
         expected: &'static str,
     },
-    /// A factor with which impacts on the rigid base would create energy.
+    /// A restitution factor with which impacts on the rigid base would create energy.
     #[error(
         "restitution_factor = {factor} makes e = {housner} into {}; expected at most 1 after an impact on the rigid base",
         factor * housner
@@ -111,8 +111,7 @@ pub enum BlockError {
         /// Half the width of the base (m).
         half_width: f64,
     },
-    /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or
-    /// two.
+    /// A friction with which a corner that slides on the rigid base may jam: the equations of motion have no solution, or two.
     #[error(
         "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or 0 \
          for no limit"

@@ -57,21 +57,21 @@ pub struct Pulse<T = f64> {
 }
 
 impl Pulse {
-    /// No pulse at all; its phase and cycles are the defaults of all pulses.
+    /// No pulse; its phase and cycles are the defaults of all pulses.
     pub const NONE: Pulse =
         Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0, phase: 0.0, cycles: 2.0 };
 
-    /// Time at which it ends (s).
+    /// Returns the time at which it ends (s).
     pub fn end(&self) -> f64 {
         self.start + self.duration()
     }
 
-    /// Whether it acts from `time` on: the beginning counts as inside, the end as outside.
+    /// Whether it acts right after `time` (s): at its beginning, but not at its end.
     pub fn acts_at(&self, time: f64) -> bool {
         self.shape != PulseShape::None && self.start <= time && time < self.end()
     }
 
-    /// The first beginning or end later than `time` (s).
+    /// Returns the first beginning or end later than `time` (s).
     pub fn next_kink(&self, time: f64) -> Option<f64> {
         match self.shape {
             PulseShape::None => None,
@@ -87,7 +87,7 @@ impl Pulse {
         }
     }
 
-    /// Its acceleration at `time` (m/s²).
+    /// Returns its acceleration at `time` (m/s²).
     pub fn acceleration(&self, time: f64) -> f64 {
         match self.acts_at(time) {
             true => self.wave().map_or(self.amplitude, |wave| wave.at(time)),
@@ -95,7 +95,7 @@ impl Pulse {
         }
     }
 
-    /// Its velocity at `time` (m/s), zero before it begins.
+    /// Returns its velocity at `time` (m/s), zero before it begins.
     pub fn velocity(&self, time: f64) -> f64 {
         let time = time.min(self.end());
         match (self.shape, self.wave()) {
@@ -108,7 +108,7 @@ impl Pulse {
 }
 
 impl<T: Elementary> Pulse<T> {
-    /// Duration (s): a number of periods T_p, (n + ½ − φ/π) for type Cn.
+    /// Returns its duration (s): a number of periods T_p, (n + ½ − φ/π) for type Cn.
     ///
     /// Ricker wavelets end where their acceleration is below 1e-8 a_p.
     pub fn duration(&self) -> T {
@@ -125,7 +125,7 @@ impl<T: Elementary> Pulse<T> {
         self.period * cycles
     }
 
-    /// Whether its acceleration is zero where it begins and where it ends.
+    /// Whether its acceleration is zero at its beginning and at its end.
     pub fn ends_at_zero(&self) -> bool {
         match self.shape {
             PulseShape::OneSine | PulseShape::HalfSine | PulseShape::Gabor => true,
@@ -139,7 +139,7 @@ impl<T: Elementary> Pulse<T> {
         }
     }
 
-    /// The pulse without derivatives.
+    /// Returns the pulse without derivatives.
     pub fn value(&self) -> Pulse {
         Pulse {
             shape: self.shape,
@@ -151,12 +151,12 @@ impl<T: Elementary> Pulse<T> {
         }
     }
 
-    /// The acceleration (m/s²) of a pulse that is constant while it acts.
+    /// Returns the acceleration (m/s²) of a pulse that is constant while it acts.
     pub(super) fn constant(&self) -> Option<T> {
         (self.shape == PulseShape::Rectangular).then_some(self.amplitude)
     }
 
-    /// The acceleration of any other pulse while it acts.
+    /// Returns the acceleration of any other pulse while it acts.
     pub(super) fn wave(&self) -> Option<Wave<T>> {
         let omega = T::from(TAU) / self.period;
         let middle = || self.start + self.duration() * 0.5;
@@ -191,7 +191,7 @@ impl<T: Elementary> Pulse<T> {
 /// condition `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ, for n = 1.
 const C1_PHASE: f64 = 0.21897952247562566;
 
-/// The same of a type-C2 pulse (rad), 0.0410π: n = 2.
+/// φ of a type-C2 pulse (rad), 0.0410π: n = 2.
 const C2_PHASE: f64 = 0.12872979703677595;
 
 /// Formula of a [`Wave`] with amplitude `a`; `x` is `ω (t − origin)`.
@@ -235,7 +235,7 @@ impl<T: Scalar> Wave<T> {
         self.rate(time)
     }
 
-    /// The acceleration at `time` (m/s²). It is inlined with all that it calls.
+    /// Returns the acceleration at `time` (m/s²), inlined with all functions that it calls.
     #[inline(always)]
     pub fn acceleration<N: CombinesWith<T>>(&self, time: N) -> N {
         let x = (time - self.origin) * self.omega;
@@ -251,7 +251,7 @@ impl<T: Scalar> Wave<T> {
         }
     }
 
-    /// The rate of the acceleration at `time` (m/s³), inlined likewise.
+    /// Returns the rate of the acceleration at `time` (m/s³), inlined likewise.
     #[inline(always)]
     pub fn rate(&self, time: T) -> T {
         let x = self.omega * (time - self.origin);
@@ -291,7 +291,7 @@ impl<T: Scalar> Wave<T> {
 
 #[cfg(feature = "lanes")]
 impl<V: Simd> Wave<Wide<V>> {
-    /// The waves of several lanes, all of one form. A lane without a wave has one without amplitude.
+    /// Returns the waves of several lanes, all of one form. A lane without a wave gets an amplitude of zero.
     #[inline(always)]
     pub fn in_lanes<'a>(form: Form, of: impl Fn(usize) -> Option<&'a Wave>) -> Wave<Wide<V>> {
         let each = |number: fn(&Wave) -> f64| Wide::each(|lane| of(lane).map_or(1.0, number));
@@ -313,7 +313,7 @@ fn gaussian<T: Scalar>(x: T) -> T {
 }
 
 impl<T: Elementary> Wave<T> {
-    /// Velocity and displacement that it adds between two times to a body at rest: `(∫ a dt, ∫∫ a dt dt)` in m/s and m.
+    /// Returns the velocity and displacement of a body at rest after this acceleration: `(∫ a dt, ∫∫ a dt dt)` in m/s and m.
     pub(super) fn drift(&self, from: T, to: T) -> (T, T) {
         let Wave { form, amplitude, omega, phase, origin, cycles } = *self;
         let duration = to - from;
@@ -354,7 +354,7 @@ impl<T: Elementary> Wave<T> {
 }
 
 impl Wave {
-    /// Its greatest circular frequency (rad/s); that of Ricker wavelets is about twice ω_p, beyond which little of their spectrum lies.
+    /// Returns its greatest circular frequency (rad/s); for Ricker wavelets about twice ω_p, above which little of their spectrum lies.
     pub fn frequency(&self) -> f64 {
         match self.form {
             Form::Sine => self.omega,
@@ -373,7 +373,7 @@ mod tests {
     fn phases_of_c_pulses_are_roots_of_the_papers_condition() {
         for (n, phase, printed) in [(1.0, C1_PHASE, 0.0697), (2.0, C2_PHASE, 0.0410)] {
             assert!((phase / PI - printed).abs() < 5e-5, "n = {n}: {phase} rad");
-            // A contraction by more than 10 a turn: from any start 20 turns reach the root to rounding.
+            // A contraction by more than 10 a turn: from any start 20 turns reach the root to round-off.
             let root = (0..20).fold(0.0, |phase, _| libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase)));
             assert_eq!(phase, root, "n = {n}");
         }

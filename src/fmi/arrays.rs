@@ -1,4 +1,4 @@
-//! The importer's pointers → slices, strings and places for results.
+//! The importer's pointers → slices, strings and memory for results.
 //!
 //! [`boundary`](crate::fmi::boundary) lists the importer's obligations.
 
@@ -20,7 +20,7 @@ fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> 
         return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
     }
     if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Fault::new(format!("{name} has {count} elements; expected what fits into memory")));
+        return Err(Fault::new(format!("{name} has {count} elements; expected a number that fits into memory")));
     }
     Ok(())
 }
@@ -76,7 +76,7 @@ impl<'a, T> OutputArray<'a, T> {
     }
 
     /// Returns the elements.
-    pub fn places(&mut self) -> &mut [MaybeUninit<T>] {
+    pub fn elements(&mut self) -> &mut [MaybeUninit<T>] {
         if self.count == 0 {
             return &mut [];
         }
@@ -87,8 +87,8 @@ impl<'a, T> OutputArray<'a, T> {
 
     /// Writes a single result.
     pub fn put(mut self, value: T) {
-        if let [place] = self.places() {
-            place.write(value);
+        if let [element] = self.elements() {
+            element.write(value);
         }
     }
 }
@@ -97,20 +97,21 @@ impl OutputArray<'_, u8> {
     /// Copies bytes to the beginning of the array.
     pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let (found, needed) = (self.count, bytes.len());
-        let places = self.places().get_mut(..needed);
-        let places = places.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state takes {needed}")))?;
-        places.write_copy_of_slice(bytes);
+        let elements = self.elements().get_mut(..needed);
+        let elements =
+            elements.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state needs {needed}")))?;
+        elements.write_copy_of_slice(bytes);
         Ok(())
     }
 }
 
-/// Returns the place for a single result.
+/// Returns the memory for a single result.
 ///
 /// # Safety
 /// As for [`output_array`], with one element.
-pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<OutputArray<'a, T>, Fault> {
+pub unsafe fn single_output<'a, T>(name: &str, pointer: *mut T) -> Result<OutputArray<'a, T>, Fault> {
     if pointer.is_null() {
-        return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
+        return Err(Fault::new(format!("{name} is NULL; expected a pointer to memory for the result")));
     }
     // SAFETY: by contract.
     unsafe { output_array(name, pointer, 1) }
@@ -160,7 +161,11 @@ mod tests {
             // SAFETY: as before.
             let array = unsafe { output.read_input("array", start.cast_const(), 5 - shift) }.unwrap();
             assert!(matches!(array, Cow::Owned(_)));
-            output.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
+            output
+                .elements()
+                .iter_mut()
+                .zip(array.iter())
+                .for_each(|(element, &value)| _ = element.write(10.0 * value));
             let tenfold: Vec<f64> = (1..=5 - shift).map(|i| 10.0 * i as f64).collect();
             assert_eq!(memory[shift..], tenfold);
         }
@@ -173,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_an_array_is_refused() {
+    fn impossible_arrays_are_refused() {
         let number = 1.0_f64;
         let pointer = &raw const number;
         let refuse = |pointer: *const f64, count, words: &str| {
@@ -182,7 +187,7 @@ mod tests {
         };
         refuse(std::ptr::null(), 1, "value is NULL; expected 1 elements");
         refuse(pointer.wrapping_byte_add(4), 1, "expected a multiple of 8");
-        refuse(pointer, usize::MAX / 8, "expected what fits into memory");
+        refuse(pointer, usize::MAX / 8, "expected a number that fits into memory");
         usable("value", pointer, isize::MAX as usize / 8).unwrap();
     }
 }

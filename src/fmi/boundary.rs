@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::fmi::arrays::{OutputArray, place};
+use crate::fmi::arrays::{OutputArray, single_output};
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Call, Status, Version};
 use crate::unit::fault::Fault;
@@ -124,17 +124,17 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
     // SAFETY: as in `call`.
     let turn = unsafe { &(*outer).turn };
     let Some(turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
-    let mut given = None;
+    let mut reply = None;
     let mut admitted = false;
     loop {
-        let mut asked = None;
+        let mut requested = None;
         // SAFETY: as in `call`; this reference is dropped before the turn is lent below.
         let instance = unsafe { &mut (*outer).instance };
         let act = |instance: &mut Instance<V>| {
-            Ok(match piece(instance, given.take())? {
+            Ok(match piece(instance, reply.take())? {
                 ControlFlow::Break(status) => status,
-                ControlFlow::Continue(asks) => {
-                    asked = Some(asks);
+                ControlFlow::Continue(request) => {
+                    requested = Some(request);
                     Status::Ok
                 }
             })
@@ -142,9 +142,9 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
         // From the second piece on, the state is that of an intermediate update, where the call itself is illegal.
         let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
         admitted = true;
-        let Some(asked) = asked else { return status };
-        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(asked)))) {
-            Ok(answer) => given = Some(answer),
+        let Some(requested) = requested else { return status };
+        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(requested)))) {
+            Ok(answer) => reply = Some(answer),
             Err(panic) => {
                 let failed = |_: &mut Instance<V>| -> Answer { std::panic::resume_unwind(panic) };
                 // SAFETY: as above.
@@ -246,15 +246,15 @@ pub unsafe fn free<V: Version>(handle: *mut c_void) {
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
 pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_void) -> Answer {
-    // SAFETY: by contract a place that nothing else uses meanwhile (standard, 2.1.8).
-    let place = unsafe { place("FMUstate", state) }?;
-    // SAFETY: not null (see `place`), and by contract set to null or a state (standard, 2.1.8).
+    // SAFETY: by contract memory that nothing else uses meanwhile (standard, 2.1.8).
+    let output = unsafe { single_output("FMUstate", state) }?;
+    // SAFETY: not null (see `single_output`), and by contract set to null or a state (standard, 2.1.8).
     let saved = unsafe { state.read() }.cast::<Unit>();
     // SAFETY: by contract null or a state that has not been freed (standard, 2.1.8); no other call holds a reference to it, since
     // no reference outlives its call.
     match unsafe { saved.as_mut() } {
         Some(saved) => *saved = instance.unit.clone(),
-        None => place.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
+        None => output.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
     }
     Ok(Status::Ok)
 }
@@ -285,9 +285,9 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
     Ok(Status::Ok)
 }
 
-/// Writes the pointer of a deserialized state to the importer's place.
-pub fn give_state(place: OutputArray<*mut c_void>, unit: Unit) -> Answer {
-    place.put(Box::into_raw(Box::new(unit)).cast());
+/// Writes the pointer of a deserialized state to the importer's memory.
+pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Answer {
+    output.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)
 }
 

@@ -192,10 +192,7 @@ impl<V: Version> Instance<V> {
     /// Model Exchange: applies an event. One call suffices.
     pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         let log = &self.log;
-        let after = self.unit.pass_events(&mut |event| {
-            log.tell(Status::Ok, Category::Events, format_args!("{event}"));
-        })?;
-        Ok(after)
+        self.unit.pass_events(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))
     }
 
     /// Enters Continuous-Time Mode.
@@ -204,7 +201,7 @@ impl<V: Version> Instance<V> {
         Ok(Status::Ok)
     }
 
-    /// Takes in an accepted step of the importer's solver. It never requires an event.
+    /// Accepts a step of the importer's solver. It never requires an event.
     pub fn completed_integrator_step(&mut self) -> Answer {
         self.unit.complete_step();
         Ok(Status::Ok)
@@ -222,7 +219,7 @@ impl<V: Version> Instance<V> {
         Ok(Status::Ok)
     }
 
-    /// Returns all states, derivatives, event indicators or nominal values, by `of`.
+    /// Returns all numbers that `of` computes: states, derivatives, event indicators or nominal values.
     pub fn get_all<const N: usize>(
         &mut self,
         of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
@@ -260,9 +257,9 @@ impl<V: Version> Instance<V> {
 }
 
 /// Writes results to the importer's memory.
-pub fn write<T>(results: impl Iterator<Item = Result<T, Fault>>, places: &mut [MaybeUninit<T>]) -> Answer {
-    for (result, place) in results.zip(places) {
-        place.write(result?);
+pub fn write<T>(results: impl Iterator<Item = Result<T, Fault>>, elements: &mut [MaybeUninit<T>]) -> Answer {
+    for (result, element) in results.zip(elements) {
+        element.write(result?);
     }
     Ok(Status::Ok)
 }

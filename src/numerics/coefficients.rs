@@ -134,7 +134,7 @@ macro_rules! short_increment {
 }
 pub(super) use short_increment;
 
-/// Difference of its results of order 5 and 4, without its share of the end of the step.
+/// Difference of its results of order 5 and 4, without the term of the end of the step.
 macro_rules! short_difference {
     ($k:expr) => {
         combine!($k; 0: -0.001780011052225777, 1: -0.0008164344596567469, 2: 0.007880878010261995, 3: -0.1447110071732629, 4: 0.5823571654525552, 5: -0.45808210592918697)
@@ -142,7 +142,7 @@ macro_rules! short_difference {
 }
 pub(super) use short_difference;
 
-/// The same with the end of the step.
+/// Adds to [`short_difference`] the term of the end of the step.
 macro_rules! short_end_difference {
     ($of_stages:expr, $end:expr) => {
         $of_stages + $end * 0.015151515151515152

@@ -1,17 +1,16 @@
-//! The step rule: distance to the next stop and errors of the steps so far → the next step. Single runs and lanes share it.
+//! The step rule of single runs and of lanes: distance to the next stop and errors of the steps so far → the next step.
 //!
-//! Errors are in units of the allowed error: a step with an error above 1 is repeated. A stop that is near enough is reached by one [short
-//! step](crate::numerics::short); all others are of order 8.
+//! Errors are in units of the allowed error: a step with an error above 1 is repeated. One [short step](crate::numerics::short) reaches a
+//! stop that is near enough; all other steps are of order 8.
 
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::Real;
 
-/// The longest step over the reciprocal of the fastest circular frequency: a third of its period, so that a step holds at most one
-/// extremum.
+/// Longest step, times the fastest circular frequency (1): a third of its period, so that a step has at most one extremum.
 pub const LONGEST: f64 = 2.0;
 
-/// The growth of the short step that is tried next where one failed before: the motion may have become slower.
+/// Growth of the size up to which short steps are tried again after a rejection, since the motion may have become slower.
 const SHORT_GROWTH: f64 = 1.1;
 
 /// Smallest factor on the size of a short step after one was rejected.
@@ -37,8 +36,7 @@ pub fn short_factor<R: Real>(error: R) -> R {
     R::from(1.0) / error.sqrt().sqrt()
 }
 
-/// The shortest step on the way from `time` to `stop`, by the resolution of the clock. Near time zero the clock resolves far less,
-/// but such steps lead nowhere.
+/// Returns the shortest useful step from `time` towards `stop`: the resolution of the clock at the later of both.
 pub fn shortest(time: f64, stop: f64) -> f64 {
     (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE)
 }
@@ -50,9 +48,8 @@ pub fn is_resolved(remaining: f64, longest: f64) -> bool {
 
 /// Returns the fraction of a peak that a value must reach at an end of a step to exceed the peak inside.
 ///
-/// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
-/// is eight times as much, since the value may be a sum of larger ones, and at least half, since that is all
-/// that a sinusoid rises in the longest step.
+/// In a step h an oscillation of amplitude A and circular frequency ω rises by at most A (ωh)²/8 above its ends. The margin is eight
+/// times larger, since the value may be a sum of larger ones, and at most half, the rise of a sinusoid in the longest step.
 #[inline(always)]
 pub fn near_a_peak<R: Real>(elapsed: R, longest: R) -> R {
     let phase = elapsed * LONGEST / longest;
@@ -87,16 +84,16 @@ impl Attempt {
 /// Whether a short step may end at the stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShortStepTo {
-    /// It may.
+    /// A short step ends at the stop.
     Stop,
-    /// The stop is near enough, but shorter steps were rejected: [`StepControl::grow_short`].
+    /// The stop is near enough, but shorter steps were rejected; see [`StepControl::grow_short`].
     NotYet,
     /// The stop is too far away.
     TooFar,
 }
 
 impl StepControl {
-    /// Before the first step, which has the longest size.
+    /// Control before the first step, which has the longest size.
     pub const NEW: StepControl = StepControl { size: f64::INFINITY, short_size: f64::INFINITY };
 
     /// Whether a deserialized control can be resumed.
@@ -141,7 +138,7 @@ impl StepControl {
         self.size = if factor < 1.0 { proposal } else { self.size.min(longest).max(proposal) };
     }
 
-    /// Records a rejected step and returns the next attempt. The step after that does not grow.
+    /// Records a rejected step and returns the next attempt, after which the size does not grow.
     pub fn reject(&mut self, attempt: &Attempt, factor: f64) -> Attempt {
         self.size = attempt.size * factor;
         Attempt { size: self.size, last: false, grow: false }

@@ -34,7 +34,7 @@ pub const EVALUATIONS_PER_STEP: u64 = 11;
 /// Number of stages, with the one at the beginning of the step.
 pub const STAGES: usize = 12;
 
-/// The same with those of the dense output.
+/// Number of stages, with those of the dense output.
 pub const DENSE_STAGES: usize = 16;
 
 /// Returns the time of a stage.
@@ -47,8 +47,8 @@ pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
 
 impl<const N: usize> Step<N> {
-    /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
-    /// [`EVALUATIONS_PER_STEP`] times, not at the end.
+    /// Takes a step of `size` from `start` with the rate `first` there. Evaluates the right-hand side [`EVALUATIONS_PER_STEP`] times, not
+    /// at the end.
     #[inline(always)]
     pub fn attempt(
         time: f64,
@@ -70,15 +70,17 @@ impl<const N: usize> Step<N> {
         Step { time, size, end_time: time + size, start, end, work, rates }
     }
 
-    /// Estimated error of the step, see [`error`].
+    /// Returns the estimated error of the step; see [`error`].
     #[inline(always)]
     pub fn error(&self, weights: State<f64, N>) -> f64 {
         error(&self.rates, self.size, weights)
     }
 }
 
-/// Takes the step of [`Step::attempt`] in a loop with one copy of the right-hand side, which compiles faster; with single numbers it takes
-/// twice the time. Returns the state at its end and the work. `rates` begins with that at `start` and receives those of all stages.
+/// Takes the step of [`Step::attempt`] in a loop, with one copy of the right-hand side: faster to compile, but half as fast with plain
+/// numbers.
+///
+/// Returns the state at its end and the work. The first of `rates` is that at `start`; the others are written.
 #[inline(always)]
 pub fn attempt_in_loop<R: Real, const N: usize>(
     time: R,
@@ -95,7 +97,7 @@ pub fn attempt_in_loop<R: Real, const N: usize>(
     at_end(size, start, rates)
 }
 
-/// State and work at the end of a step with these rates.
+/// Returns state and work at the end of a step with these rates.
 #[inline(always)]
 fn at_end<R: Real, const N: usize>(
     size: R,
@@ -107,18 +109,18 @@ fn at_end<R: Real, const N: usize>(
 
 /// Returns the estimated error of a step with these rates, in units of the allowed error: a step above 1 is repeated.
 ///
-/// `weights` are the reciprocals of the errors allowed in each component of the state. NaN if a stage is NaN; such a step is repeated,
-/// too.
+/// `weights` are the reciprocals of the errors allowed in each component of the state. A NaN in a stage makes the error NaN, and the step
+/// is repeated as well.
 #[inline(always)]
 pub fn error<R: Real, const N: usize>(rates: &StageRates<R, N>, size: R, weights: State<R, N>) -> R {
     let fifth = difference!(rates.states, 5).weighted(weights).square();
     let third = difference!(rates.states, 3).weighted(weights).square();
     let denominator = fifth + third * 0.01;
-    // Zero where both are; a sum that is no number is not positive either, and stays none.
+    // A denominator of zero or NaN is itself the error.
     R::select_less(R::from(0.0), denominator, size * fifth / denominator.sqrt(), denominator)
 }
 
-/// The sum of the weighted stages that leads to a stage from 1 to 11.
+/// Returns the weighted sum of stages that leads to a stage from 1 to 11.
 #[inline(always)]
 pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
     match stage {
@@ -138,7 +140,7 @@ pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: us
 
 #[cfg(feature = "lanes")]
 impl Step {
-    /// Returns the step of one lane of vectors, from its beginning, size, end and work, and the rates of the stages.
+    /// Returns the step of one lane.
     #[inline(always)]
     pub fn of_lane<V: Simd>(
         lane: usize,
@@ -166,7 +168,7 @@ impl Step {
 }
 
 impl<const N: usize> Step<N> {
-    /// Returns the motion inside the step, after three evaluations. `end` is the rate at the end.
+    /// Returns the motion inside the step, after three more evaluations. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate<f64, N>, equations: &impl Equations<f64, N>) -> DenseOutput<N> {
         let mut k = [State::zeros(); 16];
@@ -191,10 +193,10 @@ impl<const N: usize> Step<N> {
     }
 }
 
-/// Value at the beginning, then the coefficients of the dense output.
+/// Coefficients of the dense output, the first equal to the value at the beginning; see [`evaluate`].
 pub type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
 
-/// The dense output of a step with all its stages, from the state at its beginning and its change.
+/// Returns the dense output of a step with all its stages `k`, from the state at its beginning and its change.
 pub fn polynomial<T: Scalar, const N: usize>(
     start: Numbers<T, N>,
     change: Numbers<T, N>,
@@ -211,7 +213,7 @@ pub fn polynomial<T: Scalar, const N: usize>(
     polynomial
 }
 
-/// The cubic with these rates at the ends.
+/// Returns the Hermite cubic with the rates `first` and `last` at the ends.
 fn cubic<T: Scalar, const N: usize>(
     start: Numbers<T, N>,
     change: Numbers<T, N>,
@@ -236,9 +238,10 @@ pub struct DenseOutput<const N: usize = 4> {
 }
 
 impl<const N: usize> DenseOutput<N> {
-    /// Returns the motion of a second-order system between two states with known rates. Velocities and works, `work` in total, are cubics;
-    /// displacements are polynomials of degree 5, which also match the accelerations. Velocities differentiated from them would have the
-    /// error of the displacements divided by the step size.
+    /// Returns the motion of a second-order system between two states with known rates.
+    ///
+    /// Velocities and works, `work` in total, are cubics; displacements are polynomials of degree 5, which also match the accelerations.
+    /// Velocities differentiated from them would have the error of the displacements divided by the step size.
     pub fn between(
         time: f64,
         size: f64,
@@ -256,18 +259,18 @@ impl<const N: usize> DenseOutput<N> {
         DenseOutput { time, size, state, work }
     }
 
-    /// State `elapsed` seconds after the beginning of the step.
+    /// Returns the state `elapsed` seconds after the beginning of the step.
     pub fn state(&self, elapsed: f64) -> State<f64, N> {
         evaluate(&self.state, elapsed / self.size)
     }
 
-    /// Integrals of the quadratures from the beginning of the step to `elapsed`.
+    /// Returns the integrals of the quadratures from the beginning of the step to `elapsed` (s).
     pub fn work(&self, elapsed: f64) -> Quadratures {
         evaluate(&self.work, elapsed / self.size)
     }
 }
 
-/// The value of a dense output at a part of its step.
+/// Returns the value of a dense output at the fraction `x` of its step.
 pub fn evaluate<T: Scalar, const N: usize>(f: &Polynomial<N, T>, x: f64) -> Numbers<T, N> {
     let y = 1.0 - x;
     f[0] + (f[1] + (f[2] + (f[3] + (f[4] + (f[5] + (f[6] + f[7] * x) * y) * x) * y) * x) * y) * x

@@ -1,4 +1,4 @@
-//! Dual numbers: a number with its derivative, which formulas carry along exactly.
+//! Dual numbers: a number with its exact derivative.
 //!
 //! The rules of differentiation are those of `num-dual`, with the same operations in the same order, for `f64` and for lanes.
 
@@ -15,7 +15,7 @@ pub struct Dual<R> {
     pub eps: R,
 }
 
-/// Operators between a dual of `$number` and a constant of that type, for types other than `f64`.
+/// Implements operators between a dual of `$number` and a constant of that type, for types other than `f64`.
 macro_rules! constants_with_duals {
     ([$($generics:tt)*] $number:ty) => {
         impl<$($generics)*> From<$number> for Dual<$number> {
@@ -55,7 +55,7 @@ macro_rules! constants_with_duals {
 }
 pub(super) use constants_with_duals;
 
-/// One number with its derivative.
+/// A plain number with its derivative.
 pub type Dual64 = Dual<f64>;
 
 impl<R> Dual<R> {
@@ -82,7 +82,7 @@ impl<R: Scalar> Neg for Dual<R> {
     }
 }
 
-/// An operator between two duals and between a dual and a constant.
+/// Implements an operator between two duals and between a dual and a constant.
 macro_rules! operator {
     ($trait:ident, $operate:ident, |$a:ident, $b:ident| $of_duals:expr, |$c:ident, $d:ident| $of_constant:expr) => {
         impl<R: Scalar> $trait for Dual<R> {

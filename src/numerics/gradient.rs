@@ -1,8 +1,8 @@
-//! A number with its derivatives in several directions, which formulas carry along exactly.
+//! A number with its exact derivatives in several directions.
 //!
-//! Each operation does to the number itself what it does to an `f64`: the values have the bits of plain numbers, and decide alike.
-//! Derivatives are formed in loops over indices: closures over arrays are calls, which cost most of the time, and iterators are ten
-//! times as much to compile, in each operation of each formula.
+//! Each operation treats the value as it treats an `f64`, so that values have the bits of plain numbers and decide alike. Derivatives are
+//! formed in loops over indices: closures over arrays become calls, which would take most of the time, and iterators take ten times as
+//! long to compile.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -13,13 +13,13 @@ use crate::numerics::scalar::{Elementary, Scalar};
 pub trait Directions: Copy {
     /// No derivatives.
     fn zeros() -> Self;
-    /// Sums.
+    /// Sum in each direction.
     fn plus(self, other: Self) -> Self;
-    /// Differences.
+    /// Difference in each direction.
     fn minus(self, other: Self) -> Self;
-    /// Negatives.
+    /// Opposite number in each direction.
     fn negated(self) -> Self;
-    /// Products with a factor.
+    /// Product with a factor.
     fn times(self, factor: f64) -> Self;
 }
 
@@ -70,8 +70,9 @@ impl<const N: usize> Directions for [f64; N] {
     }
 }
 
-/// A number, and its derivatives in several directions. These are aligned so that the compiler takes four as one vector, and none of them
-/// with the number.
+/// A number and its derivatives in several directions.
+///
+/// The alignment makes the compiler load four derivatives as one vector, apart from the number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Varying<D> {
@@ -84,7 +85,7 @@ pub struct Varying<D> {
 /// A number with its derivatives in N directions.
 pub type Gradient<const N: usize> = Varying<[f64; N]>;
 
-/// A number with its derivative in one direction. Unlike that of a [`Dual`], its value has the bits of a plain number.
+/// A number with its derivative in one direction; unlike a [`Dual`], its value has the bits of a plain number.
 pub type Along = Gradient<1>;
 
 impl<D: Directions> Varying<D> {
@@ -94,13 +95,13 @@ impl<D: Directions> Varying<D> {
         Varying { re, eps }
     }
 
-    /// The value `re` of a function of both numbers, whose partial derivatives are these.
+    /// Applies the chain rule to a function of two numbers with this value and these partial derivatives.
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
         Varying { re, eps: self.eps.times(by_self).plus(other.eps.times(by_other)) }
     }
 
-    /// The value `re` of a function of this number, whose derivative is `slope`.
+    /// Applies the chain rule to a function with the value `re` and the derivative `slope`.
     #[inline(always)]
     fn map(self, re: f64, slope: f64) -> Self {
         Varying { re, eps: self.eps.times(slope) }
@@ -108,7 +109,7 @@ impl<D: Directions> Varying<D> {
 }
 
 impl<D> Varying<D> {
-    /// The number as it is stored.
+    /// The number with its derivatives in an array.
     #[inline(always)]
     pub fn stored<const N: usize>(self) -> Gradient<N>
     where
@@ -242,7 +243,7 @@ impl<D: Directions> Scalar for Varying<D> {
     }
 }
 
-/// Four numbers as one vector, and the derivatives of each: the sums of a step are then sums of vectors.
+/// Four numbers as one vector, and the derivatives of each, so that the sums of a step are sums of vectors.
 #[cfg(feature = "lanes")]
 #[derive(Clone, Copy, Debug)]
 pub struct Apart<D> {
@@ -254,13 +255,13 @@ pub struct Apart<D> {
 
 #[cfg(feature = "lanes")]
 impl<D: Directions + From<[f64; 4]> + Into<[f64; 4]>> Apart<D> {
-    /// These numbers.
+    /// Packs four numbers.
     #[inline(always)]
     pub fn of([a, b, c, d]: [Varying<D>; 4]) -> Self {
         Apart { re: [a.re, b.re, c.re, d.re].into(), eps: [a.eps, b.eps, c.eps, d.eps] }
     }
 
-    /// The numbers with their derivatives.
+    /// Unpacks the numbers.
     #[inline(always)]
     pub fn numbers(&self) -> [Varying<D>; 4] {
         let ([a, b, c, d], eps) = (self.re.into(), self.eps);

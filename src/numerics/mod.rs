@@ -1,14 +1,14 @@
-//! Numerical methods; they know nothing of blocks.
+//! Numerical methods, independent of blocks.
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`scalar`] | the operations that formulas need of a number, plain, one per lane, or dual |
+//! | [`scalar`] | the operations of a number in formulas: plain, one per lane, or dual |
 //! | [`dual`] | a number with its derivative |
 //! | [`gradient`] | a number with its derivatives in several directions |
-//! | [`numbers`] | a vector of numbers, such as a state, and operations on all of them |
+//! | [`numbers`] | vectors of numbers, such as states, and their operations |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
-//! | [`short`] | the same of order 5, to a stop close ahead, with fewer evaluations |
-//! | [`repeat`] | a step that is known to be accurate → its end in other numbers, such as those with derivatives |
+//! | [`short`] | a step of order 5 to a stop close ahead, with fewer evaluations |
+//! | [`repeat`] | an accepted step → its end in other numbers, such as those with derivatives |
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
 //! | [`bernstein`] | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
@@ -36,10 +36,10 @@ use std::ops::{Add, Mul};
 
 use numbers::Numbers;
 
-/// The state of a system, second-order in pairs of its numbers: `[x, ẋ, y, ẏ]`, and more where there are.
+/// The state of a second-order system: `[x, ẋ, y, ẏ, …]`.
 pub type State<R = f64, const N: usize = 4> = Numbers<R, N>;
 
-/// Quantities that are integrated with the state and do not act back on it: their rates, or their integrals.
+/// Quantities that are integrated beside the state without feedback on it: their rates, or their integrals.
 pub type Quadratures<R = f64> = Numbers<R, 2>;
 
 /// The result of a right-hand side.
@@ -54,14 +54,14 @@ pub struct Rate<R: Scalar = f64, const N: usize = 4> {
 /// Rates at the stages of a step; the first stage is its beginning.
 #[derive(Clone, Copy, Debug)]
 pub struct StageRates<R: Scalar, const N: usize, const STAGES: usize = 12> {
-    /// Of the state.
+    /// Rates of the state.
     pub states: [State<R, N>; STAGES],
-    /// Of the quadratures.
+    /// Rates of the quadratures.
     pub quadratures: [Quadratures<R>; STAGES],
 }
 
 impl<R: Scalar, const N: usize, const STAGES: usize> StageRates<R, N, STAGES> {
-    /// Rates whose first stage is known; it also stands in place of the others.
+    /// Rates with this first stage, which also fills the other stages.
     #[inline(always)]
     pub fn beginning_with(first: Rate<R, N>) -> Self {
         StageRates { states: [first.state; STAGES], quadratures: [first.quadratures; STAGES] }
@@ -70,22 +70,21 @@ impl<R: Scalar, const N: usize, const STAGES: usize> StageRates<R, N, STAGES> {
 
 /// A right-hand side.
 ///
-/// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A
-/// function would leave it in memory number by number, where the sums over stages, which load pairs of numbers, have to wait
-/// for it.
+/// It is inlined into each stage of a step, so that its result stays in registers. A call would store it in memory number by number, and
+/// the sums over stages, which load pairs of numbers, would stall on it.
 pub trait Equations<R: Scalar = f64, const N: usize = 4> {
-    /// Rate of a state at a time (s).
+    /// Returns the rate of a state at a time (s).
     fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
 
-/// States and rates, whose weighted sums the methods form.
+/// A state or rate; the methods form weighted sums of it.
 pub trait Sums: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> Sums for S {}
 
-/// The right-hand side of the stages of a step, counted from 1: its excitation may be known there beforehand.
+/// A right-hand side that may use the number of the stage, counted from 1, to look up a precomputed excitation.
 pub trait Stages<R: Scalar = f64, const N: usize = 4> {
-    /// Rate of a state at the time (s) of a stage.
+    /// Returns the rate of a state at the time (s) of a stage.
     fn rate_at(&self, stage: usize, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
 

@@ -1,4 +1,4 @@
-//! A step that is known to be accurate → the state at its end in other numbers, such as those with derivatives.
+//! An accepted step → the state at its end in other numbers, such as those with derivatives.
 
 use crate::numerics::coefficients::{NODES, SHORT_NODES, combine, increment, short_increment};
 use crate::numerics::dop853::{self, DENSE_STAGES};
@@ -6,7 +6,7 @@ use crate::numerics::{Sums, short};
 
 /// A right-hand side without the quadratures.
 pub trait StateRate<S> {
-    /// Rate of a state at a time (s).
+    /// Returns the rate of a state at a time (s).
     fn state_rate(&self, time: f64, state: &S) -> S;
 }
 
@@ -17,11 +17,11 @@ pub enum Form {
     Short,
     /// A step of order 8.
     Long,
-    /// The same with the stages of its dense output.
+    /// A step of order 8 with the stages of its dense output.
     Dense,
 }
 
-/// Repeats a step from `start`. Returns the state at its end, with the bits of the step itself, and the stages.
+/// Repeats a step from `start`. Returns the state at its end, with the bits of the original step, and the stages.
 ///
 /// All forms share a loop, so that the right-hand side is compiled once.
 #[inline(always)]

@@ -18,32 +18,31 @@ impl<R: Default> Default for Sample<R> {
 }
 
 impl<R: std::ops::Neg<Output = R>> Sample<R> {
-    /// The sample of the function with the other sign.
+    /// Returns the sample of the function with the opposite sign.
     #[inline(always)]
     pub fn negated(self) -> Sample<R> {
         Sample { value: -self.value, rate: -self.rate }
     }
 }
 
-/// Pieces into which a step is cut where a root may hide. The step control keeps a step below a third of
-/// the shortest period of the motion, so that a piece is below 1/24 of it and a cubic follows it closely.
+/// Number of pieces into which a step that may hide a root is cut. A step is shorter than a third of the shortest period of the motion, so
+/// that a piece is shorter than 1/24 of it and close to a cubic.
 const PIECES: u32 = 8;
 
-/// Halvings of a piece in which a root may still hide.
+/// Maximum number of halvings of a piece that may still hide a root.
 const HALVINGS_OF_A_PIECE: u32 = 6;
 
-/// Halvings of a step in which a peak may still hide.
+/// Maximum number of halvings of a step that may still hide a peak.
 const HALVINGS_OF_A_STEP: u32 = 6;
 
-/// Whether a function that is not below `floor` at the start may be so later in `duration`: at the end, or by the bounds of
-/// [`may_rise_inside`].
+/// Whether a function that is not below `floor` at the start may fall below it within `duration`, by the bounds of [`may_rise_inside`].
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
     end.value < floor
         || start.value + third * start.rate < floor
         || end.value - third * end.rate < floor
-        || (start.rate < 0.0 && end.rate > 0.0 && tip(start, end, duration) < floor)
+        || (start.rate < 0.0 && end.rate > 0.0 && tangent_intersection(start, end, duration) < floor)
 }
 
 /// Whether a function may exceed `most` and its values at both ends inside `duration`.
@@ -56,22 +55,21 @@ pub fn may_rise_inside(most: f64, start: Sample, end: Sample, duration: f64) -> 
     let rises = |value: f64| value > most && value > start.value && value > end.value;
     rises(start.value + third * start.rate)
         || rises(end.value - third * end.rate)
-        || (start.rate > 0.0 && end.rate < 0.0 && rises(tip(start, end, duration)))
+        || (start.rate > 0.0 && end.rate < 0.0 && rises(tangent_intersection(start, end, duration)))
 }
 
 /// Returns the value at which the end tangents intersect.
 #[inline]
-fn tip(start: Sample, end: Sample, duration: f64) -> f64 {
+fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
     let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
     start.value + start.rate * meeting
 }
 
-/// The first time in `[0, duration]` at which `function` falls through zero; `None` if it does not.
+/// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
 ///
-/// `start` and `end` are the function's samples at 0 and `duration`. A value within `rounding` of zero at the start counts as a zero that
-/// the function is leaving upwards, see [`leaves_downwards`]: it is muted until it has left it. Between samples the function may dip below
-/// zero and come back; the bottom of a dip is sought where the rate changes sign. The result is within rounding of a sign change, see
-/// [`sign_change`].
+/// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it
+/// has left zero upwards; [`leaves_downwards`] decides whether it does. Between samples it may dip below zero and come back; the bottom of a
+/// dip is sought where the rate changes sign. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
     start: Sample,
     end: Sample,
@@ -83,7 +81,7 @@ pub fn first_fall(
         return Some(0.0);
     }
     let mut muted = start.value <= rounding;
-    // Otherwise it leaves zero with a rate of zero, and dips may be errors of the step.
+    // A function that leaves zero with a rate of zero may dip by errors of the step.
     let rises = start.rate * duration > rounding;
     let (mut low, mut left) = (0.0, start);
     for piece in 1..=PIECES {
@@ -111,7 +109,7 @@ pub fn first_fall(
     None
 }
 
-/// Returns a time in an interval at which a function is below `floor`, and its value. At the beginning it is not below.
+/// Returns a time in an interval at which a function is below `floor`, with its value there; it begins above.
 fn below(
     floor: f64,
     [(low, left), (high, right)]: [(f64, Sample); 2],
@@ -129,7 +127,7 @@ fn below(
         let value = function(bottom).value;
         return (value < floor).then_some((bottom, value));
     }
-    // The curvature turns inside.
+    // The curvature changes sign inside.
     let halvings = halvings.checked_sub(1)?;
     let half = 0.5 * (low + high);
     let middle = (half, function(half));
@@ -137,9 +135,9 @@ fn below(
         .or_else(|| below(floor, [middle, (high, right)], halvings, function))
 }
 
-/// Whether a function that begins at zero falls below minus its rounding before it rises above its rounding.
+/// Whether a function that begins at zero first leaves the band of its round-off downwards.
 pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut function: impl FnMut(f64) -> Sample) -> bool {
-    // When it would be that far below at its rate.
+    // The time at which its rate would take it to −2 `rounding`.
     let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
     while time > 0.0 && time < duration {
         let value = function(time).value;
@@ -151,8 +149,7 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
     false
 }
 
-/// Returns the time at which a function that is zero at `low` and negative at `high` falls through zero: after a rise, however short, or
-/// else `low`.
+/// Returns the time at which a function that is zero at `low` and negative at `high` falls through zero: `low`, unless it rises first.
 fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
     const HALVINGS: u32 = 40;
     let (mut below, mut value_below) = (high, at_high);
@@ -167,13 +164,13 @@ fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f
     low
 }
 
-/// Whether the function may fall through zero: false only if the ends and their rates exclude it.
+/// Whether a function may fall through zero; false only if its values and rates at both ends exclude it.
 #[inline]
 pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     if start.value > rounding {
         may_be_below(0.0, start, end, duration)
     } else {
-        // Just after an event, or before one: look closely, unless the function stays at zero.
+        // An event has just happened or is about to: search, unless the function stays at zero.
         start.value < -rounding || end.value.abs() > rounding
     }
 }
@@ -182,7 +179,7 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
-        // The value at a maximum is as exact as the square of its place.
+        // The error of the value at a maximum is the square of that of its time.
         highest(most, [(0.0, start), (duration, end)], 1e-8 * duration, HALVINGS_OF_A_STEP, &mut function)
     } else {
         most.max(start.value).max(end.value)
@@ -205,7 +202,7 @@ fn highest(
         let top = sign_change_within(width, low, high, left.rate, right.rate, |t| function(t).rate);
         return most.max(function(top).value);
     }
-    // The curvature turns inside.
+    // The curvature changes sign inside.
     let Some(halvings) = halvings.checked_sub(1) else { return most };
     let half = 0.5 * (low + high);
     let middle = (half, function(half));
@@ -213,8 +210,9 @@ fn highest(
     highest(most, [middle, (high, right)], width, halvings, function)
 }
 
-/// A point within rounding (4 ulp of `high`) of a sign change of a continuous function with `f(low) ≥ 0 > f(high)`;
-/// returns the side on which `|f|` is the smaller.
+/// Finds a sign change of a continuous function with `f(low) ≥ 0 > f(high)` to round-off (4 ulp of `high`).
+///
+/// Returns the end of the bracket at which `|f|` is smaller.
 ///
 /// The ITP method of I. F. D. Oliveira and R. H. C. Takahashi, "An enhancement of the bisection method average
 /// performance preserving minmax optimality", ACM TOMS 47 (2020), doi:10.1145/3423597: at most one evaluation more than
@@ -223,7 +221,7 @@ pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, f: impl FnMut
     sign_change_within(4.0 * f64::EPSILON * high.abs().max(low.abs()), low, high, at_low, at_high, f)
 }
 
-/// The same within `width`.
+/// Finds a sign change as [`sign_change`] does, to this `width` of the bracket.
 pub fn sign_change_within(
     width: f64,
     low: f64,
@@ -236,7 +234,7 @@ pub fn sign_change_within(
     let half_width = 0.5 * width;
     let truncation = 0.2 / (high - low);
     let mut slack = 2.0 * half_width;
-    // Bisections until the bracket has the final width, and one to spare.
+    // The number of bisections to the final width, and one to spare.
     let mut left = 1;
     let mut width = b - a;
     while width > 2.0 * half_width && left < 1100 {
@@ -252,7 +250,7 @@ pub fn sign_change_within(
         let shift = truncation * (b - a) * (b - a);
         let truncated = if shift <= (middle - secant).abs() { secant + toward * shift } else { middle };
         let point = if (truncated - middle).abs() <= radius { truncated } else { middle - toward * radius };
-        // A secant of two infinite or equal values is no number; bisection always is one.
+        // The secant of two infinite or equal values is NaN.
         let point = if point > a && point < b { point } else { middle };
         let value = f(point);
         if value >= 0.0 {

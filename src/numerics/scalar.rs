@@ -82,7 +82,7 @@ pub trait CombinesWith<P>:
 impl<P, T> CombinesWith<P> for T where T: Scalar + Add<P, Output = T> + Sub<P, Output = T> + Mul<P, Output = T> + From<P>
 {}
 
-/// A number with the further functions, from `libm`, that parameters and initial values need.
+/// A number with further functions from `libm` for parameters and initial values.
 pub trait Elementary: Scalar<Real = f64> {
     /// Returns the arcsine in radians, from −π/2 to π/2.
     fn asin(self) -> Self;

@@ -1,4 +1,4 @@
-//! A step of order 5 to a stop close ahead. It has no dense output: its ends alone bound the motion inside.
+//! A step of order 5 to a stop close ahead, without dense output: its ends bound the motion inside.
 
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
 use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State, Sums};
@@ -23,8 +23,8 @@ pub struct ShortStep<const N: usize = 4> {
     /// Integrals of the quadratures over the step.
     pub work: Quadratures,
     size: f64,
-    /// Error estimate over the size of the step, without the share of the rate at its end.
-    of_stages: Rate<f64, N>,
+    /// Error estimate over the size of the step, without the term of the rate at its end.
+    stage_error: Rate<f64, N>,
 }
 
 impl<const N: usize> ShortStep<N> {
@@ -48,17 +48,17 @@ impl<const N: usize> ShortStep<N> {
         }
         stages!(1 2 3 4 5);
         let (end, work) = at_end(size, start, &rates);
-        ShortStep { end, work, size, of_stages: difference(&rates) }
+        ShortStep { end, work, size, stage_error: difference(&rates) }
     }
 
-    /// Estimated error of the step with this rate at its end, in units of the allowed error, see [`squared_error`].
+    /// Returns the estimated error of the step with this rate at its end, in units of the allowed error; see [`squared_error`].
     #[inline(always)]
     pub fn error(&self, end: Rate<f64, N>, weights: State<f64, N>, work_weight: f64) -> f64 {
-        self.size * squared_error(self.of_stages, end, weights, work_weight).sqrt()
+        self.size * squared_error(self.stage_error, end, weights, work_weight).sqrt()
     }
 }
 
-/// Takes the step of [`ShortStep::attempt`] in a loop, as [`attempt_in_loop`](super::dop853::attempt_in_loop) does one of order 8.
+/// Takes the step of [`ShortStep::attempt`] in a loop; see [`dop853::attempt_in_loop`](super::dop853::attempt_in_loop).
 #[inline(always)]
 pub fn attempt_in_loop<R: Real, const N: usize>(
     time: R,
@@ -75,7 +75,7 @@ pub fn attempt_in_loop<R: Real, const N: usize>(
     at_end(size, start, rates)
 }
 
-/// State and work at the end of a step with these rates.
+/// Returns state and work at the end of a step with these rates.
 #[inline(always)]
 fn at_end<R: Real, const N: usize>(
     size: R,
@@ -85,29 +85,31 @@ fn at_end<R: Real, const N: usize>(
     (start + short_increment!(rates.states, 6).times(size), short_increment!(rates.quadratures, 6).times(size))
 }
 
-/// Returns the estimated error of a step over its size, without the share of the rate at its end.
+/// Returns the estimated error of a step over its size, without the term of the rate at its end.
 #[inline(always)]
 pub fn difference<R: Real, const N: usize>(rates: &StageRates<R, N, STAGES>) -> Rate<R, N> {
     Rate { state: short_difference!(rates.states), quadratures: short_difference!(rates.quadratures) }
 }
 
-/// Returns the square of the estimated error over the size of a step with this [`difference`] and this rate at its end, in units of the
-/// allowed error; `weights` as in [`dop853::error`](super::dop853::error), `work_weight` the same of the works.
+/// Returns the square of a step's estimated error over its size, in units of the allowed error.
+///
+/// `stage_error` is its [`difference`], `end` the rate at its end. `weights` are those of [`dop853::error`](super::dop853::error),
+/// `work_weight` that of the works.
 #[inline(always)]
 pub fn squared_error<R: Real, const N: usize>(
-    of_stages: Rate<R, N>,
+    stage_error: Rate<R, N>,
     end: Rate<R, N>,
     weights: State<R, N>,
     work_weight: R,
 ) -> R {
-    let state = short_end_difference!(of_stages.state, end.state).weighted(weights);
-    let work = short_end_difference!(of_stages.quadratures, end.quadratures).times(work_weight);
+    let state = short_end_difference!(stage_error.state, end.state).weighted(weights);
+    let work = short_end_difference!(stage_error.quadratures, end.quadratures).times(work_weight);
     state.square() + work.square()
 }
 
-/// The sum of the weighted stages that leads to a stage from 1 to 5.
+/// Returns the weighted sum of stages that leads to a stage from 1 to 5.
 #[inline(always)]
-pub(super) fn increment<S: Sums, const ROOM: usize>(k: &[S; ROOM], stage: usize) -> S {
+pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
     match stage {
         1 => short_increment!(k, 1),
         2 => short_increment!(k, 2),

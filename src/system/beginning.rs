@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Foot, Foundation, Place, Regime, restraints};
+use crate::block::{Block, Foot, Foundation, Kinematics, Regime, restraints};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
@@ -29,8 +29,8 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The pose at the beginning, at `time` (s), under the excitation of that time. A support that nothing touches stands at
-    /// its free height.
+    /// Returns the pose at the beginning, at `time` (s), under the excitation of that time. A support that nothing touches is at its free
+    /// height.
     pub fn beginning(&self, initial: &Initial<T>, time: T, excitation: &Excitation<T>) -> Pose<T> {
         match self.block.foundation {
             Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation),
@@ -57,7 +57,7 @@ where
 }
 
 impl<T: Elementary> Placement<T> {
-    /// The placement of a block on supports at the beginning.
+    /// Returns the placement of a block on supports at the beginning.
     fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
         let h = block.h;
         let Initial { theta, theta_dot, vertical } = *initial;
@@ -65,7 +65,7 @@ impl<T: Elementary> Placement<T> {
         let free = Corner::each(|corner| block.free_height(corner));
         let turn = Corner::each(|corner| block.half_base(corner) * sin);
         let turn_dot = Corner::each(|corner| block.half_base(corner) * cos * theta_dot);
-        // Descent of the centre of mass against the middle of the base.
+        // Descent of the centre of mass relative to the middle of the base.
         let e = block.eccentricity;
         let (sunk, sunk_dot) = (h * sin * sin / (cos + 1.0) + e * sin, h * sin * theta_dot + e * cos * theta_dot);
         let upper = if turn[0].value() > 0.0 { 0 } else { 1 };
@@ -73,7 +73,7 @@ impl<T: Elementary> Placement<T> {
         let (middle, middle_dot) = match vertical {
             Some((v, v_dot)) => (v + sunk, v_dot + sunk_dot),
             None if turn[upper].value() <= free[upper].value() => (T::from(0.0), T::from(0.0)),
-            // On the lower corner alone, which bears the whole weight and does not move.
+            // The lower corner bears the whole weight and does not move.
             None => (turn[upper] - free[upper], turn_dot[upper]),
         };
         let middle = match vertical {
@@ -96,8 +96,9 @@ fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose
     Pose::unrestrained(time, state, contacts, Footing::Grips { offset: zero })
 }
 
-/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of other forces, near `middle`,
-/// where they bear the weight alone. The rotation, of this sine and cosine, stays.
+/// Returns the height of the middle of the base (m) at which the supports bear the weight and the vertical pull of restraints.
+///
+/// The search begins at `middle`, where they bear the weight alone. The rotation, with this sine and cosine, is fixed.
 fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
     const DOUBLINGS: u32 = 60;
     const HALVINGS: u32 = 200;
@@ -121,35 +122,35 @@ fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T
             high = half;
         }
     }
-    // A step by Newton's method brings the derivatives.
+    // A Newton step adds the derivatives.
     T::from(high) - surplus(T::from(high)) * (1.0 / slope(block, [sin, cos], high))
 }
 
-/// The rate at which [`surplus`] changes with the height (N/m).
+/// Returns the derivative of [`surplus`] with respect to the height (N/m).
 fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f64 {
-    let (place, pushes) = stands(block, [sin, cos], T::from(middle));
+    let (kinematics, pushes) = kinematics_at(block, [sin, cos], T::from(middle));
     let supports: f64 = pushes.iter().filter(|push| push.value() > 0.0).map(|_| block.stiffness.value()).sum();
-    -(supports + restraints::static_stiffness(block, &place))
+    -(supports + restraints::static_stiffness(block, &kinematics))
 }
 
-/// The force (N) by which the supports push more than the weight and other forces pull, with the middle of the base at this height.
+/// Returns the force of the supports less the weight and the pull of restraints (N), with the middle of the base at this height (m).
 fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
-    let (place, pushes) = stands(block, turn, middle);
+    let (kinematics, pushes) = kinematics_at(block, turn, middle);
     let zero = T::from(0.0);
     let mut sum = -(block.mass * block.gravity);
     for push in pushes {
         sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
     }
-    restraints::less_static_pull(block, &place, sum)
+    restraints::less_static_pull(block, &kinematics, sum)
 }
 
-/// The place of a block that stands at this height, and how far its supports are pressed down (m).
-fn stands<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (Place<T>, [T; 2]) {
+/// Returns the kinematics of a block at rest with the middle of its base at this height (m), and the compression of its supports (m).
+fn kinematics_at<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (Kinematics<T>, [T; 2]) {
     let zero = T::from(0.0);
     let pushes = Corner::each(|corner| block.free_height(corner) - middle - block.half_base(corner) * sin);
     let touching = pushes.map(|push| push.value() > 0.0);
     let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
     let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
     let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
-    (Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
+    (Kinematics { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
 }

@@ -1,22 +1,20 @@
-//! State, regime and excitation of an instant → the sum of forces → accelerations and reactions, from the foot that stands.
+//! State, regime and excitation of an instant → the sum of forces → accelerations and reactions, about the standing foot.
 //!
 //! The vertical coordinate of the state, `w`, is the height of the foot (the touching corner, or the middle of the base in full
-//! contact), in flight that of the centre of mass. So the spring forces come from a number that is itself small, and the
-//! difference of `v` and `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
+//! contact), in flight that of the centre of mass. The spring forces follow from this small number, and the difference of `v` and
+//! `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
 //!
-//! A foot that grips, a rigid base and a corner that is held are constraints: each adds the inertia of the centre of mass that it
-//! moves, or determines its rotation. Forces and energies are per unit of the block's mass.
+//! A gripping foot, a rigid base and a held corner are constraints: each adds the inertia of the centre of mass that it moves, or
+//! determines the rotation. Forces and energies are per unit of the block's mass.
 
-use crate::block::{Block, Corner, Foot, Foundation, Lever, Place, Regime};
+use crate::block::{Block, Corner, Foot, Foundation, Kinematics, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::system::forces::{self, friction, support};
 use crate::system::instant::{Footing, Held, Instant};
 
-/// The equations of motion at one instant.
-///
-/// The excitation may be that of any smooth piece; see [`Forcing`] for signs.
+/// Solves the equations of motion at one instant. See [`Forcing`] for signs.
 #[inline]
 pub fn instant<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
@@ -28,8 +26,10 @@ pub fn instant<P: Scalar, T: CombinesWith<P>>(
     instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
 }
 
-/// The part of [`instant`] that `pick` takes. It is inlined, so that only this part is computed, and for a constant `foundation`
-/// (that of the block) and `regime` the compiler removes the other branches.
+/// Solves the equations of motion for the part of [`instant`] that `pick` takes.
+///
+/// It is inlined, so that only this part is computed, and the compiler removes the branches of other foundations and regimes if
+/// `foundation`, that of the block, and `regime` are constants.
 #[inline(always)]
 pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
     block: &Block<P>,
@@ -49,7 +49,7 @@ pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
     }
 }
 
-/// The equations of motion where one of both corners is held; θ and θ̇ alone are the state.
+/// Solves the equations of motion of a block with a held corner, whose state is θ and θ̇ alone.
 pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     [theta, theta_dot]: [T; 2],
@@ -61,8 +61,9 @@ pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// The part that `pick` takes of the equations of motion at an instant `x`, with the exact rates of change along the motion in the
-/// dual parts. The dual parts of the forcing are its rates.
+/// Solves the equations of motion at an instant `x` with the exact rates along the motion in the dual parts; `pick` takes a part.
+///
+/// The dual parts of the forcing are its rates.
 #[inline(always)]
 pub fn instant_with_rates<R: Scalar, T>(
     block: &Block<R>,
@@ -85,7 +86,7 @@ where
     instant_of(block, block.foundation, regime, state, footing.with_rates(x), forcing, pick)
 }
 
-/// The same where a corner is held.
+/// Solves [`instant_held`] at an instant `x` with the rates along the motion in the dual parts.
 pub fn instant_held_with_rates<R: Scalar>(
     block: &Block<R>,
     held: &Held<R>,
@@ -120,7 +121,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
 
-    /// Eqs. (7)–(13), and Housner's block: the block on a foot, which supports or a rigid base bear.
+    /// Solves eqs. (7)–(13) on supports, or Housner's equation on a rigid base, for a block on a foot.
     #[inline(always)]
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
         let lever = self.block.lever(foot, self.sin, self.cos);
@@ -132,20 +133,20 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
                 if let Footing::Slides { direction, .. } = self.footing {
                     moment = moment - lever.q * friction::reaction(self.block, direction, lift);
                 }
-                let theta_ddot = self.turning(lever, moment, None, forcing);
+                let theta_ddot = self.theta_ddot(lever, moment, None, forcing);
                 let v_ddot = lift - self.block.gravity - forcing.z;
                 let w_ddot = v_ddot + lever.x * theta_ddot + centripetal;
                 self.moving(foot, [theta_ddot, v_ddot, w_ddot], reaction, forcing)
             }
-            // The foot stays at its height: `v̈ = −X θ̈ − Q θ̇²`, and N follows.
+            // The height of the foot is constant: `v̈ = −X θ̈ − Q θ̇²`, and N follows.
             (Foundation::Rigid, Foot::Corner(corner)) => {
                 let weight = forcing.z + self.block.gravity;
-                // The arm of N, and of the friction that N brings.
+                // The arm of N and of the friction proportional to it.
                 let arm = match self.footing {
                     Footing::Slides { direction, .. } => lever.x - friction::reaction(self.block, direction, lever.q),
                     Footing::Grips { .. } | Footing::Free { .. } => lever.x,
                 };
-                let theta_ddot = self.turning(lever, arm * (weight - centripetal), Some(arm), forcing);
+                let theta_ddot = self.theta_ddot(lever, arm * (weight - centripetal), Some(arm), forcing);
                 let v_ddot = -(lever.x * theta_ddot) - centripetal;
                 let zero = T::from(0.0);
                 self.moving(foot, [theta_ddot, v_ddot, zero], at_corner(corner, v_ddot + weight), forcing)
@@ -154,7 +155,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Reactions of the supports under a foot, their sum, and their moment about the centre of mass.
+    /// Returns the reactions of the supports under a foot, their sum, and their moment about the centre of mass.
     #[inline(always)]
     fn supports(&self, foot: Foot) -> ([T; 2], T, T) {
         match foot {
@@ -169,21 +170,21 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Reaction of the support under a corner, and its moment about the centre of mass.
+    /// Returns the reaction of the support under a corner, and its moment about the centre of mass.
     #[inline(always)]
     fn support(&self, corner: Corner, foot: Foot) -> (T, T) {
         let reaction = support::reaction(self.block, corner, self.height(corner, foot), self.rate(corner, foot));
         (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
-    /// θ̈ from the moments of the vertical reactions, of the loads and of H about the centre of mass; H acts Q below it.
+    /// Returns θ̈ from the moments of the vertical reactions, of the loads and of H about the centre of mass; H acts Q below it.
     ///
-    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²`; their
-    /// reactions are H and N. The arm of the latter is `unyielding`.
+    /// A gripping foot imposes `ü = Q θ̈ − X θ̇²` on the centre of mass by H, a rigid base `v̈ = −X θ̈ − Q θ̇²` by N. `rigid_arm` is the
+    /// arm of that N, and `vertical` the moment of other vertical reactions.
     #[inline(always)]
-    fn turning(&self, Lever { x, q }: Lever<T>, vertical: T, unyielding: Option<T>, forcing: Forcing<T>) -> T {
+    fn theta_ddot(&self, Lever { x, q }: Lever<T>, vertical: T, rigid_arm: Option<T>, forcing: Forcing<T>) -> T {
         let (mut moment, mut inertia) = (vertical, T::from(self.block.i0));
-        if let Some(arm) = unyielding {
+        if let Some(arm) = rigid_arm {
             inertia = x * arm + inertia;
         }
         if let Footing::Grips { .. } = self.footing {
@@ -193,8 +194,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         (moment + forcing.moment) / inertia
     }
 
-    /// The reactions that keep a block at rest on the rigid base. A corner whose reaction would have to pull lifts, which is the
-    /// case for `|a_gx| > (g + a_gz) tan α`.
+    /// Returns the reactions that keep a block at rest on the rigid base. A corner whose reaction would have to pull lifts: without loads, for
+    /// `|a_gx| > (g + a_gz) tan α`.
     #[inline(always)]
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
         let block = self.block;
@@ -203,8 +204,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         let weight = forcing.z + block.gravity;
         let x = upright.moving(Foot::Middle, [zero; 3], [weight, zero], forcing);
         let couple = (x.horizontal * block.h - forcing.moment) * (P::from(0.5) / block.b);
-        // A corner bears the force that keeps the block from turning about the other one. Where rounding may decide whether it is
-        // above zero, its moment is that of `turning` to the last bit: a corner that cannot stay is never pressed back at once.
+        // A corner bears the force that keeps the block from turning about the other one. Near zero its moment has the bits of that in
+        // `theta_ddot`, so that a corner that cannot stay is never pressed back at once.
         let bears = |other: Corner| {
             let s = other.sign();
             let moment = (weight * block.offset(other) - x.horizontal * block.h + forcing.moment) * s;
@@ -216,7 +217,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Instant { theta_dot: self.theta_dot, reaction: Corner::each(|corner| bears(corner.other())), ..x }
     }
 
-    /// No corner touches; w = v.
+    /// Solves the equations of flight, where w = v.
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
@@ -237,9 +238,10 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, ..x }
     }
 
-    /// Both corners touch, and one of them is held on its support, whose motion is given. The reaction of the other one
-    /// accelerates the centre of mass; both motions together determine the rotation. Horizontally the middle of the base holds the
-    /// block, or slides.
+    /// Solves the equations of full contact with a corner held on its support, whose motion is known.
+    ///
+    /// The reaction of the other corner accelerates the centre of mass; both motions together determine the rotation. Horizontally the
+    /// middle of the base holds the block, or slides.
     fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);
@@ -255,12 +257,12 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         let w_ddot = v_ddot + x * theta_ddot + q * theta_dot2;
         let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], at_corner(other, n), forcing);
         let i = corner.index();
-        // To the last bit, by which events are decided.
+        // Exactly the motion of the support, since events depend on the last bit.
         (x.corner[i], x.corner_dot[i], x.corner_ddot[i]) = (top, top_dot, top_ddot);
         x
     }
 
-    /// The motion of a block on a foot with these accelerations `[θ̈, v̈, ẅ]` and vertical reactions.
+    /// Returns the motion of a block on a foot with these accelerations `[θ̈, v̈, ẅ]` and vertical reactions.
     #[inline(always)]
     fn moving(
         &self,
@@ -308,15 +310,15 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// The forcing with the pull of the restraints; no foot stands in flight.
+    /// Returns the forcing with the pull of the restraints; `foot` is `None` in flight.
     #[inline(always)]
     fn with_forces(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
-        // Copies, so that the rest stays in registers.
+        // Passing a copy keeps the original in registers.
         let Forcing { x, z, moment, restraints } = forcing;
         if restraints.pull() { pulled(*self, foot, Forcing { x, z, moment, restraints }) } else { forcing }
     }
 
-    /// Height of a corner above its place at rest (m).
+    /// Returns the height of a corner above its position at rest (m).
     #[inline(always)]
     fn height(&self, corner: Corner, foot: Foot) -> T {
         match self.block.from_foot(corner, foot) {
@@ -325,7 +327,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Its rate (m/s).
+    /// Returns the vertical velocity of a corner (m/s).
     #[inline(always)]
     fn rate(&self, corner: Corner, foot: Foot) -> T {
         match self.block.from_foot(corner, foot) {
@@ -334,7 +336,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Its acceleration (m/s²).
+    /// Returns the vertical acceleration of a corner (m/s²).
     #[inline(always)]
     fn acceleration(&self, corner: Corner, foot: Foot, w_ddot: T, theta_ddot: T) -> T {
         let Posture { theta_dot, sin, cos, .. } = *self;
@@ -351,7 +353,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     }
 }
 
-/// The forcing with the pull of the restraints. A function of its own, so that the equations without them stay small.
+/// Returns the forcing with the pull of the restraints. Not inlined, so that the equations without restraints stay small.
 #[inline(never)]
 fn pulled<P: Scalar, T: CombinesWith<P>>(
     posture: Posture<P, T>,
@@ -363,18 +365,18 @@ fn pulled<P: Scalar, T: CombinesWith<P>>(
     let Lever { x, q } = block.lever(foot_or_middle, sin, cos);
     let (versine, offset) = (posture.versine(), block.offset_from(foot_or_middle));
     let (u, u_dot) = match footing {
-        Footing::Grips { offset: by } => (sin * block.h - versine * offset + by, q * theta_dot),
+        Footing::Grips { offset: slip } => (sin * block.h - versine * offset + slip, q * theta_dot),
         Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => (u, u_dot),
     };
     let (v, v_dot) = match foot {
         Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
         None => (w, w_dot),
     };
-    let place = Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
-    forces::added_to(block, forcing, &place)
+    let kinematics = Kinematics { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
+    forces::added_to(block, forcing, &kinematics)
 }
 
-/// A force at one corner, none at the other.
+/// Returns a force at one corner, and zero at the other.
 #[inline(always)]
 fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
     match corner {
@@ -383,8 +385,7 @@ fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
     }
 }
 
-/// `[w, ẇ]`, height (m) and rate (m/s) of the foot, from `[θ, θ̇, v, v̇]`: those of the centre of mass in flight, and zeros on the
-/// rigid base, which does not give way.
+/// Returns `[w, ẇ]` (m, m/s) from `[θ, θ̇, v, v̇]`: height and rate of the foot, in flight of the centre of mass, zeros on the rigid base.
 pub fn foot_height<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
     let Some(foot) = regime.foot() else { return [v, v_dot] };
     if block.foundation == Foundation::Rigid {

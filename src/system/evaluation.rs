@@ -1,4 +1,4 @@
-//! A pose → the equations of motion at any time while its contacts last, and all that follows from them at one instant.
+//! A pose → the equations of motion at any time while its contacts last, and the quantities that follow from them at one instant.
 
 use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime};
 use crate::excitation::{Excitation, Forcing};
@@ -33,9 +33,9 @@ pub struct Evaluation<'a, R: Scalar = f64> {
     pub instant: Instant<R>,
     /// Rate of the state, and the powers.
     pub rate: Rate<R>,
-    /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
+    /// Heights of the supports that no corner touches (m), and their rates (m/s); zeros for the others.
     pub support_heights: [Sample<R>; 2],
-    /// The corner that is held, if one is.
+    /// The held corner, if any.
     pub held: Option<Held<R>>,
 }
 
@@ -61,18 +61,18 @@ pub struct Motion<'a, L = AnyLaw, const N: usize = 4, T = f64> {
     contacts: Contacts<T>,
 }
 
-/// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// Number of quantities integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
 /// [dissipative](forces::dissipated) forces since the beginning of the step.
 pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
 
 impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
-    /// The motion of a block from a pose on.
+    /// Returns the motion of a block from a pose on.
     #[inline]
     pub fn from_pose(block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
     }
 
-    /// [`Motion::at`] as one function: with derivatives, each inlined copy would take long to compile.
+    /// Evaluates [`Motion::at`] without inlining: with derivatives, each inlined copy would take long to compile.
     #[inline(never)]
     pub fn at_called(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
         self.at(time, state)
@@ -81,7 +81,7 @@ impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
 
 #[cfg(feature = "lanes")]
 impl<P: Elementary> Motion<'_, AnyLaw, 4, P> {
-    /// Rate of a state, without the powers, under a law that is known by its type and by which the foot grips and no corner is held.
+    /// Returns the rate of a state, without the powers, under a law with its own type, in which the foot grips and no corner is held.
     #[inline(always)]
     pub fn state_rate_under<T: CombinesWith<P>>(&self, law: impl Law, time: T, state: &State<T>) -> State<T> {
         let footing = Footing::Grips { offset: T::from(0.0) };
@@ -93,24 +93,24 @@ impl<P: Elementary> Motion<'_, AnyLaw, 4, P> {
 
 #[cfg(feature = "lanes")]
 impl<const N: usize, T: Elementary> Motion<'_, AnyLaw, N, T> {
-    /// Rate of a state, by [`Motion::at_called`].
+    /// Returns the rate of a state by [`Motion::at_called`].
     pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
         let Motion { block, excitation, law, contacts, .. } = *self;
         let footing = self.footing_at(time, state);
         let now = Motion::<_, 4, _> { block, excitation, law, since: time, footing, contacts };
-        self.rate_of(&now.at_called(time, four(state))).state
+        self.rate_of(&now.at_called(time, first_four(state))).state
     }
 }
 
 impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
-    /// The same under the law of the pose, if it is already known.
+    /// Returns the motion from a pose on under its law, which is already known.
     #[inline(always)]
     pub fn under(law: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         let Pose { time, contacts, footing, .. } = *pose;
         Motion { block, excitation, law, since: time, footing, contacts }
     }
 
-    /// The law of the motion.
+    /// Returns the law of the motion.
     #[inline(always)]
     pub fn law(&self) -> L {
         self.law
@@ -121,18 +121,18 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     pub fn at(&self, time: T, state: State<T, N>) -> Evaluation<'a, T> {
         let footing = self.footing_at(time, &state);
         if let Some(held) = self.held_at(time) {
-            return self.at_held(time, four(&state), footing, held);
+            return self.at_held(time, first_four(&state), footing, held);
         }
         let support_heights = self.support_heights(time);
         let drive = Drive { excitation: self.excitation, time, forcing: self.excitation.at(time) };
-        Evaluation::of(self.law, self.block, drive, footing, four(&state), support_heights)
+        Evaluation::of(self.law, self.block, drive, footing, first_four(&state), support_heights)
     }
 
-    /// The state of a pose.
+    /// Returns the state of a pose.
     pub fn state_at(&self, pose: &Pose<T>) -> State<T, N> {
         let zero = T::from(0.0);
         let [u, u_dot] = match pose.footing {
-            // It follows from the rest.
+            // The rotation determines it.
             Footing::Grips { .. } => [zero; 2],
             Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot],
         };
@@ -140,25 +140,25 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         extended([theta, theta_dot, w, w_dot, u, u_dot], [zero; forces::DISSIPATIVE])
     }
 
-    /// The four numbers of a state at a time, and the footing.
+    /// Returns `[θ, θ̇, w, ẇ]` of a state at a time, and the footing.
     #[cfg(feature = "lanes")]
     pub fn place_at(&self, time: T, state: State<T, N>) -> (State<T>, Footing<T>) {
         let footing = self.footing_at(time, &state);
         let state = match self.held_at(time) {
-            Some(held) => self.at_held(time, four(&state), footing, held).state,
-            None => four(&state),
+            Some(held) => self.at_held(time, first_four(&state), footing, held).state,
+            None => first_four(&state),
         };
         (state, footing)
     }
 
-    /// The state of an instant.
+    /// Returns the state of an instant.
     #[inline(always)]
     pub fn state_of(&self, at: &Evaluation<T>) -> State<T, N> {
         let (State { 0: [theta, theta_dot, w, w_dot] }, zero) = (at.state, T::from(0.0));
         extended([theta, theta_dot, w, w_dot, at.instant.u, at.instant.u_dot], [zero; forces::DISSIPATIVE])
     }
 
-    /// Its rate, and the powers.
+    /// Returns the rate of the state at an instant, and the powers.
     #[inline(always)]
     pub fn rate_of(&self, at: &Evaluation<T>) -> Rate<T, N> {
         let Rate { state: State { 0: [theta, theta_dot, w, w_dot] }, quadratures } = at.rate;
@@ -170,13 +170,13 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         Rate { state, quadratures }
     }
 
-    /// The corner that is held, with its support at a time.
+    /// Returns the held corner with its support at a time, if any.
     #[inline(always)]
     fn held_at(&self, time: T) -> Option<Held<T>> {
         self.law.held().map(|corner| Held::on(self.block, corner, self.contacts.top(corner, self.block, time)))
     }
 
-    /// [`Motion::at`] where a corner is held: height and rate of the middle of the base follow from θ and θ̇.
+    /// Evaluates [`Motion::at`] with a held corner: height and rate of the middle of the base follow from θ and θ̇.
     #[inline(never)]
     fn at_held(
         &self,
@@ -203,7 +203,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         }
     }
 
-    /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
+    /// Returns the heights of the supports that no corner touches (m), and their rates (m/s); zeros for the others.
     #[inline(always)]
     pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
         Corner::each(|corner| match self.law.regime().touches(corner) {
@@ -212,7 +212,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         })
     }
 
-    /// The horizontal hold at `time`. In free motion without restraints, `ü = −a_gx` is integrated in closed form.
+    /// Returns the horizontal hold at `time`. In free motion without restraints, `ü = −a_gx` is integrated in closed form.
     #[inline(always)]
     fn footing_at(&self, time: T, state: &State<T, N>) -> Footing<T> {
         match self.footing {
@@ -223,7 +223,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
                 Footing::Free { u: u + u_dot * (time - self.since) - displacement, u_dot: u_dot - velocity }
             }
             Footing::Slides { .. } if !L::KNOWN => self.footing,
-            // The compiler knows the law, but maybe not the footing.
+            // A law with its own type grips, whatever the variant of the footing.
             Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. } => {
                 Footing::Grips { offset }
             }
@@ -231,15 +231,15 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     }
 }
 
-/// The first numbers of these, a motion and the works of dissipative forces.
+/// Returns the first N numbers of a motion and the works of dissipative forces.
 #[inline(always)]
 fn extended<T: Scalar, const N: usize>(motion: [T; 6], works: [T; forces::DISSIPATIVE]) -> State<T, N> {
     State::first_of(forces::joined::<_, 6, { forces::DISSIPATIVE }, EXTENDED>(motion, works))
 }
 
-/// The first four numbers of a state.
+/// Returns the first four numbers of a state.
 #[inline(always)]
-fn four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
+fn first_four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
     State::from([state[0], state[1], state[2], state[3]])
 }
 
@@ -251,7 +251,7 @@ impl<L: Law, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N,
 }
 
 impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
-    /// One function for all laws; inlining it into each stage of a step would make steps too large.
+    /// Returns the rate without inlining, since a copy in each stage would make the steps of rare laws too large.
     #[inline(never)]
     fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_inlined(time, state)
@@ -259,26 +259,26 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
 
     #[inline(always)]
     fn rate_inlined(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        // A constant, so that nothing compiles the other branch.
+        // A constant condition, so that the other branch is not compiled.
         if const { N > 4 } {
             return self.rate_extended(time, state);
         }
         let footing = self.footing_at(time, state);
         let Rate { state, quadratures } = match self.held_at(time) {
-            Some(held) => self.at_held(time, four(state), footing, held).rate,
-            None => rate(self.law, self.block, self.excitation.at(time), footing, &four(state)),
+            Some(held) => self.at_held(time, first_four(state), footing, held).rate,
+            None => rate(self.law, self.block, self.excitation.at(time), footing, &first_four(state)),
         };
         Rate { state: State::first_of(state.0), quadratures }
     }
 
-    /// The same where the horizontal motion is integrated too.
+    /// Returns the rate under a law that also integrates the horizontal motion.
     #[inline(never)]
     fn rate_extended(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_of(&self.at(time, *state))
     }
 }
 
-/// Rate of a state under a law that holds no corner, and the powers.
+/// Returns the rate of a state under a law without a held corner, and the powers.
 #[inline(always)]
 pub fn rate<R: Scalar>(
     law: impl Law,
@@ -292,7 +292,7 @@ pub fn rate<R: Scalar>(
 
 #[inline(always)]
 fn rate_of<R: Scalar>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
-    // Where nothing holds the block, `Footing::free_work` is the horizontal part of the work.
+    // `Footing::free_work` is the horizontal part of the work on a free block.
     let closed = !law.grips() && !law.is_extended();
     let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
     Rate {
@@ -302,7 +302,7 @@ fn rate_of<R: Scalar>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: 
 }
 
 impl<'a, R: Scalar> Evaluation<'a, R> {
-    /// Evaluates a state under a law that holds no corner.
+    /// Evaluates a state under a law without a held corner.
     #[inline(always)]
     pub fn of(
         law: impl Law,
@@ -314,7 +314,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (law.foundation(), law.regime());
         let forcing = law.acting(forcing);
-        // The closure is short, so that it is inlined: otherwise it is compiled without the vectors of lanes.
+        // The closure is short enough to be inlined; otherwise it would be compiled without the vectors of lanes.
         let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
             (instant, rate_of(law, block, &instant, forcing))
         });
@@ -333,7 +333,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
         }
     }
 
-    /// Rate at which the forcing changes.
+    /// Returns the rate of the forcing.
     #[inline(always)]
     pub fn forcing_rate(&self) -> Forcing<R> {
         self.excitation.rate_at(self.time)
@@ -341,7 +341,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
 }
 
 impl<R: Real> Evaluation<'_, R> {
-    /// Equivalent accelerations of the block and of its motion (m/s²), as sums over rotation and height.
+    /// Returns the acceleration of the block and an equivalent acceleration of its velocities (m/s²), as sums over rotation and height.
     #[inline(always)]
     pub fn unrest(&self) -> [R; 2] {
         let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
@@ -355,14 +355,13 @@ impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: CombinesWith<R>,
 {
-    /// The equations of motion with their rates of change along the motion in the dual parts, while the forcing changes at this
-    /// rate.
+    /// Solves the equations of motion with their rates along the motion in the dual parts, for a forcing with this rate.
     #[inline(always)]
     pub fn with_rates(&self, forcing_rate: Forcing<R>) -> Instant<Dual<R>> {
         self.with_rates_of(forcing_rate, |x| x)
     }
 
-    /// The part of [`Evaluation::with_rates`] that `pick` takes.
+    /// Solves for the part of [`Evaluation::with_rates`] that `pick` takes.
     #[inline(always)]
     pub fn with_rates_of<T>(&self, forcing_rate: Forcing<R>, pick: impl Fn(Instant<Dual<R>>) -> T) -> T {
         let Evaluation { block, regime, state, footing, instant: ref x, .. } = *self;
@@ -378,7 +377,7 @@ impl<T: Elementary> Evaluation<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The same at the actual rate of the forcing, not inlined.
+    /// Evaluates [`Evaluation::with_rates`] at the actual rate of the forcing, without inlining.
     #[inline(never)]
     pub fn rates(&self) -> Instant<Dual<T>> {
         self.with_rates(self.forcing_rate())
@@ -386,27 +385,27 @@ where
 }
 
 impl<T: Elementary> Evaluation<'_, T> {
-    /// Kinetic and potential energy per unit mass, together (m²/s²).
+    /// Returns the sum of kinetic and potential energy per unit mass (m²/s²).
     pub fn energy(&self) -> T {
         let (kinetic, potential) = energy(self.block, self.regime, &self.forcing, &self.instant);
         kinetic + potential
     }
 
-    /// Acceleration of the foot (m/s²), positive to the right.
+    /// Returns the acceleration of the foot (m/s²), positive to the right.
     pub fn foot_acceleration(&self) -> T {
         let (x, (sin, cos)) = (&self.instant, self.instant.theta.sin_cos());
         let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
         x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
     }
 
-    /// Displacement of the foot from its place at the start (m), positive to the right.
+    /// Returns the displacement of the foot since the start (m), positive to the right.
     pub fn foot_place(&self) -> T {
         let (sin, cos) = self.instant.theta.sin_cos();
         let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
         self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
     }
 
-    /// Powers per mass (m²/s³) taken by the dissipative forces other than the supports.
+    /// Returns the powers per mass (m²/s³) of the dissipative forces other than the supports.
     pub fn dissipated(&self) -> [T; forces::DISSIPATIVE] {
         forces::dissipated(self.block, &self.forcing, &self.instant)
     }

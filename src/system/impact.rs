@@ -16,19 +16,18 @@ pub struct Velocities<T = f64> {
 }
 
 impl<T: Elementary> Velocities<T> {
-    /// Kinetic energy per unit mass (m²/s²).
+    /// Returns the kinetic energy per unit mass (m²/s²).
     pub fn kinetic(&self, block: &Block<T>) -> T {
         let Velocities { u_dot, v_dot, theta_dot } = *self;
         (block.i0 * theta_dot * theta_dot + u_dot * u_dot + v_dot * v_dot) * 0.5
     }
 }
 
-/// `(v̇, θ̇)` of the centre of mass and of the rotation right after the landing of `corner` at the rotation `theta`,
-/// from those right before; eqs. (14)–(19) with the sign of J12 corrected, and their mirror image (28).
+/// Returns v̇ of the centre of mass (m/s) and θ̇ (rad/s, positive clockwise) after the landing of `corner`, from those before.
 ///
-/// Linear and angular momentum change by the impulses of H and N at the landing corner only, the corner's vertical
-/// velocity by the factor ε, and the horizontal constraint from the standing corner to the middle of the base.
-/// (m/s), (rad/s) positive clockwise.
+/// Eqs. (14)–(19) with the sign of J12 corrected, and their mirror image (28): linear and angular momentum change by the impulses of H and N
+/// at the landing corner only, the corner's vertical velocity by the factor ε, and the horizontal constraint moves from the standing corner
+/// to the middle of the base.
 pub fn landing<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> (T, T) {
     let Block { i0, epsilon, .. } = *block;
     let (sin, cos) = theta.sin_cos();
@@ -45,15 +44,15 @@ pub fn landing<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot:
     (j11 * v_dot + j12 * theta_dot, j21 * v_dot + j22 * theta_dot)
 }
 
-/// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
+/// Returns v̇ of a corner (m/s) from v̇ of the centre of mass and θ̇: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
 pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
     v_dot + lever(block, corner, theta).x * theta_dot
 }
 
-/// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
-/// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
+/// Returns the velocities after the landing of `corner` while the other one does not stand.
 ///
-/// If the rate is reduced, no energy is gained as long as the support pushes, that is, as long as v̇ grows.
+/// The corner's horizontal velocity is stopped, its vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept. A
+/// smaller rate gains no energy as long as the support pushes, that is, as long as v̇ grows.
 pub fn landing_with_grip<T: Elementary>(
     block: &Block<T>,
     corner: Corner,
@@ -68,8 +67,7 @@ pub fn landing_with_grip<T: Elementary>(
     Velocities { u_dot: q * theta_dot, v_dot: rate_after - x * theta_dot, theta_dot }
 }
 
-/// Velocities after the landing of `corner` with a vertical impulse alone, which makes its vertical rate `rate_after`
-/// (m/s).
+/// Returns the velocities after a vertical impulse at `corner` that makes its vertical rate `rate_after` (m/s).
 pub fn landing_without_grip<T: Elementary>(
     block: &Block<T>,
     corner: Corner,
@@ -83,10 +81,10 @@ pub fn landing_without_grip<T: Elementary>(
     Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
-/// Velocities after the landing of `corner` with friction, which make its vertical rate `rate_after` (m/s): the horizontal
-/// impulse is the one within `|P_H| ≤ μ P_N` that leaves the foot slowest.
+/// Returns the velocities after the landing of `corner` with friction, with the vertical rate `rate_after` (m/s).
 ///
-/// The restitution makes P_N linear in P_H, and with it the velocity of the foot.
+/// The horizontal impulse is the one within `|P_H| ≤ μ P_N` that leaves `foot` slowest. P_N is linear in P_H by the restitution, and so is
+/// the velocity of the foot.
 pub fn landing_with_friction<T: Elementary>(
     block: &Block<T>,
     corner: Corner,
@@ -114,7 +112,7 @@ pub fn landing_with_friction<T: Elementary>(
     }
 }
 
-/// The impulse nearest to the one that is wanted with `|P_H| ≤ μ P_N`, where `P_N = constant + slope P_H`.
+/// Returns the impulse with `|P_H| ≤ μ P_N` nearest to `wanted`, where `P_N = constant + slope P_H`.
 fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T) -> T {
     let bound = |direction: f64| {
         let part = -(friction * slope * direction) + 1.0;
@@ -123,8 +121,9 @@ fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T)
     greatest(least(wanted, bound(1.0)), -bound(-1.0))
 }
 
-/// Impulses per mass at L and R (m/s), and velocities, after both corners land at once and grip as far as friction allows, so that their
-/// vertical rates become `rates_after` (m/s). A landing needs both impulses to be positive or zero.
+/// Returns the impulses per mass at L and R (m/s), and the velocities, when both corners land at once with `rates_after` (m/s).
+///
+/// They grip as far as friction allows. The landing is possible only if both impulses are positive or zero.
 pub fn landing_on_both<T: Elementary>(
     block: &Block<T>,
     theta: T,
@@ -149,7 +148,7 @@ pub fn landing_on_both<T: Elementary>(
     ([(sum + difference) * 0.5, (sum - difference) * 0.5], Velocities { u_dot, v_dot, theta_dot })
 }
 
-/// Velocities after the foot of `regime` grips: a horizontal impulse alone stops it.
+/// Returns the velocities after a horizontal impulse that stops the foot of `regime`.
 ///
 /// `θ̇_a = (I0 θ̇_b + M k u̇_b)/(I0 + M k²)`, with k the height of the centre of mass over the foot.
 pub fn grip<T: Elementary>(block: &Block<T>, regime: Regime, theta: T, before: Velocities<T>) -> Velocities<T> {
@@ -159,22 +158,24 @@ pub fn grip<T: Elementary>(block: &Block<T>, regime: Regime, theta: T, before: V
     Velocities { u_dot: height * theta_dot, theta_dot, ..before }
 }
 
-/// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
-/// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
+/// Returns the vertical rate (m/s) of a corner on the rigid base after a horizontal impulse stops it; negative if it is pressed on.
+///
+/// `s P Q u̇_I/(i0 + Q²)` with the corner's horizontal velocity `u̇_I = u̇ − Q θ̇`.
 pub fn thrown_by_grip<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, x: &Instant<T>) -> T {
     let (sin, cos) = x.theta.sin_cos();
     let Lever { x: across, q } = block.lever(Foot::Corner(corner), sin, cos);
     across * q * (x.u_dot - q * x.theta_dot) / (q * q + block.i0)
 }
 
-/// Height of the centre of mass over the foot (m), `R0 cos(α + sθ)` over a corner without eccentricity.
+/// Returns the height of the centre of mass over the foot (m): `R0 cos(α + sθ)` over a corner without eccentricity.
 pub fn height_over<T: Elementary>(block: &Block<T>, foot: Foot, theta: T) -> T {
     let (sin, cos) = theta.sin_cos();
     block.lever(foot, sin, cos).q
 }
 
-/// Energy per unit mass (m²/s²) that the landing of a corner with the vertical velocity `rate` (m/s) takes, if the corner
-/// does not move horizontally before or after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
+/// Returns the energy per unit mass (m²/s²) lost in the landing of a corner with the vertical velocity `rate` (m/s).
+///
+/// For a corner without horizontal motion before and after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
 pub fn landing_loss<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, rate: T) -> T {
     let Block { i0, epsilon, .. } = *block;
     let Lever { x, q } = lever(block, corner, theta);
@@ -182,7 +183,7 @@ pub fn landing_loss<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, r
     (-(epsilon * epsilon) + 1.0) * 0.5 * rate * rate * share
 }
 
-/// The centre of mass as seen from a corner.
+/// Returns the position of the centre of mass relative to a corner.
 fn lever<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> Lever<T> {
     let (sin, cos) = theta.sin_cos();
     block.lever(Foot::Corner(corner), sin, cos)

@@ -1,9 +1,9 @@
-//! The quantities of one instant: the state, the horizontal hold, a corner that is held, and the motion that follows from them.
+//! The quantities of one instant: the state, the horizontal hold, a held corner, and the motion that follows from them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::States;
-use crate::block::{Block, Contacts, Corner, Place};
+use crate::block::{Block, Contacts, Corner, Kinematics};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -12,7 +12,7 @@ use crate::numerics::scalar::{Real, Scalar};
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
 
-/// Powers that are integrated with the state (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
+/// Powers that are integrated beside the state (m²/s³): of the excitation, and dissipated by the dashpots.
 pub type Powers = numerics::Quadratures;
 
 /// The equations of motion, solved at one instant.
@@ -28,19 +28,19 @@ pub struct Instant<T> {
     pub w_dot: T,
     /// ẅ (m/s²).
     pub w_ddot: T,
-    /// Horizontal place of the centre of mass over the middle of the base (m), positive to the right.
+    /// Horizontal displacement of the centre of mass from its position above the middle of the base (m), positive to the right.
     pub u: T,
     /// u̇ relative to the ground (m/s).
     pub u_dot: T,
     /// ü (m/s²).
     pub u_ddot: T,
-    /// Height v of the centre of mass above its place at rest (m).
+    /// Height v of the centre of mass above its position at rest (m).
     pub v: T,
     /// v̇ (m/s).
     pub v_dot: T,
     /// v̈ (m/s²).
     pub v_ddot: T,
-    /// Heights of the corners L and R above their places at rest (m).
+    /// Heights of the corners L and R above their positions at rest (m).
     pub corner: [T; 2],
     /// Their rates (m/s).
     pub corner_dot: [T; 2],
@@ -54,12 +54,12 @@ pub struct Instant<T> {
     pub slip_rate: T,
 }
 
-impl<T: Scalar> Place<T> {
-    /// The place of a block in motion.
+impl<T: Scalar> Kinematics<T> {
+    /// Returns position and motion of the block at an instant.
     #[inline(always)]
-    pub fn of(x: &Instant<T>) -> Place<T> {
+    pub fn of(x: &Instant<T>) -> Kinematics<T> {
         let (sin, cos) = x.theta.sin_cos();
-        Place { sin_cos: [sin, cos], theta_dot: x.theta_dot, center: [x.u, x.v], velocity: [x.u_dot, x.v_dot] }
+        Kinematics { sin_cos: [sin, cos], theta_dot: x.theta_dot, center: [x.u, x.v], velocity: [x.u_dot, x.v_dot] }
     }
 }
 
@@ -71,7 +71,7 @@ pub enum Footing<T> {
         /// Displacement of the foot to the right since the start (m), by flights and slides.
         offset: T,
     },
-    /// None: in flight, and while a support bears the block again but does not grip it yet.
+    /// No hold: in flight, and while a support that bears the block again does not grip it yet.
     Free {
         /// Horizontal displacement of the centre of mass since the start (m).
         u: T,
@@ -90,7 +90,7 @@ pub enum Footing<T> {
 }
 
 impl<T> Footing<T> {
-    /// The same with each number changed by `f`.
+    /// Returns the footing with each number converted by `f`.
     pub fn map<U>(self, f: impl Fn(T) -> U) -> Footing<U> {
         match self {
             Footing::Grips { offset } => Footing::Grips { offset: f(offset) },
@@ -99,7 +99,7 @@ impl<T> Footing<T> {
         }
     }
 
-    /// The same with its rates of change along the motion in the dual parts.
+    /// Returns the footing with its rates along the motion in the dual parts.
     #[inline(always)]
     pub fn with_rates(self, x: &Instant<T>) -> Footing<Dual<T>>
     where
@@ -121,10 +121,10 @@ impl<T> Footing<T> {
 }
 
 impl Footing<f64> {
-    /// A block that has not moved from its place.
+    /// Footing of a block that has not moved.
     pub const AT_START: Footing<f64> = Footing::Grips { offset: 0.0 };
 
-    /// Both numbers finite.
+    /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         match *self {
             Footing::Grips { offset } => offset.is_finite(),
@@ -133,8 +133,9 @@ impl Footing<f64> {
         }
     }
 
-    /// Work of the horizontal forcing, per unit mass (m²/s²), until the footing is `after`, while nothing holds the block: there
-    /// `ü = −a_x`, and `∫ −a_x u̇ dt = Δ(u̇²)/2`. Zero while the block grips.
+    /// Returns the work of the horizontal forcing per unit mass (m²/s²) on a free block until its footing is `after`.
+    ///
+    /// `ü = −a_x` gives `∫ −a_x u̇ dt = Δ(u̇²)/2`. Zero for other footings.
     pub fn free_work(&self, after: &Footing<f64>) -> f64 {
         match (self, after) {
             (Footing::Free { u_dot: from, .. }, Footing::Free { u_dot: to, .. }) => 0.5 * (to - from) * (to + from),
@@ -144,7 +145,7 @@ impl Footing<f64> {
     }
 }
 
-/// Place, velocities and contacts of the block: with the excitation they determine its motion.
+/// Position, velocities and contacts of the block, which determine its motion together with the excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose<T = f64> {
     /// Time (s).
@@ -160,7 +161,7 @@ pub struct Pose<T = f64> {
 }
 
 impl<T> Pose<T> {
-    /// A pose in which no restraint acts.
+    /// Returns a pose in which no restraint acts.
     pub fn unrestrained(time: T, state: State<T>, contacts: Contacts<T>, footing: Footing<T>) -> Pose<T> {
         Pose { time, state, contacts, footing, restraints: States::NONE }
     }
@@ -174,22 +175,22 @@ impl Pose {
     }
 }
 
-/// A corner that is held on its support: it moves with the support and bears nothing.
+/// A corner held on its support: it moves with the support and bears no load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held<T> {
     /// The corner.
     pub corner: Corner,
-    /// Height of its support above its place under the block at rest (m), its rate (m/s) and its acceleration (m/s²).
+    /// Height of its support above the position at rest (m), its rate (m/s) and its acceleration (m/s²).
     pub top: [T; 3],
 }
 
 impl<R: Scalar> Held<R> {
-    /// A corner held on a support at this height that creeps at this rate: `C ÿ = −K ẏ`.
+    /// Returns a corner held on a support with this height and rate, which creeps by `C ÿ = −K ẏ`.
     pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
         Held { corner, top: [value, rate, creeping(block, rate)] }
     }
 
-    /// The same with its rates of change in the dual parts.
+    /// Returns the held corner with its rates in the dual parts.
     pub fn with_rates(&self, block: &Block<R>) -> Held<Dual<R>> {
         let [value, rate, acceleration] = self.top;
         let jerk = creeping(block, acceleration);
@@ -198,8 +199,7 @@ impl<R: Scalar> Held<R> {
     }
 }
 
-/// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing
-/// moves.
+/// Returns the rate of change of a rate of a creeping support; zero for one at rest, also without damping, where K/C is infinite.
 pub(super) fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
     R::select_less(R::Real::from(0.0), rate.value().abs(), -(block.creep_rate() * rate), R::from(0.0))
 }

@@ -1,4 +1,4 @@
-//! A pose → the equations of motion that hold from there on.
+//! A pose → its law: the equations of motion from there on.
 
 use crate::block::restraints::States;
 use crate::block::{Block, Corner, Foundation, Regime};
@@ -6,28 +6,28 @@ use crate::excitation::Forcing;
 use crate::numerics::scalar::Elementary;
 use crate::system::instant::{Footing, Pose};
 
-/// Which equations of motion hold while the contacts last.
+/// The choice of the equations of motion while the contacts last.
 ///
-/// [`AnyLaw`] is a value that says so at run time. Most laws are types as well ([`Gripping`]): the compiler knows all of them,
-/// so that the steps under each are compiled for it alone and no stage asks for the regime.
+/// [`AnyLaw`] is a value at run time. Frequent laws also have a type ([`Gripping`]), for which steps are compiled separately, so that no
+/// stage tests the regime.
 pub trait Law: Copy {
-    /// Whether it is a type, known to the compiler.
+    /// Whether the law has its own type.
     const KNOWN: bool;
 
-    /// Which corners touch.
+    /// The regime.
     fn regime(self) -> Regime;
-    /// The ground that they touch.
+    /// The foundation.
     fn foundation(self) -> Foundation;
     /// Whether the foot does not slide.
     fn grips(self) -> bool;
-    /// The corner that is held in contact though it bears nothing.
+    /// The corner that is held in contact without load, if any.
     fn held(self) -> Option<Corner>;
 
-    /// Whether the horizontal motion is integrated too, with the works of friction and of the restraints: where the foot slides against
-    /// friction, or restraints pull.
+    /// Whether the horizontal motion is integrated too, with the works of friction and restraints: for a foot that slides against
+    /// friction, or a block with restraints.
     const EXTENDED: bool = false;
 
-    /// The corner of the rigid base about which the block turns under nothing but its weight and the excitation.
+    /// The corner of the rigid base about which the block turns under its weight and the excitation alone.
     #[inline(always)]
     fn pivot(self) -> Option<Corner> {
         match (Self::KNOWN, self.foundation()) {
@@ -36,7 +36,7 @@ pub trait Law: Copy {
         }
     }
 
-    /// Whether the block rests on the rigid base under nothing but its weight and the excitation.
+    /// Whether the block rests on the rigid base under its weight and the excitation alone.
     #[inline(always)]
     fn is_at_rest(self) -> bool {
         Self::KNOWN && self.foundation() == Foundation::Rigid && self.regime() == Regime::FullContact
@@ -54,7 +54,7 @@ pub trait Law: Copy {
         Self::EXTENDED
     }
 
-    /// Whether the friction of the feet has a limit.
+    /// Whether friction is limited.
     #[inline(always)]
     fn has_friction(self) -> bool {
         false
@@ -66,14 +66,14 @@ pub trait Law: Copy {
         States::NONE
     }
 
-    /// The forcing with the forces that act under this law.
+    /// The forcing with the restraints that act under this law.
     #[inline(always)]
     fn acting<T>(self, forcing: Forcing<T>) -> Forcing<T> {
         Forcing { restraints: self.restraints(), ..forcing }
     }
 }
 
-/// A law that is known at run time; the horizontal motion is integrated too if it is `EXTENDED`.
+/// A law known at run time; if `EXTENDED`, the horizontal motion is integrated too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnyLaw<const EXTENDED: bool = false> {
     regime: Regime,
@@ -103,7 +103,7 @@ impl AnyLaw {
         }
     }
 
-    /// The same as a law under which the horizontal motion is integrated too, if it is one.
+    /// Returns the extended law of a sliding or restrained block, or `None`.
     #[inline]
     pub fn extended(self) -> Option<AnyLaw<true>> {
         let AnyLaw { regime, foundation, grips, held, has_friction, slides, restrained, restraints } = self;
@@ -147,8 +147,7 @@ impl<const EXTENDED: bool> Law for AnyLaw<EXTENDED> {
     }
 }
 
-/// The law of a block that stands on the left corner, the right one, or both, on a rigid base or on supports; the foot does
-/// not slide, and no corner is held.
+/// The law of a block that grips the foundation with the left corner, the right corner, or both; no corner is held.
 #[derive(Clone, Copy, Debug)]
 pub struct Gripping<const LEFT: bool, const RIGHT: bool, const RIGID: bool>;
 
@@ -176,7 +175,7 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Law for Gripping<LE
     }
 }
 
-/// `$body` with `$law` as the type of the law `$any`, where it has one, and as the value itself otherwise.
+/// Evaluates `$body` with `$law` of the law's own type, or as the value `$any` if it has none.
 macro_rules! in_law {
     ($any:expr, $law:ident => $body:expr) => {{
         let any = $any;

@@ -5,10 +5,10 @@
 //! | [`instant`] | state, pose, horizontal hold, accelerations and reactions: shared by forces, equations and events |
 //! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
 //! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
-//! | [`law`] | a pose → which of these equations hold |
+//! | [`law`] | a pose → the equations that hold from there on |
 //! | [`swing`] | a block on one corner of the rigid base → its motion as a power series |
 //! | [`evaluation`] | a pose and an excitation → the block at any instant while the pose's contacts last |
-//! | [`events`] | an instant → the functions that are watched; a pose and an event, a file each → the pose right after |
+//! | [`events`] | an instant → the watched functions; a pose and an event, a file each → the pose right after |
 //! | [`impact`] | velocities before a landing → velocities after |
 //! | [`beginning`] | initial values → the pose at the beginning |
 
@@ -26,20 +26,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 
-/// A block and the rules by which it moves.
+/// A block and the rules of its motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct System<T = f64> {
     /// The block on its foundation.
     pub block: Block<T>,
-    /// Whether the block flies once no corner touches. In the paper's analysis it does not: the run ends as soon as the last corner
-    /// bears nothing.
+    /// Whether the block flies once no corner touches. In the paper's analysis the run ends as soon as the last corner bears nothing.
     pub flies: bool,
-    /// Slowest rocking on the rigid base that continues after an impact, as a fraction of p. The block comes to rest after
-    /// infinitely many impacts in finite time, which below this rate are no longer distinguished.
+    /// Slowest rocking on the rigid base that continues after an impact, as a fraction of p.
+    ///
+    /// The infinitely many impacts before rest, which take a finite time, are not distinguished below this rate.
     pub slowest: f64,
 }
 
 impl System {
-    /// The limit for a solver that locates events to rounding.
+    /// [`System::slowest`] for a solver that locates events to round-off.
     pub const SLOWEST: f64 = 1e-9;
 }

@@ -53,7 +53,7 @@ impl Fmi3Values {
         }
     }
 
-    /// The same, to be set.
+    /// Returns the values of a real parameter for a change.
     pub fn of_mut(&mut self, variable: Fmi3Variable) -> &mut [f64] {
         match variable {
             Fmi3Variable::Time | Fmi3Variable::RecordSamples | Fmi3Variable::Indicator(_) => &mut [],

@@ -117,10 +117,10 @@ impl Unit {
         self.phase = Phase::Fatal;
     }
 
-    /// Whether this can be a state of this FMU. A checksum cannot tell, since anyone can compute one.
+    /// Whether this can be a state of this FMU, which a checksum cannot ensure.
     pub fn is_valid(&self) -> bool {
         let times = [self.experiment.start, self.acting.time, self.left.unwrap_or(0.0)];
-        let looked_at = matches!(self.phase, Phase::SettingAhead | Phase::LookingIn);
+        let is_inside_a_step = matches!(self.phase, Phase::SettingAhead | Phase::ReadingOutputs);
         let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
             && self.phase != Phase::Fatal
@@ -128,7 +128,7 @@ impl Unit {
                 Interface::CoSimulation => self.phase != Phase::ContinuousTimeMode,
                 Interface::ModelExchange => !stepped,
             }
-            && !looked_at
+            && !is_inside_a_step
             && times.iter().chain(&self.states).all(|x| x.is_finite())
             && [&self.inputs, &self.last_inputs].into_iter().chain(&self.at_end).all(Inputs::is_finite)
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
@@ -161,8 +161,8 @@ impl Unit {
         self.inputs.time = start;
         self.forget();
         let [least, most] = Settings::TOLERANCES;
-        let followed = |tolerance: f64| tolerance.clamp(least, most);
-        Ok(tolerance.filter(|&tolerance| followed(tolerance) != tolerance).map(followed))
+        let clamped = |tolerance: f64| tolerance.clamp(least, most);
+        Ok(tolerance.filter(|&tolerance| clamped(tolerance) != tolerance).map(clamped))
     }
 
     /// Begins initialization.

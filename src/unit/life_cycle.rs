@@ -20,7 +20,7 @@ pub enum Phase {
     /// Inside a step: the importer sets inputs for a later time.
     SettingAhead,
     /// Inside a step: the importer reads the outputs at the time reached so far.
-    LookingIn,
+    ReadingOutputs,
     /// The last step was discarded because the run ended within it.
     StepFailed,
     /// At the start or at an event, before its effects are applied.
@@ -43,7 +43,7 @@ impl Phase {
         Phase::InitializationMode,
         Phase::StepComplete,
         Phase::SettingAhead,
-        Phase::LookingIn,
+        Phase::ReadingOutputs,
         Phase::StepFailed,
         Phase::EventMode,
         Phase::ContinuousTimeMode,
@@ -64,7 +64,7 @@ impl Phase {
             Phase::EventMode
             | Phase::StepComplete
             | Phase::SettingAhead
-            | Phase::LookingIn
+            | Phase::ReadingOutputs
             | Phase::StepFailed
             | Phase::ContinuousTimeMode
             | Phase::Terminated

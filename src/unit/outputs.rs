@@ -28,13 +28,13 @@ pub fn state(output: Output) -> Option<usize> {
 
 /// The source of an output's value and of its derivatives.
 pub enum Source {
-    /// A quantity of an observation. From an observation of rates it gives the rate, from one of sensitivities the sensitivity.
+    /// A quantity of an observation; applied to an observation of rates or sensitivities, its rate or sensitivity.
     Observed(fn(&Observation<f64>) -> f64),
     /// An energy, or its rate.
     Energy(fn(&Energies) -> f64),
-    /// The largest value since the start. It grows while the present value equals it and grows.
+    /// The largest value since the start, which rises while the present value equals it and rises.
     Peak(Channel),
-    /// How far the foot has slid, and its rate from that of the foot.
+    /// A slip, and its rate from the velocity of the foot.
     Slip(fn(&simulation::Slip) -> f64, fn(f64) -> f64),
     /// The largest slip since the start.
     PeakSlip,
@@ -118,7 +118,7 @@ fn flag(is: bool) -> f64 {
     f64::from(u8::from(is))
 }
 
-/// The observation and the energies of the present time, once an output has asked for them.
+/// The observation and the energies of the present time, computed when an output needs them.
 #[derive(Clone, Debug, Default)]
 pub struct ObservationCache {
     observed: OnceCell<Observation<f64>>,
@@ -135,19 +135,19 @@ pub struct Rates {
     pub energies: Energies,
     /// Values and rates of the quantities with peaks.
     pub channels: Channels,
-    /// How far the foot has slid.
+    /// The slip of the foot.
     pub slip: simulation::Slip,
     /// The largest values since the start.
     pub peaks: Peaks,
 }
 
 impl Source {
-    /// Returns the value. Only an output that needs them has the equations or the energies evaluated, at most once per instant.
-    pub fn value(&self, seen: &ObservationCache, simulation: &Simulation, inputs: &Inputs) -> f64 {
-        let observed = || seen.observed.get_or_init(|| simulation.observe(inputs));
+    /// Returns the value. The cache evaluates the equations and the energies only if needed, at most once per instant.
+    pub fn value(&self, cache: &ObservationCache, simulation: &Simulation, inputs: &Inputs) -> f64 {
+        let observed = || cache.observed.get_or_init(|| simulation.observe(inputs));
         match self {
             Source::Observed(of) => of(observed()),
-            Source::Energy(of) => of(seen.energies.get_or_init(|| simulation.energies())),
+            Source::Energy(of) => of(cache.energies.get_or_init(|| simulation.energies())),
             Source::Regime => f64::from(observed().regime.number()),
             Source::Peak(channel) => simulation.peaks().of(*channel),
             Source::Slip(of, _) => of(&simulation.slip()),
@@ -168,7 +168,7 @@ impl Source {
             Source::Slip(_, of) => of(observed.slip_rate),
             Source::PeakSlip => {
                 let outward = if slip.now < 0.0 { -observed.slip_rate } else { observed.slip_rate };
-                // At the start the foot leaves to either side.
+                // From its initial position the foot slips outward in either direction.
                 let outward = if slip.now == 0.0 { observed.slip_rate.abs() } else { outward };
                 rate_of_peak(peaks.slip, slip.now.abs(), outward)
             }
@@ -178,19 +178,19 @@ impl Source {
     }
 
     /// Returns the derivative at the beginning, in a direction of start values, parameters and inputs.
-    pub fn initial_derivative(&self, along: &InitialDerivatives) -> f64 {
+    pub fn initial_derivative(&self, derivatives: &InitialDerivatives) -> f64 {
         match self {
-            Source::Observed(of) => of(&along.observed),
-            Source::Energy(of) => of(&along.energies),
-            Source::Peak(channel) => along.peaks.of(*channel),
-            Source::PeakPull(number) => along.peaks.pull[*number],
+            Source::Observed(value) => value(&derivatives.observed),
+            Source::Energy(value) => value(&derivatives.energies),
+            Source::Peak(channel) => derivatives.peaks.of(*channel),
+            Source::PeakPull(number) => derivatives.peaks.pull[*number],
             Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
 
-    /// Returns the derivative with respect to inputs and states at one instant, from those of the observation and of the energies.
+    /// Returns the derivative with respect to inputs and states at one instant, from the derivatives of observation, energies and slip.
     ///
-    /// `slip` has those of how far the foot has slid. Peaks and event counts do not depend on them.
+    /// Peaks and event counts do not depend on the inputs and states of that instant.
     pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies, slip: &simulation::Slip) -> f64 {
         match self {
             Source::Observed(of) => of(sensitivities),
@@ -206,9 +206,9 @@ impl Source {
     }
 }
 
-/// Returns the rate at which a peak rises: with a value that stands at it and grows.
+/// Returns the rate of a peak: that of a value that equals it and rises, otherwise zero.
 fn rate_of_peak(peak: f64, value: f64, rate: f64) -> f64 {
-    // The value at the step's last instant and the observed one are the same number up to rounding.
+    // The value at the end of the step and the observed one differ by round-off.
     const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
     if value >= AT_PEAK * peak && rate > 0.0 { rate } else { 0.0 }
 }

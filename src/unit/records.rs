@@ -66,10 +66,7 @@ impl Values {
         if time_step > 0.0 {
             return Ok(Ground { horizontal, vertical });
         }
-        Err(format!(
-            "{} = {time_step} s with samples; expected the time between two of them",
-            Variable::RecordDt.name()
-        ))
+        Err(format!("{} = {time_step} s with samples; expected a time step above 0 s", Variable::RecordDt.name()))
     }
 
     /// Reads the files that the parameters name. An error is one line and names settings by their variables.
@@ -101,9 +98,9 @@ impl Values {
             ));
         }
         let time_step = self[Variable::RecordDt];
-        let given = (!self[unit].is_empty()).then(|| self[unit].parse());
+        let unit_choice = (!self[unit].is_empty()).then(|| self[unit].parse());
         let options = ReadOptions {
-            unit: given.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
+            unit: unit_choice.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
             time_step: (time_step != 0.0).then_some(time_step),
             gravity: self[Variable::G],
             channel: (self[channel] != 0.0).then_some(self[channel] as usize),

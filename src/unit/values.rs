@@ -3,7 +3,7 @@
 //! Names every parameter of modelDescription.xml, once.
 
 use crate::block::restraints::{Tie, Ties, tie};
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Restraints};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Restraints};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
@@ -98,34 +98,37 @@ impl Values {
 
     /// Makes the block from the parameters.
     pub fn block(&self) -> Result<Block, BlockError> {
-        let (given, common) = self.given_block(|variable| self[variable]);
-        let block = Block::from_given(&given, &common)?;
+        let (parameterization, common) = self.block_parameters(|variable| self[variable]);
+        let block = Block::from_parameters(&parameterization, &common)?;
         let ties = self.ties(|variable| self[variable]);
         for (tie, (name, _)) in ties.iter().zip(TIE_VARIABLES) {
-            // The limits of the variables leave nothing else to refuse.
+            // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
                 name,
                 value: tie.length(),
-                expected: "its ends, whose distance (m) this is, at two different places",
+                expected: "a distance of its ends (m) above 0",
             })?;
         }
         block.with_ties(&ties)
     }
 
-    /// Makes the block with the numbers of `of`, whose values are the parameters and are not checked.
+    /// Makes the block with the parameters from `of`, such as numbers with derivatives, without checks.
     pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
-        let (given, common) = self.given_block(&of);
-        Block { restraints: Restraints { ties: Ties::of(&self.ties(of)) }, ..Block::of_given(&given, &common) }
+        let (parameterization, common) = self.block_parameters(&of);
+        Block {
+            restraints: Restraints { ties: Ties::of(&self.ties(of)) },
+            ..Block::of_parameters(&parameterization, &common)
+        }
     }
 
-    /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.
+    /// Returns the ties up to the last one that has a stiffness, with the parameters from `of`.
     pub fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
         let count = TIE_VARIABLES.iter().rposition(|(_, tie)| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
         TIE_VARIABLES[..count].iter().map(|(_, tie)| tie.map(&of)).collect()
     }
 
-    /// Returns the parameters of the block, with the numbers of `of`.
-    pub fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (Given<T>, Common<T>) {
+    /// Returns the parameters of the block from `of`.
+    pub fn block_parameters<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (Parameterization<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
@@ -136,13 +139,13 @@ impl Values {
             eccentricity: of(Variable::Eccentricity),
             friction: of(Variable::Friction),
         };
-        let given = if self.is_physical() {
+        let parameterization = if self.is_physical() {
             let height = if self.has_center_height() {
                 of(Variable::PhysicalCenterHeight) * 2.0
             } else {
                 of(Variable::PhysicalHeight)
             };
-            Given::Physical(Physical {
+            Parameterization::Physical(Physical {
                 width: of(Variable::PhysicalWidth),
                 height,
                 stiffness: of(Variable::PhysicalK),
@@ -150,14 +153,14 @@ impl Values {
                 inertia: self.has_inertia().then(|| of(Variable::PhysicalInertia)),
             })
         } else {
-            Given::Dimensionless(Dimensionless {
+            Parameterization::Dimensionless(Dimensionless {
                 alpha: of(Variable::DimensionlessAlpha),
                 p: of(Variable::DimensionlessP),
                 eta: of(Variable::DimensionlessEta),
                 xi_v: of(Variable::DimensionlessXiV),
             })
         };
-        (given, common)
+        (parameterization, common)
     }
 
     /// Returns the chosen item of an enumeration.
@@ -219,7 +222,7 @@ impl Values {
         TIE_VARIABLES.iter().any(|(_, tie)| self[tie.stiffness] > 0.0)
     }
 
-    /// Returns the setting that a parameter needs to be read, if the others lack it.
+    /// Returns the missing setting that a parameter needs to be read, if any.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
         match parameter {
@@ -299,18 +302,18 @@ impl Values {
     /// Returns the parameters that were set but are not read, each with the setting that it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
-        let numbers = self.given(Parameter::ALL.into_iter().filter_map(lacking).collect());
+        let numbers = self.changed(Parameter::ALL.into_iter().filter_map(lacking).collect());
         numbers.chain(Text::ALL.into_iter().filter(|&text| !self[text].is_empty()).filter_map(|text| {
             let needed = self.text_lacks(text)?;
             Some((text.variable().name(), needed))
         }))
     }
 
-    /// Returns the setting that a text needs to be read, if it is missing.
+    /// Returns the missing setting that a text needs to be read, if any.
     fn text_lacks(&self, text: Text) -> Option<&'static str> {
         match text {
             Text::RecordHorizontal | Text::RecordVertical => None,
-            // It is also the unit of a vertical record that has none of its own.
+            // It is also the unit of a vertical record without its own unit.
             Text::RecordHorizontalUnit => {
                 let of_vertical = !self[Text::RecordVertical].is_empty() && self[Text::RecordVerticalUnit].is_empty();
                 (self[Text::RecordHorizontal].is_empty() && !of_vertical).then_some("record.horizontal")
@@ -326,13 +329,13 @@ impl Values {
             (Foundation::Rigid, true) => vec![Variable::PhysicalK, Variable::PhysicalC],
             (Foundation::Rigid, false) => vec![Variable::DimensionlessEta, Variable::DimensionlessXiV],
         };
-        self.unread().chain(self.given(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
+        self.unread().chain(self.changed(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
     }
 
     /// Keeps the variables that differ from their start values, with their names.
-    fn given(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let given = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
-        variables.into_iter().filter(move |(v, _)| given(*v)).map(|(v, needed)| (v.name(), needed))
+    fn changed(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let changed = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
+        variables.into_iter().filter(move |(v, _)| changed(*v)).map(|(v, needed)| (v.name(), needed))
     }
 
     /// Returns the initial state.
@@ -340,7 +343,7 @@ impl Values {
         self.initial_of(|variable| self[variable])
     }
 
-    /// The same with the numbers of `of`.
+    /// Returns the initial state with the parameters from `of`.
     pub(super) fn initial_of<T>(&self, of: impl Fn(Variable) -> T) -> Initial<T> {
         let vertical = (of(Variable::InitialV), of(Variable::InitialVDot));
         Initial {
@@ -355,7 +358,7 @@ impl Values {
         self.pulse_of(|variable| self[variable])
     }
 
-    /// The same with the numbers of `of`.
+    /// Returns the pulse with the parameters from `of`.
     pub(super) fn pulse_of<T>(&self, of: impl Fn(Variable) -> T) -> Pulse<T> {
         Pulse {
             shape: match self.choice(Variable::PulseShape) {

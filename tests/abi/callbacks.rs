@@ -34,7 +34,7 @@ unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Tex
     let (mut real, mut integer, mut state, mut size) = ([f64::NAN], c_int::MIN, saved, usize::MAX);
     let mut bytes = [0; 8];
     let (logs, text) = ([c"logSteps".as_ptr()], null::<Text>());
-    // SAFETY: the instance lives, arrays hold as many values as their counts say; the test is about calls during another call.
+    // SAFETY: the instance lives, arrays hold the number of values that their counts state; the test is about calls during another call.
     let answers = unsafe {
         [
             ("fmi2SetDebugLogging", (f.set_debug_logging)(c, 0, 1, logs.as_ptr())),

@@ -124,7 +124,7 @@ fn shifted(instance: &Instance, output: &str, input: &str, shift: f64) -> f64 {
 }
 
 /// All outputs but the friction demand, a quotient, are linear in the inputs. Differences over 1e-3 and 5e-4 of a weight,
-/// extrapolated (error of fourth order), are accurate to 1e-11 for the friction demand and to rounding, 1e-16/1e-3, for the
+/// extrapolated (error of fourth order), are accurate to 1e-11 for the friction demand and to round-off, 1e-16/1e-3, for the
 /// others.
 #[test]
 fn directional_derivatives_match_differences_of_the_outputs() {

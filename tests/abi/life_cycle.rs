@@ -249,7 +249,7 @@ fn exchanged_in(state: &str) -> Instance {
     if state == "error" {
         instance.set("on_separation", 3.0);
         TO_CONTINUOUS_TIME_MODE.iter().for_each(|step| assert_eq!(step(&instance), OK));
-        // No regime lasts in such a state.
+        // No regime persists in such a state.
         let states = [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert_eq!(call!(instance, set_continuous_states, states.as_ptr(), states.len()), OK);
         assert_eq!(call!(instance, enter_event_mode), OK);

@@ -71,7 +71,7 @@ fn the_fmu_follows_a_record_like_the_solver() {
     assert!(counts.impacts > 5 && counts.liftoffs > 5, "{counts:?}");
 }
 
-/// The communication step and the record's source change the motion only within rounding and tolerance.
+/// The communication step and the record's source change the motion only within round-off and tolerance.
 #[test]
 fn any_communication_step_gives_the_same_motion() {
     let follow = |step: f64| {

@@ -129,7 +129,7 @@ fn without_derivatives_the_input_is_held() {
         let mut trace = Vec::new();
         for i in 0..20 {
             let time = f64::from(i) * 0.125;
-            // A rate holds for one step only.
+            // A rate applies to one step only.
             if i == 3 {
                 instance.set_rate("a_gx", 20.0);
             } else if zero_rates {

@@ -270,7 +270,7 @@ fn broken_state(fmu: &mut Fmu, choice: u32) -> fmi2Status {
         }
         6 => fmu.deserialize(&(0..at as u32).map(|i| (i.wrapping_mul(choice | 1) >> 3) as u8).collect::<Vec<_>>()),
         _ => {
-            // SAFETY: the instance lives, and no place for the state is given.
+            // SAFETY: the instance lives, and the pointer for the state is null.
             unsafe { fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), null_mut()) }
         }
     };

@@ -109,7 +109,7 @@ fn arrays_that_do_not_fit_are_refused() {
     block.set("record.dt", 0.0);
     array(&block, "record.horizontal_samples", &[1.0, 2.0]);
     assert_eq!(call!(block, enter_initialization_mode, false, 0.0, 0.0, false, 0.0), OK);
-    block.refuses(call!(block, exit_initialization_mode), &["record.dt = 0 s", "expected the time"]);
+    block.refuses(call!(block, exit_initialization_mode), &["record.dt = 0 s", "expected a time step"]);
     block.set("record.dt", 0.01);
     let path = c"/nowhere";
     assert_eq!(call!(block, set_string, &reference("record.vertical"), 1, &path.as_ptr(), 1), OK);

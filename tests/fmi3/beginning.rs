@@ -119,7 +119,7 @@ fn derivatives_match_differences_of_the_values() {
     }
 }
 
-/// Only the samples around the start act, and linearly, so a difference over 1 m/s² is exact up to rounding.
+/// Only the samples around the start act, and linearly, so a difference over 1 m/s² is exact up to round-off.
 #[test]
 fn samples_are_directions() {
     let declared = declared();

@@ -64,7 +64,7 @@ fn inputs_inside_a_step_are_followed() {
         }
         let (theta, found) = (expected.get("theta"), block.get("theta"));
         assert!(expected.get("peak.theta") > 1e-3 && expected.get("events.liftoffs") >= 1.0, "{theta}");
-        // Both integrate the same motion, with their own rounding.
+        // Both integrate the same motion, with their own round-off.
         assert!((theta - found).abs() < 1e-9, "{found}, not {theta}");
         assert_eq!(block.get("events.liftoffs"), expected.get("events.liftoffs"));
         assert_eq!(block.get("a_gx"), ground(2.0));

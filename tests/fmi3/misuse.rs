@@ -108,7 +108,7 @@ fn altered_states_are_refused() {
     block.ok(call!(block, serialized_fmu_state_size, state, &mut size));
     let mut bytes = vec![0; size];
     let short = call!(block, serialize_fmu_state, state, bytes.as_mut_ptr(), size - 1);
-    block.refuses(short, &["the state takes"]);
+    block.refuses(short, &["the state needs"]);
     block.ok(call!(block, serialize_fmu_state, state, bytes.as_mut_ptr(), size));
     block.ok(call!(block, free_fmu_state, &mut state));
     for place in (0..size).step_by(7) {

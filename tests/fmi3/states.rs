@@ -175,7 +175,7 @@ fn block_in(state: char) -> Instance {
         for step in &TO_CONTINUOUS_TIME_MODE {
             block.ok(step(&block));
         }
-        // No regime lasts in such a state.
+        // No regime persists in such a state.
         block.ok(call!(
             block,
             set_continuous_states,

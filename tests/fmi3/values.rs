@@ -81,7 +81,7 @@ fn adjoint_and_directional_derivatives_belong_together() {
     let (one, other) = (dot(&seed, &forward), dot(&direction, &backward));
     // Rounding of sums of some thirty terms.
     assert!(one.abs() > 0.1 && (one - other).abs() < 1e-12 * dot(&seed.map(f64::abs), &forward.map(f64::abs)));
-    // Accelerations are linear in the inputs, so a difference is exact up to rounding.
+    // Accelerations are linear in the inputs, so a difference is exact up to round-off.
     let before = block.get("theta_ddot");
     block.set("a_gx", 1e-3);
     let difference = (block.get("theta_ddot") - before) / 1e-3;

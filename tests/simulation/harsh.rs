@@ -293,7 +293,7 @@ fn no_run_at_the_limit_of_lifting_fails_and_no_corner_pulls() {
     none_fails("grazing", 300, Case::grazing);
 }
 
-/// A landing without effect gains no energy beyond rounding, and leaves finite numbers.
+/// A landing without effect gains no energy beyond round-off, and leaves finite numbers.
 ///
 /// On the rigid base the block turns about L at various rates, and L has left the base so little that its landing hardly
 /// changes a rate.
@@ -334,7 +334,7 @@ fn a_landing_without_effect_gains_no_energy() {
     }
 }
 
-/// Setting the clock back by its rounding after a lift-off leaves the events unchanged.
+/// Setting the clock back by its round-off after a lift-off leaves the events unchanged.
 ///
 /// A corner that has just lifted is still on its support then.
 #[test]

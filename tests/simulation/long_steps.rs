@@ -49,7 +49,7 @@ fn run(block: Block, initial: &Initial, steps: &[Step], parts: u32) -> (Vec<Even
     (events, simulation.peaks())
 }
 
-/// Number of events to compare; over more bounces rounding errors grow without bound.
+/// Number of events to compare; over more bounces round-off errors grow without bound.
 const MOST_EVENTS: usize = 10;
 
 /// Returns true if two runs have the same events and, unless there are many, the same peaks.
@@ -120,7 +120,7 @@ prop_compose! {
 
 /// Long steps miss no dip: with inflections, in far turns in flight, after short hops.
 ///
-/// If a corner just grazes its support, rounding decides: 1 run in 60,000.
+/// If a corner just grazes its support, round-off decides: 1 run in 60,000.
 #[test]
 fn long_steps_have_the_events_and_peaks_of_short_ones() {
     let (ran, differ) = (Cell::new(0), Cell::new(0));

@@ -91,7 +91,7 @@ fn each_impact_on_the_rigid_base_leaves_housners_part_of_the_energy() {
     }
 }
 
-/// A slow push tilts the block on its supports until one corner carries nothing: eq. (29).
+/// A slow push tilts the block on its supports until one corner carries no load: eq. (29).
 #[test]
 fn a_slow_push_lifts_a_corner_at_the_separation_angle() {
     let block = block(0.25, 1.0, 40.0, 0.3, 0.0);
@@ -346,7 +346,7 @@ fn a_lift_off_adds_the_energy_of_the_new_constraint() {
 
 /// Landings with ε = 0 on supports that have almost crept back do not chatter.
 ///
-/// The reaction is then zero up to rounding. Its sign must not make the corner hop endlessly, nor count as a separation.
+/// The reaction is then zero up to round-off. Its sign must not make the corner hop endlessly, nor count as a separation.
 #[test]
 fn landings_without_rebound_do_not_chatter() {
     let pulse = one_sine(6.2622, 1.2566);
@@ -421,7 +421,7 @@ fn a_block_that_separates_on_its_way_over_has_toppled() {
     );
 }
 
-/// In each initial regime the motion is the given one.
+/// In each initial regime the motion starts with the stated values.
 #[test]
 fn a_run_begins_with_the_given_motion() {
     let block = block(0.25, 1.0, 20.0, 0.1, 0.0);

@@ -1,7 +1,7 @@
 //! The equations of motion at an instant: rates, balance of forces, balance of energy.
 //!
 //! Rates are compared with central differences along the motion, by Runge–Kutta steps of order 4. In units of the fastest
-//! circular frequency ω the step is 1e-4, so the truncation error is ω³ · 1e-8 of the function and rounding 1e-12.
+//! circular frequency ω the step is 1e-4, so the truncation error is ω³ · 1e-8 of the function and round-off 1e-12.
 
 use std::f64::consts::TAU;
 

@@ -60,7 +60,7 @@ fn corner_arm(block: &Block, theta: f64) -> f64 {
 }
 
 /// Returns N_L over the weight, and the acceleration at which the gap of L would open.
-fn look(simulation: &Simulation, inputs: &Inputs, pulse: &Pulse) -> (f64, f64) {
+fn reaction_and_opening(simulation: &Simulation, inputs: &Inputs, pulse: &Pulse) -> (f64, f64) {
     let (block, seen) = (simulation.block(), simulation.observe(inputs));
     let a_gx = pulse.acceleration(simulation.time()) + inputs.a_gx.value;
     (seen.reaction[0] / (block.mass * block.gravity), opening(block, &seen, a_gx))
@@ -78,7 +78,7 @@ fn a_corner_that_would_be_pressed_back_is_held() {
     for i in 1..=8000 {
         let mut none = |event: &Event| panic!("{event}");
         simulation.advance(1e-4 * f64::from(i), &inputs, &mut none).unwrap();
-        let (n, opening) = look(&simulation, &inputs, &pulse);
+        let (n, opening) = reaction_and_opening(&simulation, &inputs, &pulse);
         assert!(n >= 0.0, "N_L = {n} M g");
         if n == 0.0 {
             let (block, seen) = (simulation.block(), simulation.observe(&inputs));
@@ -94,7 +94,7 @@ fn a_corner_that_would_be_pressed_back_is_held() {
         assert!(opening < 0.0, "the gap would open with {opening} m/s2");
         assert!(creeps.abs() < 1e-12, "L is faster than its support by {creeps} m/s");
     }
-    assert!(look(&simulation, &inputs, &pulse).0 > 0.1);
+    assert!(reaction_and_opening(&simulation, &inputs, &pulse).0 > 0.1);
 }
 
 /// Under a slightly stronger push the gap opens, and L lifts when its reaction falls to zero.
@@ -107,7 +107,7 @@ fn a_corner_whose_gap_opens_lifts() {
     assert_eq!((event.kind, event.after), (EventKind::LiftOff(Corner::Left), Regime::TiltingRight));
     let mut before = start(pulse);
     before.advance(event.time - 1e-9, &inputs, &mut |event| panic!("{event}")).unwrap();
-    let (n, opening) = look(&before, &inputs, &pulse);
+    let (n, opening) = reaction_and_opening(&before, &inputs, &pulse);
     assert!((0.0..1e-8).contains(&n) && (0.0..0.01).contains(&opening), "N_L = {n} M g, opens with {opening} m/s2");
 }
 
@@ -137,7 +137,7 @@ fn a_held_corner_lifts_when_its_gap_opens() {
         let mut none = |event: &Event| panic!("{event}");
         simulation.advance(0.4003, &Inputs::default(), &mut none).unwrap();
         let inputs = Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
-        let (n, opening) = look(&simulation, &inputs, &pulse);
+        let (n, opening) = reaction_and_opening(&simulation, &inputs, &pulse);
         assert!(n == 0.0 && (opening > 0.0) == lifts, "N_L = {n} M g, opens with {opening} m/s2 at {a_gx} m/s2");
         let mut events = Vec::new();
         simulation.advance(0.41, &inputs, &mut |event| events.push(*event)).unwrap();
@@ -194,7 +194,7 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
     assert!(became.iter().all(|&count| count > 100), "{became:?} stayed, lifted");
 }
 
-/// Supports whose corners rise as fast as they creep bear nothing, and the weight presses the block back. Without a limit of friction it
+/// Supports whose corners rise as fast as they creep carry no load, and the weight presses the block back. Without a limit of friction it
 /// slides until it bears again; with one, or where the analysis ends, both corners have left.
 #[test]
 fn a_block_that_no_support_bears_slides_or_leaves() {

@@ -47,19 +47,19 @@ fn impulses(block: &Block, [before, after]: [Velocities; 2], h_at: [f64; 2], n_a
     ([h, n], block.i0 * (after.theta_dot - before.theta_dot) - turn)
 }
 
-/// Calls `look` for corners, rotations and velocities before an impact.
-fn every(mut look: impl FnMut(&Block, Corner, f64, Velocities)) {
+/// Calls `check` for corners, rotations and velocities before an impact.
+fn for_every_landing(mut check: impl FnMut(&Block, Corner, f64, Velocities)) {
     let block = uneven(Foundation::Viscoelastic, 0.2);
     for on in Corner::BOTH {
         for theta in ANGLES {
-            BEFORE.into_iter().for_each(|before| look(&block, on, theta, before));
+            BEFORE.into_iter().for_each(|before| check(&block, on, theta, before));
         }
     }
 }
 
 #[test]
 fn a_landing_with_grip_stops_the_corner_horizontally() {
-    every(|block, on, theta, before| {
+    for_every_landing(|block, on, theta, before| {
         let at = arm(block, theta, corner(block, on));
         for rate in [0.0, 0.4, -0.1] {
             let after = impact::landing_with_grip(block, on, theta, before, rate);
@@ -73,7 +73,7 @@ fn a_landing_with_grip_stops_the_corner_horizontally() {
 
 #[test]
 fn a_landing_without_grip_has_a_vertical_impulse_only() {
-    every(|block, on, theta, before| {
+    for_every_landing(|block, on, theta, before| {
         let at = arm(block, theta, corner(block, on));
         for rate in [0.0, 0.4] {
             let after = impact::landing_without_grip(block, on, theta, before, rate);
@@ -126,7 +126,7 @@ fn a_grip_is_a_horizontal_impulse_that_stops_the_foot() {
 
 #[test]
 fn a_landing_beside_a_standing_corner_conserves_momentum() {
-    every(|block, on, theta, before| {
+    for_every_landing(|block, on, theta, before| {
         // The other corner stands, without horizontal velocity.
         let standing = arm(block, theta, -corner(block, on));
         let before = Velocities { u_dot: -standing[1] * before.theta_dot, ..before };
@@ -146,7 +146,7 @@ fn a_landing_beside_a_standing_corner_conserves_momentum() {
 /// The landing loss of a corner guided vertically is the difference of kinetic energies.
 #[test]
 fn a_landing_of_a_guided_corner_takes_the_landing_loss() {
-    every(|block, on, theta, before| {
+    for_every_landing(|block, on, theta, before| {
         let at = arm(block, theta, corner(block, on));
         let guided = |v_dot: f64, theta_dot: f64| Velocities { u_dot: -at[1] * theta_dot, v_dot, theta_dot };
         let before = guided(before.v_dot, before.theta_dot);

@@ -180,7 +180,7 @@ fn the_centre_of_mass_is_between_the_corners() {
     }
 }
 
-/// A block has at most [`MOST_TIES`] ties, each between two different places.
+/// A block has at most [`MOST_TIES`] ties, each between two different points.
 #[test]
 fn ties_are_counted_and_have_a_length() {
     let block = Block::from_dimensionless(&PAPER, &common()).unwrap();
@@ -193,7 +193,7 @@ fn ties_are_counted_and_have_a_length() {
     }
 }
 
-/// A rectangle on supports falls over by itself for η² ≤ 4/3 cos α / sin² α, unless a tie or a rigid base holds it.
+/// A rectangle on supports falls over without excitation for η² ≤ 4/3 cos α / sin² α, unless a tie or a rigid base holds it.
 #[test]
 fn soft_supports_draw_a_warning() {
     let homogeneous = Common { mass: 7.0, ..Common::default() };

@@ -234,7 +234,7 @@ fn a_foot_that_stops_grips_or_turns() {
             Foundation::Viscoelastic => block.h * block.h / block.i0,
         };
         let limit = block.friction * block.gravity * (1.0 + gives_way);
-        // The rotation makes H grow by itself.
+        // The rotation alone makes H grow.
         let at_limit = if foundation == Foundation::Rigid { 1.0 } else { 0.999 };
         for (part, growth, turns) in [
             (0.0, 0.0, false),

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rocking_block::block::restraints::tie::NO_TIES;
 use rocking_block::block::restraints::{self, States, Tie, TieState, TieStates, tie::pull};
-use rocking_block::block::{Block, Common, Place, Regime};
+use rocking_block::block::{Block, Common, Kinematics, Regime};
 use rocking_block::excitation::Forcing;
 use rocking_block::system::dynamics::instant;
 use rocking_block::system::forces;
@@ -87,7 +87,7 @@ fn near(found: f64, exact: f64, what: &str) {
 }
 
 /// A taut tie pulls with `T = k s + c ṡ`, and its work is T times its shortening. Its spring stores `½ k s²` until it is slack or broken,
-/// and its dashpot takes what T does beyond the spring.
+/// and its dashpot dissipates the rest of the work of T.
 #[test]
 fn ties_pull_shorten_and_store() {
     use TieState::{Broken, Limp, Slack, Taut};
@@ -104,7 +104,7 @@ fn ties_pull_shorten_and_store() {
             for (i, of) in real(&block) {
                 let (s, slopes) = (stretch(&block, of, at), slopes(&block, of, at));
                 let rate = slopes.dot(&Vector3::from(RATE));
-                let found = pull::stretch(&block, of, &Place::of(&x));
+                let found = pull::stretch(&block, of, &Kinematics::of(&x));
                 near(found.length, s, "stretch");
                 near(found.rate, rate, "rate of the stretch");
                 let pull = if states[i] == Taut { of.stiffness * s + of.damping * rate } else { 0.0 };
@@ -134,7 +134,8 @@ fn the_static_stiffness_is_the_slope_of_the_static_pull() {
     let (block, mut slack) = (tied(), 0);
     for [u, v, theta] in MOVED {
         let pull = |v: f64| {
-            let place = Place { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
+            let place =
+                Kinematics { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
             (100.0 - restraints::less_static_pull(&block, &place, 100.0), restraints::static_stiffness(&block, &place))
         };
         let mut exact = 0.0;

@@ -26,7 +26,7 @@ fn transition(system: &System, pose: &Pose, a_gx: f64, surface: Surface) -> Tran
     system.transition(pose, &now, surface)
 }
 
-/// A corner joins a recovering support if their rates agree to rounding, and otherwise keeps its own rate.
+/// A corner joins a recovering support if their rates agree to round-off, and otherwise keeps its own rate.
 #[test]
 fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
     let block = block(&Common::default());
@@ -64,7 +64,7 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
     }
 }
 
-/// With ε = 0 a landed corner stands still, even on a support that creeps at the limit of rounding.
+/// With ε = 0 a landed corner stands still, even on a support that creeps at the limit of round-off.
 #[test]
 fn a_corner_that_lands_without_rebound_stands_still() {
     let block = block(&Common::default());

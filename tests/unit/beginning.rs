@@ -107,7 +107,7 @@ const STEPS: [&str; 9] = [
 ];
 
 /// Unknowns that depend on whether the foot slides at the start, and how fast: it moves there only where the block lifts off at once.
-/// Rarely, so that much of what decides it changes none of them here.
+/// This is rare, so most of the parameters that decide it change none of them here.
 const SLIDING: [&str; 7] =
     ["u_dot", "energy.kinetic", "energy.potential", "energy.total", "slip_rate", "slides", "power.friction"];
 
@@ -133,7 +133,7 @@ fn only_decides(declared: &Declared, unknown: &str, known: &str) -> bool {
     rare || known.ends_with(".strength") || (of_contacts && decides && !own)
 }
 
-/// Pairs whose known cancels: only rounding depends on it.
+/// Pairs whose known cancels: only round-off depends on it.
 const CANCELS: [(&str, &str); 2] =
     [("derived.eta", "dimensionless.p"), ("derived.theta_separation", "dimensionless.p")];
 

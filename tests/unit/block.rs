@@ -103,7 +103,7 @@ fn parameters_without_effect_are_named_with_their_condition() {
 fn invalid_blocks_are_refused_with_the_reason() {
     for (values, words) in [
         (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "1.82"][..]),
-        (&[("tie_2.stiffness", 1e3)], &["tie_2 = 0", "two different places"]),
+        (&[("tie_2.stiffness", 1e3)], &["tie_2 = 0", "a distance of its ends (m) above 0"]),
         (&[("friction", 1.5), ("foundation", 2.0)], &["friction = 1.5", "rigid base", "1.333"]),
     ] {
         let refusal = refusal(values);

@@ -260,7 +260,7 @@ pub fn bars_height(count: usize) -> u32 {
 
 /// Clips a line to a range of the ordinate.
 fn clipped(line: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
-    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
     let mut is_open = false;
     for pair in line.windows(2) {
         let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
@@ -273,13 +273,13 @@ fn clipped(line: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
             if bound == y { (x, y) } else { (x0 + (x1 - x0) * (bound - y0) / (y1 - y0), bound) }
         };
         let [from, to] = [inside(pair[0]), inside(pair[1])];
-        match parts.last_mut() {
-            Some(part) if is_open => part.push(to),
-            _ => parts.push(vec![from, to]),
+        match pieces.last_mut() {
+            Some(piece) if is_open => piece.push(to),
+            _ => pieces.push(vec![from, to]),
         }
         is_open = to == pair[1];
     }
-    parts
+    pieces
 }
 
 /// Returns the ordinate for rotations θ/α: zero, all values and a margin, within ±1.5.

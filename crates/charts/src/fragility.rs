@@ -9,8 +9,10 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
-use rocking_studies::fragility::{Assessment, Data, Fit, Ida, Limit, Link, Observation, Response, SweepTable};
-use rocking_studies::statistics::normal;
+use rocking_studies::fragility::{
+    Assessment, Data, Fit, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
+};
+use rocking_studies::statistics::{self, normal};
 
 /// Height of the chart.
 const HEIGHT: u32 = 10_000;
@@ -47,7 +49,7 @@ pub fn curve(
         let y = match row.fraction {
             0.0 => -0.06,
             1.0 => 1.06,
-            part => part,
+            fraction => fraction,
         };
         (row.measures[0] + 1.5 * side * aside, y)
     };
@@ -172,9 +174,9 @@ pub fn surface(
     const TILES: u32 = 80;
     let observations = data.observations();
     let [x, y] = [0, 1].map(|measure| range(observations.iter().map(|row| row.measures[measure])));
-    let part = |range: &Range<f64>, tile: u32| range.end * f64::from(tile) / f64::from(TILES);
+    let edge = |range: &Range<f64>, tile: u32| range.end * f64::from(tile) / f64::from(TILES);
     let tile = |number: u32| {
-        let sides = [(&x, number % TILES), (&y, number / TILES)].map(|(range, i)| part(range, i)..part(range, i + 1));
+        let sides = [(&x, number % TILES), (&y, number / TILES)].map(|(range, i)| edge(range, i)..edge(range, i + 1));
         let middle = [0, 1].map(|side: usize| 0.5 * (sides[side].start + sides[side].end));
         let [x, y] = sides;
         // Light enough for visible lines and marks.
@@ -184,12 +186,12 @@ pub fn surface(
         let [a, b, c] = [0, 1, 2].map(|i| fit.coefficients[i]);
         // a + b ln x + c ln y = deviate, stepped along the axis of the smaller coefficient.
         let points = (1..=4 * TILES).map(|i| {
-            let along = f64::from(i) / f64::from(4 * TILES);
+            let position = f64::from(i) / f64::from(4 * TILES);
             if b.abs() < c.abs() {
-                let at = along * x.end;
+                let at = position * x.end;
                 (at, libm::exp((deviate - a - b * libm::log(at)) / c))
             } else {
-                let at = along * y.end;
+                let at = position * y.end;
                 (libm::exp((deviate - a - c * libm::log(at)) / b), at)
             }
         });
@@ -197,7 +199,7 @@ pub fn surface(
     };
     let deviates = match fit.link {
         Link::Probit => [0.1, 0.5, 0.9].map(normal::quantile),
-        Link::Logit => [0.1_f64, 0.5, 0.9].map(|part| libm::log(part / (1.0 - part))),
+        Link::Logit => [0.1_f64, 0.5, 0.9].map(|p| libm::log(p / (1.0 - p))),
     };
     let styles = [LineStyle::DASHED, LineStyle::BLACK, LineStyle::DASHED];
     let curves = deviates.into_iter().zip(styles).map(|(deviate, style)| Curve::new(style, vec![line(deviate)]));
@@ -224,12 +226,11 @@ pub fn surface(
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Describes file, slenderness and foundations of a table, as far as its columns tell.
+/// Describes file, slenderness and foundations of a table, as far as its columns show.
 pub fn blocks(table: &SweepTable) -> String {
     let span = |symbol: &str, names: &[&str], unit: &str| {
         let numbers = names.iter().find_map(|name| table.numbers(name).ok())?;
-        let [low, high] = [f64::min, f64::max].map(|of| numbers.iter().flatten().copied().reduce(of));
-        let (low, high) = (low?, high?);
+        let [low, high] = statistics::range(numbers.into_iter().flatten())?;
         let to = if low == high { String::new() } else { format!(" to {}", significant(high, 4)) };
         Some(formula(&format!("{symbol} = {}{to}{unit}", significant(low, 4))))
     };
@@ -247,8 +248,8 @@ pub fn blocks(table: &SweepTable) -> String {
 
 /// Splits a heading such as `PGV [m/s]` into an axis label and a suffix for numbers.
 pub(crate) fn axis(heading: &str) -> (String, String) {
-    let (measure, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
-    let (measure, unit) = (measure.replace("alpha", "α"), unit.replace('2', "²"));
+    let (measure, unit) = split_heading(heading);
+    let (measure, unit) = (measure.replace("alpha", "α"), unit.unwrap_or("1").replace('2', "²"));
     match unit.as_str() {
         "1" => (measure, String::new()),
         _ => (format!("{measure} ({unit})"), format!(" {unit}")),
@@ -293,8 +294,8 @@ fn bins(observations: &[Observation]) -> Vec<Bin> {
             _ => bins.push(alike.to_vec()),
         }
     }
-    let mean = |rows: &[&Observation], of: fn(&Observation) -> f64| {
-        rows.iter().map(|row| of(row)).sum::<f64>() / rows.len() as f64
+    let mean = |rows: &[&Observation], value: fn(&Observation) -> f64| {
+        rows.iter().map(|row| value(row)).sum::<f64>() / rows.len() as f64
     };
     bins.iter()
         .map(|rows| Bin {

@@ -37,10 +37,10 @@ pub fn outlined(svg: &str) -> Result<String, roxmltree::Error> {
     let mut drawn = String::with_capacity(2 * svg.len());
     let mut after = 0;
     for text in document.descendants().filter(|node| node.has_tag_name((SVG, "text"))) {
-        let place = text.range();
-        drawn.push_str(&svg[after..place.start]);
+        let span = text.range();
+        drawn.push_str(&svg[after..span.start]);
         drawn.push_str(&outline(text));
-        after = place.end;
+        after = span.end;
     }
     drawn.push_str(&svg[after..]);
     Ok(drawn)
@@ -53,17 +53,17 @@ fn outline(text: Node) -> String {
     let number = |name: &str| text.attribute(name).and_then(|value| value.parse().ok()).unwrap_or(0.0);
     let size = number("font-size");
     let mut line = Line { y: number("y") + size * shift(text), ..Line::default() };
-    let parts: Vec<Node> = text.descendants().filter(Node::is_text).collect();
-    for (i, part) in parts.iter().enumerate() {
-        // plotters writes the content on a line of its own.
-        let mut content = part.text().unwrap_or_default().replace('\n', "");
+    let pieces: Vec<Node> = text.descendants().filter(Node::is_text).collect();
+    for (i, piece) in pieces.iter().enumerate() {
+        // plotters writes the content on a separate line.
+        let mut content = piece.text().unwrap_or_default().replace('\n', "");
         if i == 0 {
             content = content.trim_start().into();
         }
-        if i + 1 == parts.len() {
+        if i + 1 == pieces.len() {
             content = content.trim_end().into();
         }
-        let span = part.parent().filter(|parent| *parent != text);
+        let span = piece.parent().filter(|parent| *parent != text);
         let size = size * span.and_then(|span| ems(span, "font-size")).unwrap_or(1.0);
         line.y += size * span.map_or(0.0, shift);
         line.append(&content, size);
@@ -121,7 +121,7 @@ impl Line {
             let bounds = FONT.glyph_bounding_box(glyph);
             let over = last.filter(|_| ('\u{300}'..='\u{36F}').contains(&character));
             if let (Some(mark), Some((under, x))) = (bounds, over.and_then(|last| Some((last.bounds?, last.x)))) {
-                let middle = |of: Rect| f64::from(of.x_min + of.x_max) / 2.0;
+                let middle = |bounds: Rect| f64::from(bounds.x_min + bounds.x_max) / 2.0;
                 let lowest = f64::from(under.y_max) + UNDER_MARK * f64::from(FONT.units_per_em());
                 let up = (lowest - f64::from(mark.y_min)).max(0.0);
                 self.draw(glyph, x + scale * (middle(under) - middle(mark)), self.y - scale * up, scale);

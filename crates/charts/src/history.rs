@@ -42,7 +42,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     let start = history.rows.first().map_or(0.0, |row| row.time);
     let end = history.rows.last().map_or(1.0, |row| row.time).max(start + 1e-9);
     let axis = |shown: bool| (if shown { "time (s)" } else { "" }, start..end);
-    let moves = |of: usize| history.rows.iter().any(|row| row.ground[of] != 0.0);
+    let moves = |direction: usize| history.rows.iter().any(|row| row.ground[direction] != 0.0);
     let has_ground = moves(0) || moves(1);
 
     let theta: Series = ("", LineStyle::THIN, &|row| row.observation.theta / alpha);

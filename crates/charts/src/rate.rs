@@ -79,7 +79,7 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
     let log = |m: f64| (m, libm::log10(hazard.rate(m)));
     let ends = [least.min(x.end), x.end].map(|m| log(m).1);
     let y = ends[1].max(-14.0).floor()..ends[0].min(1.0).ceil().max(ends[1].floor() + 1.0);
-    let part = |range: Range<f64>| -> Vec<(f64, f64)> {
+    let stretch = |range: Range<f64>| -> Vec<(f64, f64)> {
         let inside = at.iter().copied().filter(|m| *m > range.start && *m < range.end);
         let ends = [range.start, range.end].into_iter().filter(|m| *m >= at[0] && *m <= x.end);
         let mut all: Vec<f64> = inside.chain(ends).collect();
@@ -90,8 +90,8 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
     let names: Vec<_> = names.filter(|(power, _)| *power >= y.start && *power <= y.end).collect();
     let levels = names.iter().map(|(power, _)| Curve::new(LineStyle::GRID, vec![vec![(0.0, *power), (x.end, *power)]]));
     let curves = [
-        Curve::new(LineStyle::DASHED, vec![part(0.0..least), part(greatest..f64::INFINITY)]),
-        Curve::new(LineStyle::BLACK, vec![part(least..greatest)]),
+        Curve::new(LineStyle::DASHED, vec![stretch(0.0..least), stretch(greatest..f64::INFINITY)]),
+        Curve::new(LineStyle::BLACK, vec![stretch(least..greatest)]),
     ];
     let step = names.len().div_ceil(7);
     Chart {

@@ -268,9 +268,9 @@ fn outcome_bar(stretches: &[Stretch], style: LineStyle, range: Range<f64>) -> Ou
 
 /// Names a curve by its foundation and, among several, its ground motion.
 fn name(spectrum: &Spectrum, curve: usize) -> String {
-    let place = spectrum.inputs(curve as u64 * spectrum.sizes.count);
-    let base = base_name(spectrum.bases[place.base]);
-    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+    let inputs = spectrum.inputs(curve as u64 * spectrum.sizes.count);
+    let base = base_name(spectrum.bases[inputs.base]);
+    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[inputs.motion].0) } else { base }
 }
 
 /// Names a foundation.

@@ -6,6 +6,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::short;
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
+use rocking_studies::statistics::range;
 
 /// Height of a bar with its label, and of the axis under the bars.
 const ROW: u32 = 1150;
@@ -36,8 +37,8 @@ pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<
     };
     let mut sorted: Vec<&Bar> = bars.iter().collect();
     sorted.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
-    let results = || bars.iter().flat_map(|bar| bar.results).flatten().chain([middle]);
-    let [low, high] = [f64::min, f64::max].map(|of| results().reduce(of).unwrap_or(middle));
+    let results = bars.iter().flat_map(|bar| bar.results).flatten().chain([middle]);
+    let [low, high] = range(results).unwrap_or([middle; 2]);
     let margin = MARGIN * (high - low).max(LEAST * middle.abs());
     let x = low - margin..high + margin;
     let rows = sorted.len() as f64;

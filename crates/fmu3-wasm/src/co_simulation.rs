@@ -88,7 +88,7 @@ unsafe extern "C-unwind" fn update(
         [set_requested, get_allowed, step_finished, can_return_early].map(|flag| flag != FMI3_FALSE);
     let (requested, return_time) =
         intermediate_update(time, set_requested, get_allowed, step_finished, can_return_early);
-    // SAFETY: places for the answers (standard, 4.2.2).
+    // SAFETY: memory for the answers (standard, 4.2.2).
     unsafe {
         *early_return_requested = requested.into();
         *early_return_time = return_time;

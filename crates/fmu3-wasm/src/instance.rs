@@ -85,7 +85,7 @@ impl Instance {
         let status = self.call(call, |unit| {
             let count = count(unit);
             let room = values.try_reserve_exact(count);
-            room.map_err(|_| Fault::new(format!("{count} values; expected what fits into memory")))?;
+            room.map_err(|_| Fault::new(format!("{count} values; expected a number that fits into memory")))?;
             values.resize(count, MaybeUninit::new(T::default()));
             act(unit, &mut values)
         });

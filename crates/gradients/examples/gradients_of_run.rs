@@ -1,7 +1,7 @@
 //! One run with derivatives, whose instructions `scripts/instructions --gradients` counts:
 //! `gradients_of_run (sine | record | rigid-sine | rigid-record) COUNT`, where COUNT is the number of parameters; 0 is the run alone.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings, Simulation};
@@ -41,11 +41,18 @@ fn main() {
         "rigid-record" => (0.15, 2.0, 0.2, rigid, Pulse::NONE, record().scaled(4.0), 40.0),
         other => panic!("case \"{other}\"; expected sine, record, rigid-sine or rigid-record"),
     };
-    let given = Dimensionless { alpha, p, eta: 40.0, xi_v };
-    let block = Block::from_dimensionless(&given, &common).expect("a block");
+    let dimensionless = Dimensionless { alpha, p, eta: 40.0, xi_v };
+    let block = Block::from_dimensionless(&dimensionless, &common).expect("a block");
     let initial = Initial::default();
     let scale = ground.horizontal.is_some().then_some(1.0);
-    let parameters = Parameters { given: Given::Dimensionless(given), common, ties: Vec::new(), initial, pulse, scale };
+    let parameters = Parameters {
+        parameterization: Parameterization::Dimensionless(dimensionless),
+        common,
+        ties: Vec::new(),
+        initial,
+        pulse,
+        scale,
+    };
     let names = parameters.names();
     let names: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.starts_with("initial")).collect();
     let (inputs, _) = ground.inputs_from(0.0);

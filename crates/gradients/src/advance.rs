@@ -7,8 +7,8 @@ use rocking_block::simulation::{Simulation, SimulationError};
 use crate::Number;
 use crate::follower::{Follower, Sample};
 
-/// Sends a run to `until` (s) under inputs that are linear in time, as [`Simulation::advance`] does, to the same bits; its derivatives
-/// go with it.
+/// Advances a run and its derivatives to `until` (s) under inputs that are linear in time. The run has the bits of
+/// [`Simulation::advance`].
 pub fn advance(
     simulation: &mut Simulation,
     followers: &mut [Follower],
@@ -18,17 +18,17 @@ pub fn advance(
     advance_with_samples(simulation, followers, until, inputs, &[], &mut |_, _, _| ()).map(|_| ())
 }
 
-/// The same, which also passes the block at increasing `times` (s) before `until` to `seen`, with the numbers of the time and of the
-/// follower; no step stops there. Returns the number of these times.
+/// Advances as [`advance`] does, and samples each follower at increasing `times` (s) before `until`, without a stop there.
 ///
-/// Where an event happens or a pulse begins at one of them, the block is that right after it.
+/// `observer` receives the indices of the time and of the follower, and the sample. At an event or the beginning of a pulse the sample
+/// is taken right after it. Returns the number of sampled times.
 pub fn advance_with_samples(
     simulation: &mut Simulation,
     followers: &mut [Follower],
     until: f64,
     inputs: &Inputs,
     times: &[f64],
-    seen: &mut dyn FnMut(usize, usize, &Sample),
+    observer: &mut dyn FnMut(usize, usize, &Sample),
 ) -> Result<usize, SimulationError> {
     let mut first = 0;
     while simulation.time() < until && simulation.ending().is_none() {
@@ -44,7 +44,7 @@ pub fn advance_with_samples(
             for (number, follower) in followers.iter_mut().enumerate() {
                 let mut next = first;
                 follower.take_step(course, fall, &peaks, simulation, inside, &mut |sample| {
-                    seen(next, number, sample);
+                    observer(next, number, sample);
                     next += 1;
                 });
             }

@@ -13,7 +13,7 @@ use rocking_block::system::events::{Event, EventKind};
 use rocking_block::system::forces::energy;
 use rocking_block::system::instant::{Footing, Pose};
 
-use crate::peaks::{Raised, Stretch};
+use crate::peaks::{PeakSegments, Segment};
 use crate::varied::Varied;
 use crate::{BATCH, Number};
 
@@ -26,36 +26,34 @@ pub struct EventGradient {
     pub time: [f64; BATCH],
 }
 
-/// An event that grazes: from there on there are no derivatives.
+/// A grazing event, after which no derivatives exist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grazing {
     /// Its time (s).
     pub time: f64,
-    /// Its kind; none where a corner is held from there on, or bears again.
+    /// Its kind; `None` for a corner that becomes held or bears again, which is not reported.
     pub kind: Option<EventKind>,
 }
 
-/// The derivatives of a run in the directions of a batch, which go where the run goes.
+/// The derivatives of a run in the directions of a batch, advanced with it step by step.
 #[derive(Clone, Debug)]
 pub struct Follower {
     pub(crate) varied: Varied,
     pub(crate) system: System<Number>,
-    /// The block at the time of the run, which does not vary.
+    /// The block, with derivatives at the fixed time of the run.
     pub(crate) pose: Pose<Number>,
-    /// Derivatives of the time of the event or kink at which the run is; zeros after it.
+    /// Derivatives of the time of the present event or kink; zeros after it.
     shift: [f64; BATCH],
-    /// Displacement of the foot from its place at the start (m).
+    /// Displacement of the foot since the start (m).
     slip: Number,
-    raised: Raised,
-    /// Its excitation.
+    peak_segments: PeakSegments,
     excitation: Excitation<Number>,
-    /// Events so far.
     events: Vec<EventGradient>,
     grazing: Option<Grazing>,
 }
 
 impl Follower {
-    /// The derivatives of a run at its beginning under these inputs.
+    /// Returns the derivatives of a run at its beginning under these inputs.
     pub fn new(simulation: &Simulation, varied: Varied, inputs: &Inputs) -> Follower {
         let System { flies, slowest, .. } = *simulation.system();
         let system = System { block: varied.block, flies, slowest };
@@ -68,13 +66,13 @@ impl Follower {
             pose,
             shift: [0.0; BATCH],
             slip: Number::from(0.0),
-            raised: Raised::new(),
+            peak_segments: PeakSegments::new(),
             excitation,
             events: Vec::new(),
             grazing: None,
         };
-        follower.meet(simulation.pose());
-        let start = Stretch {
+        follower.adopt_values(simulation.pose());
+        let start = Segment {
             start: follower.pose,
             start_shift: follower.shift,
             excitation,
@@ -82,12 +80,12 @@ impl Follower {
             end: time,
             end_shift: [0.0; BATCH],
         };
-        follower.raised.begin(&start, simulation.block().restraints.numbers());
+        follower.peak_segments.begin(&start, simulation.block().restraints.numbers());
         follower
     }
 
-    /// Begins a smooth piece of the run under these inputs. Where the pulse begins or ends, the time of that varies, and the rate of the
-    /// state jumps.
+    /// Begins a smooth piece of the run under these inputs. The time at which the pulse begins or ends varies with its parameters, and
+    /// the rate of the state jumps there.
     pub(crate) fn begin_piece(&mut self, simulation: &Simulation, inputs: &Inputs) {
         let (pulse, time) = (simulation.pulse(), simulation.time());
         if let Some((shift, acted)) = self.varied.kink(pulse, time) {
@@ -102,7 +100,8 @@ impl Follower {
         self.excitation = self.varied.excitation(inputs, pulse.acts_at(time));
     }
 
-    /// Goes with a step of the run, before which its peaks were these, to the present time, at which there may be a fall. The block at these times inside the step goes to `seen`.
+    /// Follows a step of the run to its present time and `fall`, if any. `peaks` are those before the step; `observer` receives the
+    /// block at these `times` (s) inside it.
     pub(crate) fn take_step(
         &mut self,
         course: &Course,
@@ -110,11 +109,11 @@ impl Follower {
         peaks: &Peaks,
         simulation: &Simulation,
         times: &[f64],
-        seen: &mut dyn FnMut(&Sample),
+        observer: &mut dyn FnMut(&Sample),
     ) {
         let start_shift = self.shift;
         let start = if *peaks == simulation.peaks() { None } else { Some(self.pose) };
-        self.go(course, simulation, times, seen);
+        self.advance(course, simulation, times, observer);
         let mut end_shift = [0.0; BATCH];
         if let Some(fall) = fall {
             end_shift = self.event_time(fall, course);
@@ -122,16 +121,16 @@ impl Follower {
         }
         let Some(start) = start else { return };
         let (excitation, course, end) = (self.excitation, *course, simulation.time());
-        let stretch = Stretch { start, start_shift, excitation, course, end, end_shift };
-        self.raised.take_in(peaks, &simulation.peaks(), self.slip, &stretch);
+        let segment = Segment { start, start_shift, excitation, course, end, end_shift };
+        self.peak_segments.record(peaks, &simulation.peaks(), self.slip, &segment);
     }
 
-    fn go(&mut self, course: &Course, simulation: &Simulation, times: &[f64], seen: &mut dyn FnMut(&Sample)) {
+    fn advance(&mut self, course: &Course, simulation: &Simulation, times: &[f64], observer: &mut dyn FnMut(&Sample)) {
         let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
         let end = simulation.time();
-        let place = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
-        let start = &*self;
-        let mut look = |pose: &Pose<Number>| seen(&Sample { follower: start, pose, start: place });
+        let foot_at_start = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
+        let follower = &*self;
+        let mut sample = |pose: &Pose<Number>| observer(&Sample { follower, pose, foot_at_start });
         match course {
             Course::Stayed => return,
             Course::Rested => {
@@ -140,40 +139,42 @@ impl Follower {
                     state[rate] = Number::from(0.0);
                 }
                 for &time in times {
-                    look(&Pose { time: time.into(), state, ..self.pose });
+                    sample(&Pose { time: time.into(), state, ..self.pose });
                 }
                 self.pose.state = state;
             }
             Course::Step | Course::ShortStep | Course::Swing(_) => {
-                let samples = Samples { times, seen: &mut look };
+                let samples = Samples { times, seen: &mut sample };
                 let end = repeat_step(&self.system.block, &self.pose, &self.excitation, course, end, samples);
                 (self.pose.state, self.pose.footing) = end;
             }
         }
-        self.meet(simulation.pose());
-        if let Some(place) = place {
-            self.slip = self.slip + self.at(&self.pose, &self.excitation).foot_place() - place;
+        self.adopt_values(simulation.pose());
+        if let Some(start) = foot_at_start {
+            self.slip = self.slip + self.at(&self.pose, &self.excitation).foot_place() - start;
         }
         self.shift = [0.0; BATCH];
     }
 
-    /// Derivatives of the time of a fall.
+    /// Returns the derivatives of the time at which a surface falls through zero.
     fn event_time(&self, Fall { surface, rate, grazes, .. }: Fall, course: &Course) -> [f64; BATCH] {
         let Number { re: value, eps } = surface.value(&self.at(&self.pose, &self.excitation));
         if matches!(course, Course::Stayed) && value < -surface.rounding(&self.system.block) {
-            // The excitation has jumped, or an event has brought it there: in that instant.
+            // A jump of the excitation, or another event, took the surface below zero in this instant.
             return self.shift;
         }
         if grazes { [f64::NAN; BATCH] } else { eps.map(|eps| -eps / rate) }
     }
 
-    /// Passes an event, which the run has just applied, with the rates of the run `after` it: up to its moving time under the law before it,
-    /// through the transition, and back to the time of the run under the law after it.
+    /// Applies an event that the run has just passed; `after` are the run's rates after it.
+    ///
+    /// The pose moves to the varied time of the event under the law before it, through the transition, and back to the time of the run
+    /// under the law after it.
     pub(crate) fn pass_event(&mut self, fall: &Fall, happened: Option<Event>, after: &Rates, simulation: &Simulation) {
         let (shift, time) = (self.shift, simulation.time());
         let before = moved(&self.pose, &fall.rates, shift);
         self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), fall.surface).pose;
-        self.meet(simulation.pose());
+        self.adopt_values(simulation.pose());
         if shift.iter().any(|shift| !shift.is_finite()) && self.grazing.is_none() {
             self.grazing = Some(Grazing { time, kind: happened.map(|event| event.kind) });
         }
@@ -186,8 +187,8 @@ impl Follower {
         self.pose.time = Number::from(time);
     }
 
-    /// Takes the values of the run's pose; they differ by round-off only. A pose of another kind leaves no derivatives.
-    fn meet(&mut self, run: &Pose) {
+    /// Replaces the values, which differ by round-off, by those of the run. A pose of another kind makes the derivatives NaN.
+    fn adopt_values(&mut self, run: &Pose) {
         let pose = &mut self.pose;
         let mut alike = self.system.block.restraints.is_empty() || pose.restraints == run.restraints;
         pose.time.re = run.time;
@@ -224,11 +225,10 @@ impl Follower {
         Motion::from_pose(&self.system.block, pose, excitation).at_called(pose.time, pose.state)
     }
 
-    /// The observed quantities `elapsed` seconds after the beginning of a stretch of the motion, and the same with their rates along
-    /// the motion added to their derivatives.
-    fn inside(&self, stretch: &Stretch, elapsed: f64) -> [Observation<Number>; 2] {
-        let Stretch { start, excitation, course, .. } = stretch;
-        // The whole step may have been a short one; a part of it is not.
+    /// Implements [`ObserveInside`](crate::peaks::ObserveInside).
+    fn inside(&self, segment: &Segment, elapsed: f64) -> [Observation<Number>; 2] {
+        let Segment { start, excitation, course, .. } = segment;
+        // A short step has no dense output, so a part of it is repeated as a step of order 8.
         let course = if let Course::Swing(_) = course { course } else { &Course::Step };
         let mut pose = *start;
         if elapsed != 0.0 {
@@ -246,7 +246,7 @@ impl Follower {
         observe(&self.system.block, now.regime, &now.instant, heights, now.forcing)
     }
 
-    /// The observed quantities now, right after these inputs have begun to act, with their derivatives at this time.
+    /// Returns the observed quantities right after these inputs have begun to act, with their derivatives at this time.
     pub fn observe(&self, simulation: &Simulation, inputs: &Inputs) -> Observation<Number> {
         let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
         let now = self.at(&self.pose, &excitation);
@@ -261,7 +261,7 @@ impl Follower {
         if simulation.is_frozen() { seen.without_motion() } else { seen }
     }
 
-    /// Kinetic and total energy (J), and the ground accelerations (m/s²), now.
+    /// Returns kinetic and total energy (J), and the ground accelerations (m/s²).
     pub fn energies_and_ground(&self, simulation: &Simulation, inputs: &Inputs) -> ([Number; 2], [Number; 2]) {
         let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
         let (block, now) = (&self.system.block, self.at(&self.pose, &excitation));
@@ -270,27 +270,27 @@ impl Follower {
         ([kinetic * block.mass, (kinetic + potential) * block.mass], [ground.x, ground.z])
     }
 
-    /// The block now: `[θ, θ̇, w, ẇ]` and its footing, with their derivatives at this time.
+    /// Returns the block, with derivatives at this time.
     pub fn pose(&self) -> &Pose<Number> {
         &self.pose
     }
 
-    /// The displacement of the foot from its place at the start (m).
+    /// Returns the displacement of the foot since the start (m).
     pub fn slip(&self) -> Number {
         self.slip
     }
 
-    /// The peaks since the start.
+    /// Returns the peaks since the start.
     pub fn peaks(&self, simulation: &Simulation) -> Peaks<Number> {
-        self.raised.peaks(&simulation.peaks(), &|stretch, elapsed| self.inside(stretch, elapsed))
+        self.peak_segments.peaks(&simulation.peaks(), &|segment, elapsed| self.inside(segment, elapsed))
     }
 
-    /// The events since the start, with the derivatives of their times.
+    /// Returns the events since the start, with the derivatives of their times.
     pub fn events(&self) -> &[EventGradient] {
         &self.events
     }
 
-    /// The event from which on there are no derivatives, if one grazes.
+    /// Returns the grazing event, if there was one.
     pub fn grazing(&self) -> Option<Grazing> {
         self.grazing
     }
@@ -300,43 +300,43 @@ impl Follower {
 pub struct Sample<'a> {
     follower: &'a Follower,
     pose: &'a Pose<Number>,
-    /// The place of the foot at the beginning of the step, if it slides (m).
-    start: Option<Number>,
+    /// Position of the foot at the beginning of the step (m), if it slides.
+    foot_at_start: Option<Number>,
 }
 
 impl Sample<'_> {
-    /// The block: `[θ, θ̇, w, ẇ]` and its footing.
+    /// Returns the block.
     pub fn pose(&self) -> &Pose<Number> {
         self.pose
     }
 
-    /// The observed quantities.
+    /// Returns the observed quantities.
     pub fn observe(&self) -> Observation<Number> {
         self.follower.observed(&self.follower.at(self.pose, &self.follower.excitation))
     }
 
-    /// The observed quantities with their rates along the motion (1/s) added to their derivatives.
+    /// Returns the observed quantities with their rates along the motion (1/s) added to their derivatives.
     pub fn observe_along(&self) -> Observation<Number> {
         let Sample { follower, pose, .. } = *self;
         let now = follower.at(pose, &follower.excitation);
         follower.observed(&follower.at(&moved(pose, &Rates::of(&now), [1.0; BATCH]), &follower.excitation))
     }
 
-    /// The displacement of the foot from its place at the start (m).
+    /// Returns the displacement of the foot since the start (m).
     pub fn slip(&self) -> Number {
         let now = || self.follower.at(self.pose, &self.follower.excitation).foot_place();
-        self.start.map_or(self.follower.slip, |start| self.follower.slip + now() - start)
+        self.foot_at_start.map_or(self.follower.slip, |start| self.follower.slip + now() - start)
     }
 }
 
-/// The pose at a time that differs by `shift` in each direction, along the motion with these rates.
+/// Returns the pose moved along the motion by `shift` (s) in each direction, with these rates.
 fn moved(pose: &Pose<Number>, rates: &Rates, shift: [f64; BATCH]) -> Pose<Number> {
-    let by =
+    let moved =
         |number: Number, rate: f64| Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate * shift[i]));
     let mut footing = pose.footing;
     if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut footing {
-        (*u, *u_dot) = (by(*u, rates.u[0]), by(*u_dot, rates.u[1]));
+        (*u, *u_dot) = (moved(*u, rates.u[0]), moved(*u_dot, rates.u[1]));
     }
-    let state = State::from(std::array::from_fn(|i| by(pose.state[i], rates.state[i])));
-    Pose { time: by(pose.time, 1.0), state, footing, ..*pose }
+    let state = State::from(std::array::from_fn(|i| moved(pose.state[i], rates.state[i])));
+    Pose { time: moved(pose.time, 1.0), state, footing, ..*pose }
 }

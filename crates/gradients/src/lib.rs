@@ -7,9 +7,9 @@
 //! | [`mod@advance`] | a run and its followers → both at a later time, and samples on the way |
 //! | [`peaks`] | the steps in which peaks rise → the derivatives of the peaks |
 //!
-//! The tangent equations are those of the motion in numbers with derivatives, integrated over the steps of the run by the same
-//! formulas. At an event the derivative of its time follows from the function that is watched; the transition is made at that moving
-//! time (the saltation matrix of hybrid systems), also in numbers with derivatives. docs/gradients.md has the method and its limits.
+//! The tangent equations are the equations of motion in numbers with derivatives, integrated over the steps of the run by the same
+//! formulas. At an event the derivative of its time follows from the event function, and the transition is applied at that moving time
+//! (the saltation matrix of hybrid systems). docs/gradients.md has the method and its limits.
 
 pub mod advance;
 pub mod follower;

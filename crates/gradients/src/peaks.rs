@@ -10,27 +10,27 @@ use rocking_block::system::instant::Pose;
 
 use crate::{BATCH, Number};
 
-/// The motion over a step.
+/// The motion over a step, from which it can be evaluated at any time inside.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct Segment {
     /// The block at its beginning.
     pub start: Pose<Number>,
-    /// Derivatives of the time of the event at its beginning; zeros if there is none.
+    /// Derivatives of the time of the event at its beginning; zeros without an event.
     pub start_shift: [f64; BATCH],
     pub excitation: Excitation<Number>,
-    /// The way in which the run went along it.
+    /// Kind of the run's step.
     pub course: Course,
     /// Time at its end (s).
     pub end: f64,
-    /// The same of the event at its end.
+    /// Derivatives of the time of the event at its end; zeros without an event.
     pub end_shift: [f64; BATCH],
 }
 
-/// The observed quantities some time (s) after the beginning of a stretch, and the same with their rates along the motion added to their
-/// derivatives.
-pub(crate) type Within<'a> = dyn Fn(&Stretch, f64) -> [Observation<Number>; 2] + 'a;
+/// Returns the observed quantities at a time (s) after the beginning of a segment, and a copy with their rates along the motion added to
+/// the derivatives.
+pub(crate) type ObserveInside<'a> = dyn Fn(&Segment, f64) -> [Observation<Number>; 2] + 'a;
 
-/// A quantity that has a peak.
+/// A quantity with a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Channel(Channel),
@@ -41,44 +41,44 @@ enum Quantity {
 const CHANNELS: [Channel; 5] =
     [Channel::Theta, Channel::Reaction, Channel::Horizontal, Channel::Uplift, Channel::FrictionDemand];
 
-/// For each peak the step in which it rose last.
+/// The step in which each peak rose last.
 #[derive(Clone, Debug)]
-pub(crate) struct Raised {
-    channels: [Option<Box<Stretch>>; CHANNELS.len()],
-    pulls: [Option<Box<Stretch>>; restraints::MOST],
+pub(crate) struct PeakSegments {
+    channels: [Option<Box<Segment>>; CHANNELS.len()],
+    pulls: [Option<Box<Segment>>; restraints::MOST],
     /// Derivatives of the peak slip.
     slip: [f64; BATCH],
 }
 
-impl Raised {
-    pub fn new() -> Raised {
-        Raised { channels: Default::default(), pulls: Default::default(), slip: [0.0; BATCH] }
+impl PeakSegments {
+    pub fn new() -> PeakSegments {
+        PeakSegments { channels: Default::default(), pulls: Default::default(), slip: [0.0; BATCH] }
     }
 
-    /// Takes in the beginning of a block with restraints of these numbers.
-    pub fn begin(&mut self, start: &Stretch, restraints: impl Iterator<Item = usize>) {
-        for place in &mut self.channels {
-            *place = Some(Box::new(*start));
+    /// Records the start of a block with restraints of these numbers.
+    pub fn begin(&mut self, start: &Segment, restraints: impl Iterator<Item = usize>) {
+        for slot in &mut self.channels {
+            *slot = Some(Box::new(*start));
         }
         for number in restraints {
             self.pulls[number] = Some(Box::new(*start));
         }
     }
 
-    /// Takes in a step from and to which the peaks have these values, and at whose end the foot has slipped by `slip`.
-    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: &Stretch) {
-        let take_in = |place: &mut Option<Box<Stretch>>| match place {
+    /// Records a step with the peaks before and after it; `slip` is the displacement of the foot at its end (m).
+    pub fn record(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: &Segment) {
+        let record = |slot: &mut Option<Box<Segment>>| match slot {
             Some(last) => **last = *step,
-            None => *place = Some(Box::new(*step)),
+            None => *slot = Some(Box::new(*step)),
         };
-        for (place, channel) in self.channels.iter_mut().zip(CHANNELS) {
+        for (slot, channel) in self.channels.iter_mut().zip(CHANNELS) {
             if after.of(channel) != before.of(channel) {
-                take_in(place);
+                record(slot);
             }
         }
-        for (number, place) in self.pulls.iter_mut().enumerate() {
+        for (number, slot) in self.pulls.iter_mut().enumerate() {
             if after.pull[number] != before.pull[number] {
-                take_in(place);
+                record(slot);
             }
         }
         if after.slip != before.slip {
@@ -86,13 +86,13 @@ impl Raised {
         }
     }
 
-    /// The peaks of a run with these values.
-    pub fn peaks(&self, peaks: &Peaks, within: &Within) -> Peaks<Number> {
-        let of = |quantity: Quantity, value: f64, stretch: &Option<Box<Stretch>>| {
-            let eps = stretch.as_deref().map_or([0.0; BATCH], |stretch| derivatives(within, stretch, quantity, value));
+    /// Returns these peaks of the run with their derivatives.
+    pub fn peaks(&self, peaks: &Peaks, observe: &ObserveInside) -> Peaks<Number> {
+        let peak = |quantity: Quantity, value: f64, segment: &Option<Box<Segment>>| {
+            let eps = segment.as_deref().map_or([0.0; BATCH], |segment| derivatives(observe, segment, quantity, value));
             Number::new(value, eps)
         };
-        let channel = |i: usize| of(Quantity::Channel(CHANNELS[i]), peaks.of(CHANNELS[i]), &self.channels[i]);
+        let channel = |i: usize| peak(Quantity::Channel(CHANNELS[i]), peaks.of(CHANNELS[i]), &self.channels[i]);
         Peaks {
             theta: channel(0),
             reaction: channel(1),
@@ -100,20 +100,20 @@ impl Raised {
             uplift: channel(3),
             friction_demand: channel(4),
             slip: Number::new(peaks.slip, self.slip),
-            pull: std::array::from_fn(|i| of(Quantity::Pull(i), peaks.pull[i], &self.pulls[i])),
+            pull: std::array::from_fn(|i| peak(Quantity::Pull(i), peaks.pull[i], &self.pulls[i])),
         }
     }
 }
 
-/// Derivatives of the peak of a quantity, which has reached this value in a step: at one of its ends, whose time may vary, or at a
-/// maximum inside, where the rate is zero.
-fn derivatives(within: &Within, stretch: &Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
-    // Where the highest of these instants inside is between its neighbours there is a maximum.
+/// Returns the derivatives of a peak with this value: at an end of the segment, whose time may vary, or at a maximum inside, where the
+/// rate is zero.
+fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity, peak: f64) -> [f64; BATCH] {
+    // The maximum is bracketed by the neighbours of the highest of these instants.
     const PIECES: u32 = 8;
-    let duration = stretch.end - stretch.start.time.re;
-    let at = |elapsed: f64| samples(quantity, &within(stretch, elapsed));
-    let ends = [(at(0.0), stretch.start_shift, -1.0), (at(duration), stretch.end_shift, 1.0)];
-    // Of several values of a channel, those of both corners or directions, the greatest.
+    let duration = segment.end - segment.start.time.re;
+    let at = |elapsed: f64| samples(quantity, &observe(segment, elapsed));
+    let ends = [(at(0.0), segment.start_shift, -1.0), (at(duration), segment.end_shift, 1.0)];
+    // A channel has a value for each corner or direction; the greatest counts.
     let greatest = |samples: &[(Number, f64)]| {
         samples.iter().enumerate().max_by(|(_, a), (_, b)| a.0.re.total_cmp(&b.0.re)).map_or(0, |(i, _)| i)
     };
@@ -139,7 +139,7 @@ fn derivatives(within: &Within, stretch: &Stretch, quantity: Quantity, peak: f64
     at(time)[which].0.eps
 }
 
-/// The values of a quantity, whose greatest is its peak, with their rates.
+/// Returns the values of a quantity for each corner or direction, with their rates.
 fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(Number, f64)> {
     let values = |x: &Observation<Number>| match quantity {
         Quantity::Pull(number) => vec![x.pull[number]],

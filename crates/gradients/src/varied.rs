@@ -1,18 +1,18 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
 use rocking_block::block::restraints::{Tie, Ties};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given, Physical};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Physical};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
 
 use crate::{BATCH, Number};
 
-/// The real parameters of a run.
+/// The numbers of a run with respect to which derivatives exist.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters<T = f64> {
-    /// The block.
-    pub given: Given<T>,
+    /// The parameters of the block that its parameterization has.
+    pub parameterization: Parameterization<T>,
     /// Its other parameters.
     pub common: Common<T>,
     /// Its ties.
@@ -55,7 +55,7 @@ const PARAMETERS: [(&str, &str); 25] = [
 ];
 
 /// The parameters of a tie with their units.
-const OF_TIE: [(&str, &str); 9] = [
+const TIE_PARAMETERS: [(&str, &str); 9] = [
     ("block_x", "m"),
     ("block_z", "m"),
     ("ground_x", "m"),
@@ -69,14 +69,14 @@ const OF_TIE: [(&str, &str); 9] = [
 
 /// Returns the unit of a parameter; `1` for one without a unit.
 pub fn unit(name: &str) -> &'static str {
-    let of_tie = name.split_once('.').and_then(|(_, name)| OF_TIE.iter().find(|(known, _)| *known == name));
+    let of_tie = name.split_once('.').and_then(|(_, name)| TIE_PARAMETERS.iter().find(|(known, _)| *known == name));
     PARAMETERS.iter().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
 }
 
 impl Parameters {
-    /// Returns the names of all parameters that are read.
+    /// Returns the names of all parameters that the run reads.
     pub fn names(&self) -> Vec<String> {
-        let of_ties = (1..=self.ties.len()).flat_map(|tie| OF_TIE.map(|(name, _)| format!("tie_{tie}.{name}")));
+        let of_ties = (1..=self.ties.len()).flat_map(|tie| TIE_PARAMETERS.map(|(name, _)| format!("tie_{tie}.{name}")));
         let all = PARAMETERS.iter().map(|(name, _)| name.to_string()).chain(["pulse.cycles".into()]).chain(of_ties);
         let mut parameters = self.clone();
         all.filter(|name| parameters.number(name).is_some()).collect()
@@ -84,12 +84,12 @@ impl Parameters {
 }
 
 impl<T: Elementary> Parameters<T> {
-    /// The parameter of this name, if these have it and it is read.
+    /// Returns the parameter with this name, or `None` if the run does not read it.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
-        let Parameters { given, common, ties, initial, pulse, scale } = self;
-        if let Some((tie, of)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
+        let Parameters { parameterization, common, ties, initial, pulse, scale } = self;
+        if let Some((tie, name)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
             let tie = ties.get_mut(tie.parse::<usize>().ok()?.checked_sub(1)?)?;
-            return match of {
+            return match name {
                 "block_x" => Some(&mut tie.block[0]),
                 "block_z" => Some(&mut tie.block[1]),
                 "ground_x" => Some(&mut tie.ground[0]),
@@ -98,27 +98,27 @@ impl<T: Elementary> Parameters<T> {
                 "pretension" => Some(&mut tie.pretension),
                 "slack" => Some(&mut tie.slack),
                 "damping" => Some(&mut tie.damping),
-                // 0 stands for one that does not break.
+                // 0 means that it does not break.
                 "strength" if tie.strength.value() > 0.0 => Some(&mut tie.strength),
                 _ => None,
             };
         }
         let on_supports = common.foundation == Foundation::Viscoelastic;
-        match given {
-            Given::Dimensionless(of) => match name {
-                "alpha" => return Some(&mut of.alpha),
-                "p" => return Some(&mut of.p),
-                "eta" if on_supports => return Some(&mut of.eta),
-                "xi_v" if on_supports => return Some(&mut of.xi_v),
+        match parameterization {
+            Parameterization::Dimensionless(block) => match name {
+                "alpha" => return Some(&mut block.alpha),
+                "p" => return Some(&mut block.p),
+                "eta" if on_supports => return Some(&mut block.eta),
+                "xi_v" if on_supports => return Some(&mut block.xi_v),
                 _ => {}
             },
-            Given::Physical(of) => match name {
-                "width" => return Some(&mut of.width),
-                "height" => return Some(&mut of.height),
-                "K" if on_supports => return Some(&mut of.stiffness),
-                "C" if on_supports => return Some(&mut of.damping),
-                "inertia" => return of.inertia.as_mut(),
-                "gamma" if of.inertia.is_some() => return None,
+            Parameterization::Physical(block) => match name {
+                "width" => return Some(&mut block.width),
+                "height" => return Some(&mut block.height),
+                "K" if on_supports => return Some(&mut block.stiffness),
+                "C" if on_supports => return Some(&mut block.damping),
+                "inertia" => return block.inertia.as_mut(),
+                "gamma" if block.inertia.is_some() => return None,
                 _ => {}
             },
         }
@@ -130,7 +130,7 @@ impl<T: Elementary> Parameters<T> {
             "g" => Some(&mut common.gravity),
             "restitution_factor" if !on_supports => Some(&mut common.restitution_factor),
             "eccentricity" => Some(&mut common.eccentricity),
-            // 0 stands for no limit.
+            // 0 means no limit.
             "friction" if common.friction.value() > 0.0 => Some(&mut common.friction),
             "initial.theta" => Some(&mut initial.theta),
             "initial.theta_dot" => Some(&mut initial.theta_dot),
@@ -150,17 +150,24 @@ impl<T: Elementary> Parameters<T> {
         let Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction } =
             self.common;
         Parameters {
-            given: match self.given {
-                Given::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
-                    Given::Dimensionless(Dimensionless { alpha: of(alpha), p: of(p), eta: of(eta), xi_v: of(xi_v) })
+            parameterization: match self.parameterization {
+                Parameterization::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
+                    Parameterization::Dimensionless(Dimensionless {
+                        alpha: of(alpha),
+                        p: of(p),
+                        eta: of(eta),
+                        xi_v: of(xi_v),
+                    })
                 }
-                Given::Physical(Physical { width, height, stiffness, damping, inertia }) => Given::Physical(Physical {
-                    width: of(width),
-                    height: of(height),
-                    stiffness: of(stiffness),
-                    damping: of(damping),
-                    inertia: inertia.map(&of),
-                }),
+                Parameterization::Physical(Physical { width, height, stiffness, damping, inertia }) => {
+                    Parameterization::Physical(Physical {
+                        width: of(width),
+                        height: of(height),
+                        stiffness: of(stiffness),
+                        damping: of(damping),
+                        inertia: inertia.map(&of),
+                    })
+                }
             },
             common: Common {
                 mass: of(mass),
@@ -205,37 +212,36 @@ pub struct Varied {
 }
 
 impl Varied {
-    /// The derivatives of a block with respect to up to [`BATCH`] of its parameters, by their names. None if it lacks one of them.
+    /// Returns the derivatives with respect to the parameters with these names, at most [`BATCH`]. `None` if one is not read.
     pub fn with_respect_to(parameters: &Parameters, block: &Block, names: &[&str]) -> Option<Varied> {
         let mut varied = parameters.map(Number::from);
         for (i, name) in names.iter().enumerate() {
             *varied.number(name)?.eps.get_mut(i)? = 1.0;
         }
-        let Parameters { given, common, ties, initial, pulse, scale } = varied;
-        let mut derived = Block::of_given(&given, &common);
+        let Parameters { parameterization, common, ties, initial, pulse, scale } = varied;
+        let mut derived = Block::of_parameters(&parameterization, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
         derived.restraints.ties = Ties::of(&ties);
         let block = with_values(derived, block);
         Some(Varied { block, initial, pulse, ground })
     }
 
-    /// The excitation under these inputs, with the pulse if it `acts`.
+    /// Returns the excitation under these inputs, with the pulse if it `acts`.
     pub fn excitation(&self, inputs: &Inputs, acts: bool) -> Excitation<Number> {
-        let of = |ramp: Ramp| Ramp { value: Number::from(ramp.value), rate: Number::from(ramp.rate) };
+        let constant = |ramp: Ramp| Ramp { value: Number::from(ramp.value), rate: Number::from(ramp.rate) };
         let scaled = |ramp: Ramp| Ramp { value: self.ground * ramp.value, rate: self.ground * ramp.rate };
         let inputs = Inputs {
             time: Number::from(inputs.time),
             a_gx: scaled(inputs.a_gx),
             a_gz: scaled(inputs.a_gz),
-            f_x: of(inputs.f_x),
-            f_z: of(inputs.f_z),
-            m_y: of(inputs.m_y),
+            f_x: constant(inputs.f_x),
+            f_z: constant(inputs.f_z),
+            m_y: constant(inputs.m_y),
         };
         Excitation::new(&inputs, acts.then_some(&self.pulse), self.block.mass)
     }
 
-    /// The beginning or the end of `pulse`, whose parameters these are, if it is at `time` (s): the derivatives of that time, and
-    /// whether the pulse acts right before.
+    /// Returns the derivatives of the time at which `pulse` begins or ends, if that is `time` (s), and whether it acts right before.
     pub fn kink(&self, pulse: &Pulse, time: f64) -> Option<([f64; BATCH], bool)> {
         if pulse.shape == PulseShape::None {
             return None;
@@ -249,7 +255,7 @@ impl Varied {
     }
 }
 
-/// These derivatives at the values of a block, to the last bit.
+/// Returns these derivatives at exactly the values of a block.
 fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
     let at = |number: Number, re: f64| Number { re, ..number };
     Block {

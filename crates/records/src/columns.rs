@@ -149,7 +149,7 @@ fn choose(
         let found = format!("found {width} column{plural} {named}, {but}");
         source.needs_setting(Some(*header), found, setting, format!("1{last}{or}"))
     };
-    let place = |column: &Column, setting: Setting| {
+    let index_of = |column: &Column, setting: Setting| {
         let index = match column {
             Column::Number(number) => number.checked_sub(1).filter(|index| index < width),
             Column::Name(name) => {
@@ -158,10 +158,10 @@ fn choose(
         };
         index.ok_or_else(|| error(format!("not {column}"), setting))
     };
-    let chosen = options.acceleration_column.as_ref().map(|column| place(column, Setting::AccelerationColumn));
+    let chosen = options.acceleration_column.as_ref().map(|column| index_of(column, Setting::AccelerationColumn));
     let chosen = chosen.transpose()?;
     let time = match &options.time_column {
-        Some(column) => Some(place(column, Setting::TimeColumn)?),
+        Some(column) => Some(index_of(column, Setting::TimeColumn)?),
         None if *width == 1 => None,
         None if !names.is_empty() => names.iter().position(Heading::is_time),
         // Without names the first column is time, unless a given time step makes a table of accelerations possible.

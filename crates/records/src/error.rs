@@ -42,7 +42,7 @@ pub enum RecordError {
     Processing {
         /// Name of the file.
         file: String,
-        /// Value found, and the one expected.
+        /// Found and expected value.
         message: String,
     },
     /// The file has only blanks.

@@ -5,7 +5,7 @@ use super::format::Format;
 use super::raw::{Raw, StatedCount, StatedStep};
 use super::text::{FileText, Values, number, quoted};
 
-/// Returns whether a line is the one that every header has.
+/// Returns whether a line is the one common to all headers.
 pub(super) fn is_header_line(line: &str) -> bool {
     line.starts_with("SAMPLING_INTERVAL_S:")
 }

@@ -70,7 +70,7 @@ fn subtract_line(values: &mut [f64]) {
 
 /// Returns the record with another time step, from the same first sample.
 fn with_step(record: Record, step: f64) -> Record {
-    // The last sample may be missed by rounding.
+    // The last sample may be missed by round-off.
     let count = (record.duration() / step * (1.0 + f64::EPSILON)).floor() as usize + 1;
     let end = record.start_time + record.duration();
     let at = |i: usize| record.at((record.start_time + i as f64 * step).min(end));

@@ -86,8 +86,8 @@ impl ReadOptions {
         }
     }
 
-    /// Lists the settings that are given.
-    pub fn given(&self) -> impl Iterator<Item = Setting> + use<> {
+    /// Lists the settings with a value.
+    pub fn settings(&self) -> impl Iterator<Item = Setting> + use<> {
         let ReadOptions { format, unit, time_step, gravity: _, time_column, acceleration_column, channel, processing } =
             self;
         [

@@ -21,14 +21,14 @@ pub struct Processing {
 }
 
 impl Processing {
-    /// Whether it changes nothing.
+    /// Whether the record stays unchanged.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Processing::default()
     }
 }
 
-/// The changes in words, as in `baseline removed, band-pass 0.1 to 25 Hz, every 0.005 s`; nothing for none.
+/// The changes in words, as in `baseline removed, band-pass 0.1 to 25 Hz, resampled every 0.005 s`; empty without changes.
 impl fmt::Display for Processing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Processing { baseline, band_pass, resample } = self;

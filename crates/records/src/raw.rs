@@ -61,7 +61,7 @@ impl Raw {
         }
     }
 
-    /// Agrees with the caller on unit and time step, checks count and peak, and converts to m/s².
+    /// Settles unit and time step with the caller, checks count and peak, and converts to m/s².
     pub(super) fn into_record(self, source: &FileText<'_>, options: &ReadOptions) -> Result<Record, RecordError> {
         let file = || source.name.clone();
         if let Some(StatedCount { line, key, value }) = self.count

@@ -66,7 +66,7 @@ impl Record {
         let index = position as usize;
         match self.acceleration.get(index..) {
             Some([left, right, ..]) => left + (position - index as f64) * (right - left),
-            // The last sample, or just beyond it by rounding.
+            // The last sample, or just beyond it by round-off.
             _ => self.acceleration.last().copied().unwrap_or(0.0),
         }
     }

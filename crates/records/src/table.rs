@@ -163,7 +163,7 @@ fn stated_unit(line: &str) -> Option<&str> {
     is_unit(unit).then_some(unit)
 }
 
-/// Returns the units of a row of units, one per column, as `s, m/s2`; otherwise an empty list.
+/// Returns the units in a row such as `s, m/s2`, one per column; empty for any other row.
 fn units(line: &str, separator: Separator, width: usize) -> Vec<&str> {
     let fields =
         if separator.split(line).len() == width { separator.split(line) } else { Separator::of(line).split(line) };

@@ -14,7 +14,7 @@ pub(super) const HEAD_LINES: usize = 64;
 /// Some SMC headers have a few NULs; random bytes have one control character in nine, and floating-point numbers many more.
 const CONTROL_BYTES: usize = 100;
 
-/// Number of values with equal digits that must precede a last value for it to count as cut off.
+/// Number of values with equal digits after which a shorter last value counts as cut off.
 const EQUAL_VALUES: usize = 16;
 
 /// Text of a file, with its name for errors.
@@ -118,7 +118,7 @@ impl Digits {
         Digits { decimals: Some(decimals(mantissa)), exponent: exponent.trim_start_matches(['+', '-']).len() }
     }
 
-    fn common(self, other: Digits) -> Digits {
+    fn in_common(self, other: Digits) -> Digits {
         Digits {
             decimals: self.decimals.filter(|_| self.decimals == other.decimals),
             exponent: self.exponent.min(other.exponent),
@@ -135,7 +135,7 @@ impl<'s> Values<'s> {
         let value = self.source.number(line, token)?;
         if !self.numbers.is_empty() {
             let digits = Digits::of(&self.last);
-            self.digits = Some(self.digits.map_or(digits, |common| common.common(digits)));
+            self.digits = Some(self.digits.map_or(digits, |common| common.in_common(digits)));
         }
         self.last_line = line;
         self.last.clear();
@@ -168,14 +168,14 @@ impl<'s> Values<'s> {
 
 /// Splits a number into mantissa and exponent, which may be empty.
 fn split_exponent(token: &str) -> (&str, &str) {
-    let place = token.bytes().position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
-    let split = place.and_then(|place| Some((token.get(..place)?, token.get(place + 1..)?)));
+    let position = token.bytes().position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
+    let split = position.and_then(|position| Some((token.get(..position)?, token.get(position + 1..)?)));
     split.unwrap_or((token, ""))
 }
 
 /// Counts the decimals of a mantissa.
 fn decimals(mantissa: &str) -> usize {
-    mantissa.bytes().position(|byte| byte == b'.').map_or(0, |place| mantissa.len() - place - 1)
+    mantissa.bytes().position(|byte| byte == b'.').map_or(0, |point| mantissa.len() - point - 1)
 }
 
 /// Reads a number printed by C or Fortran (`.5E-02`, `0.5D-02`), also infinite ones and NaN.

@@ -10,7 +10,7 @@ const LARGEST_SHIFT: f64 = 0.1;
 /// Relative precision of times computed in single precision with a few operations.
 const SINGLE_PRECISION: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Relative rounding error of the arithmetic below.
+/// Relative round-off error of the arithmetic below.
 const ROUNDING: f64 = 1e-9;
 
 /// Times of a file, each with its line.
@@ -53,17 +53,17 @@ impl TimeAxis {
         let mean = (end - start) / intervals;
         let printed = self.quantum.max(SINGLE_PRECISION * start.abs().max(end.abs()));
         let tolerance = printed.min(LARGEST_SHIFT * mean).max(ROUNDING * mean);
-        let off = |step: f64| {
-            let places =
+        let first_uneven = |step: f64| {
+            let expected =
                 self.times.iter().enumerate().map(|(index, &(line, t))| (line, t, start + index as f64 * step));
             // A step that overflowed gives NaN for the first time.
-            places.into_iter().find(|(_, found, expected)| expected.is_nan() || (found - expected).abs() > tolerance)
+            expected.into_iter().find(|(_, found, expected)| expected.is_nan() || (found - expected).abs() > tolerance)
         };
-        if let Some(place) = off(mean) {
+        if let Some(uneven) = first_uneven(mean) {
             // The first step finds the change of spacing; the mean step already includes it.
             let first = self.times.get(1).map_or(mean, |&(_, second)| second - start);
-            let (time_step, place) = off(first).map_or((mean, place), |place| (first, place));
-            let (file, (line, found, expected)) = (source.name.clone(), place);
+            let (time_step, uneven) = first_uneven(first).map_or((mean, uneven), |uneven| (first, uneven));
+            let (file, (line, found, expected)) = (source.name.clone(), uneven);
             return Err(RecordError::UnevenTime { file, line, found, expected, time_step });
         }
         let tolerance = tolerance / intervals + ROUNDING * mean;

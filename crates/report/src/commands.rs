@@ -2,11 +2,11 @@
 
 use rocking_block::block::{Block, Foundation};
 use rocking_block::words::Words;
-use rocking_studies::assess::{Found, Plan};
+use rocking_studies::assess::{Plan, Results};
 
 /// Returns a line for each command.
-pub fn commands(plan: &Plan, found: &Found) -> Vec<String> {
-    let report = &found.report;
+pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
+    let report = &results.report;
     let (im, study) = (plan.measure.to_string(), &plan.file);
     let limit = &report.states[report.compared_state].limit;
     let mut commands = vec![
@@ -27,7 +27,7 @@ pub fn commands(plan: &Plan, found: &Found) -> Vec<String> {
     commands
 }
 
-/// The search of the first pulse, for a block that the command line can describe by α, p and its foundation.
+/// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
     let Block { alpha, p, gamma, gravity, epsilon, restitution_factor, xi_v, .. } = plan.block;
     if plan.block.is_extended() {
@@ -46,7 +46,7 @@ fn pulses(plan: &Plan) -> Option<String> {
     ))
 }
 
-/// A word of a command line, in quotes where a shell needs them.
+/// Quotes a word of a command line if a shell requires it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "._-/".contains(c);
     if word.chars().all(plain) { word.into() } else { format!("\"{word}\"") }

@@ -17,12 +17,12 @@ mod sentences;
 mod tables;
 
 use rocking_charts::picture::{PictureError, PictureFormat};
-use rocking_studies::assess::{Found, Plan};
+use rocking_studies::assess::{Plan, Results};
 
 /// Name of the page.
 pub const PAGE: &str = "report.html";
 
-/// The reason why a report cannot be made.
+/// The reason why a report fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A picture cannot be drawn.
@@ -32,7 +32,7 @@ pub enum ReportError {
     #[error("the page cannot be filled: {0}")]
     Page(#[from] askama::Error),
     /// A table cannot be written or read.
-    #[error("a table cannot be made: {0}")]
+    #[error("a table cannot be written: {0}")]
     Table(#[from] csv::Error),
     /// The curves of incremental dynamic analysis cannot be read from the runs.
     #[error(transparent)]
@@ -40,14 +40,14 @@ pub enum ReportError {
 }
 
 /// Returns the result in a few sentences, a line each.
-pub fn text(found: &Found) -> String {
-    sentences::summary(&found.report, range(found)).into_iter().map(|sentence| sentence + "\n").collect()
+pub fn text(results: &Results) -> String {
+    sentences::summary(&results.report, range(results)).into_iter().map(|sentence| sentence + "\n").collect()
 }
 
-/// Least and greatest measure of the runs; they are the same for variants, which stand under the same ground motions.
-fn range(found: &Found) -> [f64; 2] {
-    let measures = found.table.numbers(&found.report.im).unwrap_or_default();
-    [f64::min, f64::max].map(|of| measures.iter().flatten().copied().reduce(of).unwrap_or(f64::NAN))
+/// Returns the least and greatest measure of the runs, also of those of the variants, under the same ground motions.
+fn range(results: &Results) -> [f64; 2] {
+    let measures = results.table.numbers(&results.report.im).unwrap_or_default();
+    rocking_studies::statistics::range(measures.into_iter().flatten()).unwrap_or([f64::NAN; 2])
 }
 
 /// Makes the files of a report, with their names: the page first, then its pictures and tables.
@@ -56,13 +56,13 @@ fn range(found: &Found) -> [f64; 2] {
 ///
 /// # Errors
 /// None in practice: all results can be drawn and written.
-pub fn files(plan: &Plan, found: &Found) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let pictures = pictures::pictures(plan, found)?;
-    let page = page::page(plan, found, &pictures)?;
+pub fn files(plan: &Plan, results: &Results) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let pictures = pictures::pictures(plan, results)?;
+    let page = page::page(plan, results, &pictures)?;
     let mut files = vec![(PAGE.to_string(), page.into_bytes())];
     for picture in &pictures {
         files.push((format!("{}.png", picture.name), PictureFormat::Png.encode(&picture.svg)?));
     }
-    files.extend(tables::tables(found)?.into_iter().map(|(name, text)| (name.to_string(), text.into_bytes())));
+    files.extend(tables::tables(results)?.into_iter().map(|(name, text)| (name.to_string(), text.into_bytes())));
     Ok(files)
 }

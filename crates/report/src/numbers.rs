@@ -2,18 +2,19 @@
 
 use rocking_charts::numerals::significant;
 use rocking_studies::assess::Counts;
+use rocking_studies::fragility::split_heading;
 
-/// A number with three significant digits.
+/// Writes a number with three significant digits.
 pub fn short(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}").replace('-', "−") } else { significant(value, 3) }
 }
 
-/// A number with four significant digits.
+/// Writes a number with four significant digits.
 pub fn long(value: f64) -> String {
     significant(value, 4)
 }
 
-/// A share in per cent.
+/// Writes a share in per cent.
 pub fn percent(share: f64) -> String {
     let part = 100.0 * share;
     let text =
@@ -21,7 +22,7 @@ pub fn percent(share: f64) -> String {
     format!("{text} %")
 }
 
-/// An interval; an unbounded end is a word.
+/// Writes an interval; an unbounded end becomes a word.
 pub fn interval([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
         (None, None) => "unbounded".into(),
@@ -31,25 +32,25 @@ pub fn interval([low, high]: [Option<f64>; 2]) -> String {
     }
 }
 
-/// An annual rate (1/year).
+/// Writes an annual rate (1/year).
 pub fn rate(rate: f64) -> String {
     rocking_charts::rate::per_year(rate).replace('-', "−")
 }
 
-/// A return period (years).
+/// Writes a return period (years).
 pub fn years(years: f64) -> String {
     if years < 1e7 { significant(years, 3) } else { format!("{years:.1e}") }
 }
 
-/// Name and unit of a heading such as `PGV [m/s]`, and the suffix of a number in that unit.
+/// Returns the name in a heading such as `PGV [m/s]`, and the suffix of a number in its unit.
 pub fn heading(heading: &str) -> (String, String) {
-    let (name, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
-    let unit = unit.replace('2', "²").replace('.', "·");
+    let (name, unit) = split_heading(heading);
+    let unit = unit.unwrap_or("1").replace('2', "²").replace('.', "·");
     let suffix = if unit == "1" { String::new() } else { format!(" {unit}") };
     (name.replace("alpha", "α"), suffix)
 }
 
-/// A quantity such as `eta [1]` by its symbol and unit.
+/// Writes a quantity such as `eta [1]` by its symbol and unit.
 pub fn quantity(name: &str) -> String {
     let (name, unit) = heading(name);
     let symbol = match name.as_str() {
@@ -75,7 +76,7 @@ pub fn quantity(name: &str) -> String {
     if unit.is_empty() { symbol.into() } else { format!("{symbol} ({unit})") }
 }
 
-/// A limit such as `theta/alpha>0.5` in symbols.
+/// Writes a limit such as `theta/alpha>0.5` in symbols.
 pub fn limit(limit: &str) -> String {
     match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
         (Some(number), _) => format!("|θ|/α > {number}"),
@@ -84,7 +85,7 @@ pub fn limit(limit: &str) -> String {
     }
 }
 
-/// What runs beyond a limit do, as in “12 runs overturn”.
+/// Returns the predicate for runs beyond a limit, as in “12 runs overturn”.
 pub fn exceed(limit: &str) -> String {
     match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
         (Some(number), _) => format!("exceed |θ|/α = {number}"),
@@ -93,7 +94,7 @@ pub fn exceed(limit: &str) -> String {
     }
 }
 
-/// The reason why runs have no curve.
+/// Writes the reason why runs have no curve.
 pub fn no_curve(runs: &Counts, reason: &str) -> String {
     match runs.exceeded {
         0 => "no run exceeds the limit".into(),
@@ -102,7 +103,7 @@ pub fn no_curve(runs: &Counts, reason: &str) -> String {
     }
 }
 
-/// A median, or the end of the runs beyond which it lies: curves are not extrapolated.
+/// Writes a median, or the bound of the runs that it exceeds: curves are not extrapolated.
 pub fn median(median: f64, [least, greatest]: [f64; 2]) -> String {
     match median {
         _ if median > greatest => format!("above {}", short(greatest)),
@@ -111,7 +112,7 @@ pub fn median(median: f64, [least, greatest]: [f64; 2]) -> String {
     }
 }
 
-/// A slip (m), without the noise of rounding.
+/// Writes a slip (m), without round-off.
 pub fn slip(slip: f64) -> String {
     if slip < 1e-6 { "0".into() } else { short(slip) }
 }

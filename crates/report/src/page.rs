@@ -12,11 +12,11 @@ use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
 use rocking_block::words::Words;
 use rocking_charts::rate::NEGLIGIBLE;
-use rocking_studies::assess::{Comparison, Counts, CurveResult, Found, LeastPulse, Plan, Report};
+use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, Report, Results};
 
 /// Fills the template.
-pub fn page(plan: &Plan, found: &Found, pictures: &[Picture]) -> Result<String, ReportError> {
-    let report = &found.report;
+pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<String, ReportError> {
+    let report = &results.report;
     let (measure, unit) = heading(&report.im);
     let page = Page {
         report,
@@ -25,9 +25,9 @@ pub fn page(plan: &Plan, found: &Found, pictures: &[Picture]) -> Result<String, 
         measure,
         unit: unit.trim().to_string(),
         compared: limit(&report.states[report.compared_state].limit),
-        summary: summary(report, range(found)),
-        range: range(found),
-        commands: commands(plan, found),
+        summary: summary(report, range(results)),
+        range: range(results),
+        commands: commands(plan, results),
         version: env!("CARGO_PKG_VERSION"),
         study: &plan.sweep.text,
     };
@@ -84,12 +84,12 @@ impl Page<'_> {
         numbers::quantity(name)
     }
 
-    /// The drawing of this name, if there is one.
+    /// Returns the drawing with this name, if any.
     fn picture(&self, name: &str) -> Option<&str> {
         self.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.svg.as_str())
     }
 
-    /// A range as text, or its only value.
+    /// Writes a range, or its only value.
     fn range(&self, [low, high]: &[f64; 2]) -> String {
         if low == high { long(*low) } else { format!("{} to {}", long(*low), long(*high)) }
     }
@@ -102,7 +102,7 @@ impl Page<'_> {
         value.map_or("—".into(), short)
     }
 
-    /// An acceleration relative to gravity.
+    /// Writes an acceleration relative to gravity.
     fn in_g(&self, value: &Option<f64>) -> String {
         self.optional(&value.map(|value| value / self.report.object.g))
     }
@@ -127,7 +127,7 @@ impl Page<'_> {
         value.map_or("—".into(), rate)
     }
 
-    /// An amplitude of a least pulse relative to gravity.
+    /// Writes the amplitude of a least pulse relative to gravity.
     fn pulse(&self, pulse: &LeastPulse) -> String {
         let g = self.report.object.g;
         match (pulse.amplitude, pulse.bound) {
@@ -137,7 +137,7 @@ impl Page<'_> {
         }
     }
 
-    /// Peak ground velocity of the least pulse (m/s), for the cycloids whose amplitudes are related in closed form.
+    /// Writes the peak ground velocity of the least pulse (m/s) for shapes with a closed form.
     fn pulse_velocity(&self, pulse: &LeastPulse) -> String {
         let per_amplitude = match self.plan.pulse {
             // v_g = v_p/2 (1 − cos ω_p t), a_p = ω_p v_p/2: the greatest velocity is v_p.
@@ -159,7 +159,7 @@ impl Page<'_> {
         }
     }
 
-    /// Slip and tension of a variant.
+    /// Writes slip and tension of a variant, and remarks on its curve.
     fn remarks(&self, variant: &Comparison) -> String {
         let slip = variant
             .peak_slip
@@ -172,22 +172,22 @@ impl Page<'_> {
         [slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
-    /// The size of the object in the spectrum: its 2π/p (s).
-    fn own_size(&self) -> String {
+    /// Returns the size of the object in the spectrum, 2π/p (s).
+    fn object_size(&self) -> String {
         long(std::f64::consts::TAU / self.report.object.p)
     }
 
-    /// The share of ground motions that overturn the object itself at the strength of the spectrum.
-    fn own_outcome(&self) -> Option<String> {
+    /// Returns the share of ground motions that overturn the object at the strength of the spectrum.
+    fn object_outcome(&self) -> Option<String> {
         let sizes = &self.report.sizes;
         let p = self.report.object.p;
-        let own = sizes.iter().min_by(|a, b| (a.p - p).abs().total_cmp(&(b.p - p).abs()))?;
-        let all = own.rocked + own.at_rest + own.overturned + own.undecided;
-        Some(format!("{} of {all} ground motions overturn the object itself", own.overturned))
+        let size = sizes.iter().min_by(|a, b| (a.p - p).abs().total_cmp(&(b.p - p).abs()))?;
+        let all = size.rocked + size.at_rest + size.overturned + size.undecided;
+        Some(format!("{} of {all} ground motions overturn the object itself", size.overturned))
     }
 
     fn rate_interval(&self, &[low, high]: &[Option<f64>; 2]) -> String {
-        // A lower end that is written as a bound says nothing.
+        // A lower end below the least printed rate carries no information.
         match (low.filter(|&low| low >= NEGLIGIBLE), high) {
             (None, None) => "unbounded".into(),
             (Some(low), None) => format!("above {}", rate(low)),

@@ -7,7 +7,7 @@ use rocking_charts::record_spectra;
 use rocking_charts::sketch::Sketch;
 use rocking_charts::spectrum::{Abscissa, spectrum};
 use rocking_charts::tornado::{Bar, tornado};
-use rocking_studies::assess::{CurveResult, Found, Plan};
+use rocking_studies::assess::{CurveResult, Plan, Results};
 use rocking_studies::fragility::Ida;
 use rocking_studies::sweep::strength::Strengths;
 
@@ -18,14 +18,14 @@ pub struct Picture {
 }
 
 /// Draws everything that the results allow.
-pub fn pictures(plan: &Plan, found: &Found) -> Result<Vec<Picture>, ReportError> {
-    let report = &found.report;
+pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportError> {
+    let report = &results.report;
     let heading = report.im.as_str();
-    let blocks = rocking_charts::fragility::blocks(&found.table);
+    let blocks = rocking_charts::fragility::blocks(&results.table);
     let mut pictures = Vec::new();
     let mut add = |name: &'static str, svg: String| pictures.push(Picture { name, svg });
     add("sketch", Sketch { block: plan.block, height: plan.height }.svg()?);
-    let sizes = &found.sizes;
+    let sizes = &results.sizes;
     let title = format!("Blocks of this shape in other sizes, ground motions scaled to {}", sizes.strength);
     let table = sizes.table.as_bytes();
     add(
@@ -37,9 +37,9 @@ pub fn pictures(plan: &Plan, found: &Found) -> Result<Vec<Picture>, ReportError>
     );
     if let Strengths::Levels(measure, _) = &plan.sweep.strengths {
         let levels = measure.to_string();
-        add("ida", ida(&blocks, &Ida::read(&found.table, &levels)?, &measure.heading())?);
+        add("ida", ida(&blocks, &Ida::read(&results.table, &levels)?, &measure.heading())?);
     }
-    let named = report.states.iter().zip(&found.states);
+    let named = report.states.iter().zip(&results.states);
     let fitted: Vec<_> = named
         .filter_map(|(state, curve)| {
             let name = format!("{}: {}", state.name, limit(&state.limit));
@@ -50,15 +50,15 @@ pub fn pictures(plan: &Plan, found: &Found) -> Result<Vec<Picture>, ReportError>
         add("states", states("Fragility curves of all states", &fitted, heading)?);
     }
     let state = plan.states[report.compared_state].limit;
-    if let Ok(assessment) = &found.states[report.compared_state].assessment {
+    if let Ok(assessment) = &results.states[report.compared_state].assessment {
         add("fragility", curve(&blocks, assessment, heading, state, report.confidence)?);
-        if let (Some(rate), Some(result)) = (&found.states[report.compared_state].rate, &report.hazard) {
+        if let (Some(rate), Some(result)) = (&results.states[report.compared_state].rate, &report.hazard) {
             let lines = [format!("annual rate from {}", result.file)];
             let band = |at: &[f64]| Some(assessment.band(at));
             add("rate", rocking_charts::rate::rate(&lines, rate, heading, &probability_of(state), band)?);
         }
     }
-    let [least, greatest] = range(found);
+    let [least, greatest] = range(results);
     let inside = |curve: CurveResult| Some(curve.median).filter(|median| (least..=greatest).contains(median));
     if let Some(middle) = report.variants[0].curve.and_then(inside)
         && !report.sensitivity.is_empty()

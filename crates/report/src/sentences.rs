@@ -3,7 +3,7 @@
 use crate::numbers::{exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
 use rocking_studies::assess::{Comparison, ObjectResult, Report, StateResult};
 
-/// The result in a few sentences.
+/// Writes the result in a few sentences.
 pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     let state = &report.states[report.compared_state];
     let (measure, unit) = heading(&report.im);
@@ -20,7 +20,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     ));
     match state.curve {
         Some(curve) if !(range[0]..=range[1]).contains(&curve.median) => sentences.push(format!(
-            "The {measure} at which the probability of {} is one half lies outside of the runs, which reach from {} to {}{unit}.",
+            "The {measure} at which the probability of {} is one half lies outside the range of the runs, from {} to {}{unit}.",
             limit(&state.limit),
             short(range[0]),
             short(range[1])
@@ -28,7 +28,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         Some(curve) => {
             let ends = match curve.median_interval {
                 [None, None] => format!(
-                    "; the {} interval is unbounded: {} ground motions say too little about the next one",
+                    "; the {} interval is unbounded: {} ground motions carry too little information",
                     percent(report.confidence),
                     report.motions.len()
                 ),
@@ -65,13 +65,13 @@ fn object(object: &ObjectResult) -> String {
     let ObjectResult { width, center_height, alpha, p, foundation, static_threshold, g, friction, .. } = object;
     let is_rigid = *foundation == "rigid";
     let base = if is_rigid { "It stands on a rigid base" } else { "It stands on viscoelastic supports" };
-    let there = if is_rigid { "it" } else { "on a rigid base it" };
+    let subject = if is_rigid { "it" } else { "on a rigid base it" };
     let start = match static_threshold {
         Some(threshold) if *friction > 0.0 && friction * g < *threshold => {
-            format!("; {there} would slide beyond {} g, before it rocks", long(*friction))
+            format!("; {subject} would slide beyond {} g, before it rocks", long(*friction))
         }
         Some(threshold) => {
-            format!("; {there} would begin to rock at a horizontal ground acceleration of {} g", long(threshold / g))
+            format!("; {subject} would begin to rock at a horizontal ground acceleration of {} g", long(threshold / g))
         }
         None => String::new(),
     };
@@ -89,7 +89,7 @@ fn object(object: &ObjectResult) -> String {
 /// The variant with the fewest runs beyond the limit, if it has fewer than the object.
 fn best_variant(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
-    // A run without a known outcome may exceed the limit.
+    // A run with an unknown outcome may exceed the limit.
     let worst = |variant: &Comparison| variant.runs.exceeded + variant.runs.left_out;
     let best = variants.iter().min_by_key(|variant| worst(variant))?;
     let exceed = exceed(&report.states[report.compared_state].limit);
@@ -98,7 +98,7 @@ fn best_variant(report: &Report) -> Option<String> {
             "Of the variants, “{}” helps most: {} of {} runs {exceed} instead of {}.",
             best.name, best.runs.exceeded, best.runs.known, plain.runs.exceeded
         )),
-        false => Some(format!("With none of the variants fewer runs {exceed} than as it is.")),
+        false => Some(format!("No variant reduces the number of runs that {exceed}.")),
     }
 }
 

@@ -1,14 +1,15 @@
 //! Results → CSV, in SI units and full precision.
 
-use rocking_studies::assess::{Comparison, Found};
+use rocking_studies::assess::{Comparison, Results};
+use rocking_studies::fragility::split_heading;
 
 /// Makes the tables, with the names of their files.
-pub fn tables(found: &Found) -> Result<Vec<(&'static str, String)>, csv::Error> {
+pub fn tables(results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
     Ok(vec![
-        ("runs.csv", found.runs.clone()),
-        ("spectrum.csv", found.sizes.table.clone()),
-        ("states.csv", states(found)?),
-        ("variants.csv", comparisons(found)?),
+        ("runs.csv", results.runs.clone()),
+        ("spectrum.csv", results.sizes.table.clone()),
+        ("states.csv", states(results)?),
+        ("variants.csv", comparisons(results)?),
     ])
 }
 
@@ -17,9 +18,9 @@ fn text(value: Option<f64>) -> String {
 }
 
 /// Begins a table with the name of the study and these columns.
-fn table(found: &Found, name: &str, columns: &[String]) -> Result<csv::Writer<Vec<u8>>, csv::Error> {
+fn table(results: &Results, name: &str, columns: &[String]) -> Result<csv::Writer<Vec<u8>>, csv::Error> {
     let head =
-        format!("# rocking-block {} assess, {name}\n# study {}\n", env!("CARGO_PKG_VERSION"), found.report.study);
+        format!("# rocking-block {} assess, {name}\n# study {}\n", env!("CARGO_PKG_VERSION"), results.report.study);
     let mut writer = csv::Writer::from_writer(head.into_bytes());
     writer.write_record(columns)?;
     Ok(writer)
@@ -30,15 +31,16 @@ fn finished(writer: csv::Writer<Vec<u8>>) -> Result<String, csv::Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn states(found: &Found) -> Result<String, csv::Error> {
-    let (name, unit) = found.report.im.split_once(" [").unwrap_or((&found.report.im, "1]"));
-    let im = |column: &str| format!("{column}.{name} [{unit}");
+fn states(results: &Results) -> Result<String, csv::Error> {
+    let (name, unit) = split_heading(&results.report.im);
+    let unit = unit.unwrap_or("1");
+    let im = |column: &str| format!("{column}.{name} [{unit}]");
     let mut columns = ["state", "limit", "source", "runs [1]", "exceeded [1]"].map(String::from).to_vec();
     columns.extend([im("median"), im("median.low"), im("median.high")]);
     columns.extend(["beta [1]", "beta.low [1]", "beta.high [1]"].map(String::from));
     columns.extend(["rate [1/year]", "rate.low [1/year]", "rate.high [1/year]"].map(String::from));
-    let mut writer = table(found, "states", &columns)?;
-    for state in &found.report.states {
+    let mut writer = table(results, "states", &columns)?;
+    for state in &results.report.states {
         let mut row = vec![state.name.clone(), state.limit.clone(), state.source.clone().unwrap_or_default()];
         row.extend([state.runs.known, state.runs.exceeded].map(|count| count.to_string()));
         let curve = state.curve;
@@ -54,21 +56,25 @@ fn states(found: &Found) -> Result<String, csv::Error> {
 }
 
 /// Variants, blocks with friction, and both ends of each range of the sensitivity.
-fn comparisons(found: &Found) -> Result<String, csv::Error> {
-    let report = &found.report;
-    let (name, unit) = report.im.split_once(" [").unwrap_or((&report.im, "1]"));
+fn comparisons(results: &Results) -> Result<String, csv::Error> {
+    let report = &results.report;
+    let (name, unit) = split_heading(&report.im);
+    let unit = unit.unwrap_or("1");
     let columns = ["kind", "name", "value", "alpha [rad]", "static_threshold [m/s2]", "runs [1]", "exceeded [1]"];
     let mut columns: Vec<String> = columns.map(String::from).to_vec();
-    columns.push(format!("median.{name} [{unit}"));
+    columns.push(format!("median.{name} [{unit}]"));
     columns.extend(["beta [1]", "rate [1/year]", "peak.slip [m]", "peak.tension/weight [1]"].map(String::from));
     let limit = &report.states[report.compared_state].limit;
-    let mut writer = table(found, &format!("variants and sensitivity for {limit}"), &columns)?;
-    let mut write = |kind: &str, value: Option<f64>, of: &Comparison| {
-        let mut row = vec![kind.to_string(), of.name.clone(), text(value), of.alpha.to_string()];
-        row.push(text(of.static_threshold));
-        row.extend([of.runs.known, of.runs.exceeded].map(|count| count.to_string()));
-        row.extend([of.curve.map(|curve| curve.median), of.curve.map(|curve| curve.beta), of.rate].map(text));
-        row.extend([of.peak_slip, of.peak_tension].map(text));
+    let mut writer = table(results, &format!("variants and sensitivity for {limit}"), &columns)?;
+    let mut write = |kind: &str, value: Option<f64>, comparison: &Comparison| {
+        let mut row = vec![kind.to_string(), comparison.name.clone(), text(value), comparison.alpha.to_string()];
+        row.push(text(comparison.static_threshold));
+        row.extend([comparison.runs.known, comparison.runs.exceeded].map(|count| count.to_string()));
+        row.extend(
+            [comparison.curve.map(|curve| curve.median), comparison.curve.map(|curve| curve.beta), comparison.rate]
+                .map(text),
+        );
+        row.extend([comparison.peak_slip, comparison.peak_tension].map(text));
         writer.write_record(row)
     };
     for variant in &report.variants {

@@ -164,24 +164,26 @@ fn read(
     vertical_reading: &VerticalReadingOptions,
     gravity: f64,
 ) -> anyhow::Result<Vec<Ground>> {
-    let said = RecordOptions { both: reading.read_options(gravity)?, vertical: vertical_reading.read_options()? };
+    let record_options =
+        RecordOptions { both: reading.read_options(gravity)?, vertical: vertical_reading.read_options()? };
     let named = files.iter().flat_map(|files| [("--record", files.horizontal), ("--vertical", files.vertical)]);
     input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
     let read = |path: Option<&Path>, is_vertical| {
-        let read = |path| said.read(is_vertical, RecordOption::option, |options| input::record(path, options));
+        let read =
+            |path| record_options.read(is_vertical, RecordOption::option, |options| input::record(path, options));
         path.map(read).transpose().map_err(anyhow::Error::msg)
     };
     let ground = |files: &MotionFiles| {
         Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
     };
     let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
-    refuse_without_effect(&said, &grounds)?;
+    refuse_without_effect(&record_options, &grounds)?;
     Ok(grounds)
 }
 
 /// Refuses options that none of the files needed.
-pub fn refuse_without_effect(said: &RecordOptions, grounds: &[Ground]) -> anyhow::Result<()> {
-    match said.unread(grounds) {
+pub fn refuse_without_effect(record_options: &RecordOptions, grounds: &[Ground]) -> anyhow::Result<()> {
+    match record_options.unread(grounds) {
         Some((name, needed)) => anyhow::bail!("{} has no effect without {needed}", name.option()),
         None => Ok(()),
     }

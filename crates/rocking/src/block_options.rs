@@ -8,7 +8,7 @@ use crate::explicit_options::ExplicitOptions;
 use crate::run_options::warn_of_soft_supports;
 use crate::tie::tie;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical};
 use rocking_block::words::Words;
 
 /// The parameters of a block.
@@ -144,17 +144,17 @@ impl BlockOptions {
     }
 
     fn checked(&self) -> anyhow::Result<Block> {
-        let (given, common) = self.given()?;
-        Ok(self.extended.tied(Block::from_given(&given, &common)?)?)
+        let (parameterization, common) = self.parameters()?;
+        Ok(self.extended.tied(Block::from_parameters(&parameterization, &common)?)?)
     }
 
-    /// Returns the parameters, in the way in which they are given.
-    pub fn given(&self) -> anyhow::Result<(Given, Common)> {
+    /// Returns the parameters in the parameterization of the options.
+    pub fn parameters(&self) -> anyhow::Result<(Parameterization, Common)> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } = *self;
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
         let common = self.extended.common(common);
         let BlockOptions { width: Some(width), height, center_height, inertia, stiffness, damping, .. } = *self else {
-            return Ok((Given::Dimensionless(Dimensionless { alpha, p, eta, xi_v }), common));
+            return Ok((Parameterization::Dimensionless(Dimensionless { alpha, p, eta, xi_v }), common));
         };
         let height = center_height.map(|height| 2.0 * height).or(height);
         let height = height.context("--width without --height; expected both, or --center-height")?;
@@ -168,6 +168,6 @@ impl BlockOptions {
             // The rigid base reads neither; these make a valid block.
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
         };
-        Ok((Given::Physical(Physical { width, height, stiffness, damping, inertia }), common))
+        Ok((Parameterization::Physical(Physical { width, height, stiffness, damping, inertia }), common))
     }
 }

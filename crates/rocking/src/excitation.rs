@@ -15,6 +15,7 @@ use rocking_charts::numerals::significant;
 use rocking_records::Record;
 use rocking_studies::intensity::pga;
 use rocking_studies::spectrum::statistics::direction;
+use rocking_studies::statistics::range;
 
 /// One ground motion.
 #[derive(Args)]
@@ -127,8 +128,7 @@ impl ManyExcitationOptions {
             ([ground], [files]) => describe_records(ground, *files, gravity),
             _ => {
                 let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
-                let pgas: Vec<f64> = pgas.map(|record| pga(record) / gravity).collect();
-                let [least, greatest] = [f64::min, f64::max].map(|of| pgas.iter().copied().reduce(of).unwrap_or(0.0));
+                let [least, greatest] = range(pgas.map(|record| pga(record) / gravity)).unwrap_or_default();
                 let names = names(&files);
                 let names = match names.as_slice() {
                     [first, .., last] if names.len() > 4 => format!("{first} … {last}"),

@@ -145,7 +145,7 @@ fn summary(fit: &Fit) -> String {
         line("noise", format!("{} {} by the residuals", significant(noise, 3), test.unit));
     }
     if let Some(least) = fit.combinations.iter().rfind(|combination| combination.is_determined) {
-        line("least told", least.meaning.clone());
+        line("weakest", least.meaning.clone());
     }
     line("runs", format!("{}, and {} with derivatives", fit.runs[0], fit.runs[1]));
     for note in &fit.notes {

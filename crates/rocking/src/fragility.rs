@@ -18,7 +18,7 @@ use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
     Assessment, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
-    sufficiency_of_cases,
+    split_heading, sufficiency_of_cases,
 };
 use rocking_studies::intensity::Measure;
 
@@ -78,7 +78,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let exports = options.export_files();
     if options.export == Some(LossProgram::Pelicun) {
         let folder = options.export_to.as_deref().unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     }
     let outputs = [("plot", plot), ("ida", ida.as_deref())];
     let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
@@ -178,8 +178,7 @@ impl Options {
         found: &Assessment,
         explicit: &ExplicitOptions,
     ) -> anyhow::Result<Component> {
-        let name = heading.split(" [").next().unwrap_or(heading);
-        let measure: Measure = name.parse().map_err(anyhow::Error::msg)?;
+        let measure: Measure = split_heading(heading).0.parse().map_err(anyhow::Error::msg)?;
         let (base, factor) = self.block.base(measure, explicit)?;
         let numbers = table.numbers(heading)?;
         let further = |&limit: &Limit| {

@@ -52,7 +52,7 @@ pub struct GrazingSummary {
 impl GrazingSummary {
     /// Returns the event.
     pub fn of(&Grazing { time, kind }: &Grazing) -> GrazingSummary {
-        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.place()));
+        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.location()));
         GrazingSummary { t: time, event, corner }
     }
 }

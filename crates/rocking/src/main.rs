@@ -200,7 +200,7 @@ static BEYOND_LIMIT: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBo
 /// Reads the command line and runs the command.
 ///
 /// # Errors
-/// One line: the fault, its place and the expected value.
+/// One line: the fault, its location and the expected value.
 fn run() -> anyhow::Result<()> {
     // By default the signal of a write beyond the limit of the file size would end the program; this way the write fails.
     #[cfg(unix)]

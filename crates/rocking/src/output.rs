@@ -40,18 +40,18 @@ pub fn check_distinct(inputs: &[NamedFile], outputs: &[NamedFile]) -> anyhow::Re
     let inputs: Vec<_> = inputs.iter().map(|named| (named, Identity::of_input(&named.path))).collect();
     let mut others: Vec<(&NamedFile, OutputTarget, Option<Identity>)> = Vec::new();
     for output in outputs {
-        let place = OutputTarget::of(&output.path)?;
-        let identity = place.identity();
+        let target = OutputTarget::of(&output.path)?;
+        let identity = target.identity();
         if let Some((input, _)) = inputs.iter().find(|(_, other)| identity.is_some() && *other == identity) {
             anyhow::bail!("{output} would replace {input}; expected another file for the results");
         }
         let other = others.iter().find(|(_, other, known)| {
-            identity.is_some() && *known == identity || place == OutputTarget::StandardOutput && *other == place
+            identity.is_some() && *known == identity || target == OutputTarget::StandardOutput && *other == target
         });
         if let Some((other, ..)) = other {
             anyhow::bail!("{output} would replace {other}; expected a file for each");
         }
-        others.push((output, place, identity));
+        others.push((output, target, identity));
     }
     Ok(())
 }
@@ -72,13 +72,13 @@ enum Sink {
 impl Pending {
     /// Checks that the output can be written. Opening a named pipe waits for its reader.
     pub fn new(path: &Path) -> anyhow::Result<Pending> {
-        let place = OutputTarget::of(path)?;
-        let name = place.name(path);
+        let target = OutputTarget::of(path)?;
+        let name = target.name(path);
         let refused = || format!("{name}: cannot be written");
-        let sink = match place.open_stream().with_context(refused)? {
+        let sink = match target.open_stream().with_context(refused)? {
             Some(stream) => Sink::Stream(stream),
             None => {
-                let OutputTarget::File(path) = place else { unreachable!("every other target is a stream") };
+                let OutputTarget::File(path) = target else { unreachable!("every other target is a stream") };
                 if path.exists() {
                     OpenOptions::new().write(true).open(&path).with_context(refused)?;
                 }
@@ -103,7 +103,7 @@ impl Pending {
             }
         }
         for (name, path, file) in staged {
-            file.place(&path).with_context(refused(name))?;
+            file.replace(&path).with_context(refused(name))?;
         }
         for (name, mut stream, content) in streams {
             match stream.write_all(&content).and_then(|()| stream.flush()) {
@@ -144,13 +144,13 @@ impl Staged {
     }
 
     /// Replaces the file at `path` by this one.
-    fn place(self, path: &Path) -> io::Result<()> {
+    fn replace(self, path: &Path) -> io::Result<()> {
         let named = match self {
             #[cfg(target_os = "linux")]
             Staged::Unnamed { file, content } => match name(&file, path) {
                 Ok(named) => named,
                 // An unnamed file gets its name through /proc, which may be missing.
-                Err(_) => return Staged::named(path, &content)?.place(path),
+                Err(_) => return Staged::named(path, &content)?.replace(path),
             },
             Staged::Named(named) => named,
         };
@@ -213,13 +213,13 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"old");
         drop(staged);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        Staged::named(&path, b"new").unwrap().place(&path).unwrap();
+        Staged::named(&path, b"new").unwrap().replace(&path).unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         assert_eq!(fs::read(&path).unwrap(), b"new");
         // A file cannot replace a folder.
         let inner = folder.path().join("inner");
         fs::create_dir(&inner).unwrap();
-        Staged::named(&inner, b"new").unwrap().place(&inner).unwrap_err();
+        Staged::named(&inner, b"new").unwrap().replace(&inner).unwrap_err();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 }

@@ -60,11 +60,11 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let outputs = [("csv", csv.as_deref()), ("plot", picture.plot.as_deref())];
     check_distinct(&[NamedFile::new("the record", file)], &NamedFile::of_options(outputs))?;
-    let said = RecordOptions { both: reading.read_options(*g)?, ..RecordOptions::default() };
-    let record = said.read(false, RecordOption::option, |options| input::record(file, options));
+    let record_options = RecordOptions { both: reading.read_options(*g)?, ..RecordOptions::default() };
+    let record = record_options.read(false, RecordOption::option, |options| input::record(file, options));
     let record = record.map_err(anyhow::Error::msg)?;
     let grounds = [Ground { horizontal: Some(record), vertical: None }];
-    refuse_without_effect(&said, &grounds)?;
+    refuse_without_effect(&record_options, &grounds)?;
     let [Ground { horizontal: Some(record), .. }] = &grounds else { unreachable!("the ground has this record") };
 
     let name = file.display();

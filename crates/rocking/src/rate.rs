@@ -15,9 +15,10 @@ use crate::rate_report::{CurveReport, HazardReport, RateReport};
 use crate::relative_measure::BlockScales;
 use crate::report::{ReportOptions, WrittenFiles};
 use rocking_charts::fragility::probability_of;
-use rocking_studies::fragility::{Assessment, Cases, Interval};
+use rocking_studies::fragility::{Assessment, Cases, Interval, split_heading};
 use rocking_studies::intensity::Measure;
 use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
+use rocking_studies::statistics::range;
 
 /// Options of `rocking rate`.
 #[derive(Parser)]
@@ -162,18 +163,10 @@ fn heading(hazard: &HazardCurve) -> String {
     hazard.unit.as_ref().map_or(name.into(), |unit| format!("{name} [{unit}]"))
 }
 
-/// Splits a heading into a name and a unit.
-fn parts(heading: &str) -> (&str, Option<&str>) {
-    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
-        Some((name, unit)) => (name, Some(unit)),
-        None => (heading, None),
-    }
-}
-
 impl Options {
     /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
-        let name = fragility.heading.as_deref().map(|heading| parts(heading).0);
+        let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();
         let measure = name.and_then(|name| name.parse::<Measure>().ok());
         let relative = measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
         let (base, factor) = match measure {
@@ -196,8 +189,7 @@ impl Options {
         };
         let (name, text) = input::text(&self.hazard)?;
         let hazard = read_hazard(&name, &text, &options).with_context(|| name.clone())?;
-        let unit = fragility.heading.as_deref().and_then(|heading| parts(heading).1);
-        if let (None, Some(unit), Some(found)) = (relative, unit, &hazard.unit) {
+        if let (None, Some(Some(unit)), Some(found)) = (relative, unit, &hazard.unit) {
             anyhow::ensure!(
                 found == unit,
                 "{name}: found levels in {found}; expected {unit}, the unit of the fragility curve"
@@ -219,16 +211,16 @@ impl FragilityOptions {
     }
 
     fn lognormal(&self, median: f64, beta: f64, gravity: f64) -> anyhow::Result<Fragility> {
-        let (heading, factor) = match self.im.as_deref().map(parts) {
+        let (heading, factor) = match self.im.as_deref().map(split_heading) {
             None => (None, 1.0),
             Some((name, unit)) => {
                 let known = name.parse::<Measure>().map(|measure| (measure.to_string(), measure.unit()));
                 let converted = unit.and_then(|unit| si(unit, gravity));
                 match (known, unit, converted) {
                     (Ok((name, unit)), None, _) => (Some(format!("{name} [{unit}]")), 1.0),
-                    (Ok((name, expected)), Some(given), converted) => {
-                        let (unit, factor) = converted.unwrap_or((given, 1.0));
-                        anyhow::ensure!(unit == expected, "--im {name} in {given}; expected a unit of {expected}");
+                    (Ok((name, expected)), Some(found), converted) => {
+                        let (unit, factor) = converted.unwrap_or((found, 1.0));
+                        anyhow::ensure!(unit == expected, "--im {name} in {found}; expected a unit of {expected}");
                         (Some(format!("{name} [{unit}]")), factor)
                     }
                     (Err(_), Some(unit), None) => (Some(format!("{name} [{unit}]")), 1.0),
@@ -251,8 +243,7 @@ impl FragilityOptions {
         let numbers = table.numbers(im)?;
         let heading = table.heading(im)?.to_string();
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-        let known = || values.iter().flatten().copied();
-        let rows = known().reduce(f64::min).zip(known().reduce(f64::max)).map(|(least, greatest)| [least, greatest]);
+        let rows = range(values.iter().flatten().copied());
         let at = || format!("{name}: {im}");
         let limit = limit.to_string();
         if self.empirical {

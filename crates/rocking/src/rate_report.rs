@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use rocking_charts::rate::per_year;
-use rocking_studies::fragility::{Fit, Interval};
+use rocking_studies::fragility::{Fit, Interval, split_heading};
 use rocking_studies::risk::{AnnualRate, HazardCurve, Part, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
@@ -25,7 +25,7 @@ pub struct RateReport {
     return_period: f64,
     return_period_interval: [Option<f64>; 2],
     probabilities: Vec<Probability>,
-    /// Measures below which 5, 50 and 95 % of the rate come about.
+    /// Measures below which 5, 50 and 95 % of the rate arise.
     quantiles: [Option<f64>; 3],
     extrapolated: Extrapolated,
     deaggregation: Vec<PartReport>,
@@ -284,7 +284,7 @@ impl RateReport {
 
     /// Writes the deaggregation as CSV, in full precision.
     pub fn table(&self) -> String {
-        let unit = self.hazard.im.strip_suffix(']').and_then(|text| text.split_once(" [")).map_or("1", |parts| parts.1);
+        let unit = split_heading(&self.hazard.im).1.unwrap_or("1");
         let mut table = format!(
             "# rocking-block {} rate\n# {}\n",
             env!("CARGO_PKG_VERSION"),

@@ -59,13 +59,13 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let outputs = [("csv", csv.as_deref())];
     let inputs: Vec<_> = files.iter().chain(transverse).map(|path| NamedFile::new("the record", path)).collect();
     check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let said = RecordOptions { both: options.reading.read_options(*g)?, ..RecordOptions::default() };
+    let record_options = RecordOptions { both: options.reading.read_options(*g)?, ..RecordOptions::default() };
     let read = |path: &PathBuf| {
-        let record = said.read(false, RecordOption::option, |options| input::record(path, options));
+        let record = record_options.read(false, RecordOption::option, |options| input::record(path, options));
         Ok(Ground { horizontal: Some(record.map_err(anyhow::Error::msg)?), vertical: None })
     };
     let mut grounds = files.iter().chain(transverse).map(read).collect::<anyhow::Result<Vec<_>>>()?;
-    refuse_without_effect(&said, &grounds)?;
+    refuse_without_effect(&record_options, &grounds)?;
     let measures = Measure::of_record(periods);
     let mut rotations = Vec::new();
     if let [Ground { horizontal: Some(record), .. }, Ground { horizontal: Some(transverse), .. }] = &grounds[..]

@@ -152,7 +152,7 @@ impl StudyOptions {
         // A progress bar and rows on the same terminal would overwrite each other.
         let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;
-        let made = runner::run(study, &pool, self.processor.width(), &mut table, |before, done| {
+        let summary = runner::run(study, &pool, self.processor.width(), &mut table, |before, done| {
             if !rows_on_terminal {
                 bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
             }
@@ -160,7 +160,7 @@ impl StudyOptions {
         if let Some(bar) = bar {
             bar.clear();
         }
-        Ok((made?, table))
+        Ok((summary?, table))
     }
 
     /// Prints the summary of a study; failed runs are an error.
@@ -170,12 +170,12 @@ impl StudyOptions {
     pub fn report(
         &self,
         command: &str,
-        made: &StudySummary,
+        summary: &StudySummary,
         excitation: Option<&str>,
         curves: &[CurveSummary],
         others: &[(&'static str, Option<&Path>)],
     ) -> anyhow::Result<()> {
-        let StudySummary { rows, resumed: before, failures: Failures { count, first }, ref reason } = *made;
+        let StudySummary { rows, resumed: before, failures: Failures { count, first }, ref reason } = *summary;
         let written = WrittenFiles::new([("csv", Some(self.csv.as_path()))].into_iter().chain(others.iter().copied()));
         let excitation_line = excitation.map(|words| format!("excitation    {words}\n")).unwrap_or_default();
         let curve_lines = CurveSummary::lines(curves);

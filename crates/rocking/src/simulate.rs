@@ -145,14 +145,14 @@ impl Options {
         Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
     }
 
-    /// Makes the run, with its derivatives if any are asked for.
+    /// Returns the history, with derivatives if requested.
     fn history(&self, run: &Run, progress: impl FnMut(f64)) -> anyhow::Result<(History, Gradients)> {
         if self.gradients.is_empty() {
             return Ok((run.history(progress)?, Gradients::default()));
         }
-        let (given, common) = self.block.given()?;
+        let (parameterization, common) = self.block.parameters()?;
         let parameters = Parameters {
-            given,
+            parameterization,
             common,
             ties: run.block.ties().to_vec(),
             initial: run.initial,
@@ -160,8 +160,8 @@ impl Options {
             scale: (!run.ground.is_empty()).then_some(self.excitation.scale),
         };
         gradients::check(&parameters, &self.gradients)?;
-        let made = run.history_with_gradients(&parameters, &self.gradients, progress);
-        Ok(made.context("gradients: a parameter is missing")??)
+        let history = run.history_with_gradients(&parameters, &self.gradients, progress);
+        Ok(history.context("gradients: a parameter is missing")??)
     }
 
     /// Refuses options without effect.

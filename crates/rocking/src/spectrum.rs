@@ -135,7 +135,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let statistics_file = statistics_path.map(Pending::new).transpose()?;
     // A closed pipe on standard output ends the work, unless a picture or statistics need the rows.
     let read_back = picture.is_some() || statistics_file.is_some() || !is_standard_output(csv);
-    let (made, table) = options.study.run(&spectrum, read_back)?;
+    let (summary, table) = options.study.run(&spectrum, read_back)?;
     let statistics = if read_back { Statistics::of(&spectrum, table.read_back()?) } else { Ok(Statistics::default()) };
     let statistics = statistics.map_err(|error| anyhow::anyhow!("{}: {error}", csv.display()))?;
     let mut written = Vec::new();
@@ -153,7 +153,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     }
     Pending::write(written)?;
     let others = [("statistics", statistics_path), ("plot", plot)];
-    options.study.report("spectrum", &made, Some(&excitation), &statistics.curves, &others)
+    options.study.report("spectrum", &summary, Some(&excitation), &statistics.curves, &others)
 }
 
 impl Options {

@@ -13,7 +13,7 @@ use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 
-/// Summary of a run in SI units, with the names of the tables and of the FMU's variables.
+/// Summary of a run in SI units; names are those of the tables and of the FMU's variables.
 #[derive(Serialize)]
 pub struct Summary<'a> {
     excitation: &'a str,
@@ -267,7 +267,7 @@ impl TieParameters {
 
 impl EventSummary {
     fn of(event: &Event) -> EventSummary {
-        let (name, corner) = (event.kind.word(), event.kind.place());
+        let (name, corner) = (event.kind.word(), event.kind.location());
         let (before, after) = (event.before.to_string(), event.after.to_string());
         EventSummary { t: event.time, event: name, corner, before, after }
     }

@@ -43,6 +43,6 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let records = sweep.motions.iter().flat_map(|motion| &motion.names).filter(|name| !name.is_empty());
     let records: Vec<_> = records.map(|name| NamedFile::new("the record", &folder.join(name))).collect();
     check_distinct(&records, &table)?;
-    let (made, _) = study.run(&sweep, false)?;
-    study.report("sweep", &made, None, &[], &[])
+    let (summary, _) = study.run(&sweep, false)?;
+    study.report("sweep", &summary, None, &[], &[])
 }

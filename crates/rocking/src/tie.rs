@@ -70,7 +70,7 @@ mod tests {
             ("stiffness=1e5,block_z=two", &["block_z", "`two`", "finite number"]),
             ("stiffness=1e5,block_z=2,block_z=3", &["block_z twice"]),
             ("stiffness=1e5,block_z=2,slack=-1", &["slack", "-1", ">= 0"]),
-            ("stiffness=1e5", &["length of a tie = 0", "two different places"]),
+            ("stiffness=1e5", &["length of a tie = 0", "a distance of its ends above 0"]),
         ] {
             let error = tie(text).unwrap_err();
             assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");

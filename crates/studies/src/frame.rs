@@ -76,7 +76,7 @@ pub struct FrameResponse {
 }
 
 impl Frame {
-    /// The frame of these columns; `column` stands on the rigid base, and its restitution factor is that of the frame.
+    /// Creates the frame of these columns; `column` stands on the rigid base, and its restitution factor is that of the frame.
     ///
     /// # Errors
     /// [`FrameError`]: a number or a mass out of range, or a column on supports, tied, uneven, sliding or with ε > 0.

@@ -67,7 +67,7 @@ struct Velocities {
 
 /// Fits a pulse of this shape, all of it within the record.
 ///
-/// There is none for a record of zeros or one shorter than a few pulses of the least period, nor for a shape that is not in [`SHAPES`].
+/// `None` for a record of zeros or one shorter than a few pulses of the least period, nor for a shape that is not in [`SHAPES`].
 pub fn fit(record: &Record, shape: PulseShape) -> Option<PulseFit> {
     if !SHAPES.contains(&shape) {
         return None;
@@ -124,8 +124,8 @@ impl Velocities {
     /// The start of a pulse of this period and these cycles with the greatest R², with which it begins at a sample.
     fn best(&self, shape: PulseShape, point: Point) -> Option<(f64, Point)> {
         let count = (point.pulse(shape, 1.0, 0.0).duration() / self.step) as usize + 1;
-        let parts = templates(shape, point, (0..count).map(|i| i as f64 * self.step));
-        let starts = self.values.windows(count).enumerate().map(|(i, window)| (solve(window, &parts).0, i));
+        let templates = templates(shape, point, (0..count).map(|i| i as f64 * self.step));
+        let starts = self.values.windows(count).enumerate().map(|(i, window)| (solve(window, &templates).0, i));
         let (gain, i) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some((gain / self.energy, Point { start: self.start + i as f64 * self.step, ..point }))
     }

@@ -2,17 +2,17 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`tie`] | place and motion of the block → its pull; stretch and tension → whether it pulls, or breaks |
+//! | [`tie`] | position and motion of the block → its pull; stretch and tension → whether it pulls, or breaks |
 //!
-//! A kind has parameters, a state, a pull, energies, and functions that are watched and change the state. The functions here name the
-//! kinds, each taking [`Restraints`] or [`States`] apart or matching [`Surface`] or [`Event`]: the compiler lists them where
-//! a kind is added. All other modules know restraints only through them. Each restraint has a number among the [`MOST`] of a block.
+//! A kind has parameters, a state, a pull, energies, and event functions that change the state. The functions here name the kinds: each
+//! destructures [`Restraints`] or [`States`], or matches [`Surface`] or [`Event`], so that the compiler lists them when a kind is added.
+//! All other modules know restraints only through them. Each restraint has a number below [`MOST`].
 
 pub mod tie;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Place};
+use crate::block::{Block, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -22,25 +22,25 @@ pub use tie::{MOST_TIES, Tie, TieState, TieStates, Ties};
 /// The restraints of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Restraints<T = f64> {
-    /// Its ties.
+    /// The ties.
     pub ties: Ties<T>,
 }
 
 impl<T> Restraints<T> {
-    /// No restraint.
+    /// Returns no restraints.
     #[inline(always)]
     pub fn none() -> Restraints<T> {
         Restraints { ties: Ties::Nothing }
     }
 
-    /// Whether there is none.
+    /// Whether the block has no restraint.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         let Restraints { ties } = self;
         ties.is_empty()
     }
 
-    /// The numbers of the restraints.
+    /// Returns the numbers of the restraints.
     #[inline(always)]
     pub fn numbers(&self) -> impl Iterator<Item = usize> + use<T> {
         let Restraints { ties } = self;
@@ -76,7 +76,7 @@ impl States {
         tie::pull::dissipates(ties)
     }
 
-    /// The function whose value is the pull of the restraint with this number, if it pulls.
+    /// Returns the function whose value is the pull of the restraint with this number, if it pulls.
     pub fn pull_of(&self, number: usize) -> Option<Surface> {
         let States { ties } = self;
         let surface = tie::switching::of_pull(*ties.get(number)?)?;
@@ -87,7 +87,7 @@ impl States {
 /// Energies or powers, one account for each kind of restraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies<T = f64> {
-    /// Taken by the dashpots of the ties, and lost from the springs of those that broke.
+    /// Energy dissipated by the dashpots of the ties and lost from the springs of broken ties.
     pub ties: T,
 }
 
@@ -95,20 +95,20 @@ pub struct Energies<T = f64> {
 pub const KINDS: usize = 1;
 
 impl<T> Energies<T> {
-    /// The accounts.
+    /// Returns the accounts as an array.
     #[inline(always)]
     pub fn into_array(self) -> [T; KINDS] {
         let Energies { ties } = self;
         [ties]
     }
 
-    /// The same from the accounts.
+    /// Makes energies from the array of accounts.
     #[inline(always)]
     pub fn from_array([ties]: [T; KINDS]) -> Energies<T> {
         Energies { ties }
     }
 
-    /// The same number in each account.
+    /// Returns the same number in each account.
     #[inline(always)]
     pub fn of_all(number: T) -> Energies<T>
     where
@@ -125,18 +125,18 @@ impl<T> Energies<T> {
 }
 
 impl Energies {
-    /// Adds each account of `others`.
+    /// Adds `others`, account by account.
     pub fn add(&mut self, others: Energies) {
         let Energies { ties } = self;
         *ties += others.ties;
     }
 
-    /// A number with all accounts added to it, in their order.
+    /// Returns `sum` plus all accounts, in their order.
     pub fn added_to(self, sum: f64) -> f64 {
         self.into_array().into_iter().fold(sum, |sum, account| sum + account)
     }
 
-    /// Includes the energy that was lost in an event.
+    /// Adds the energy lost in an event.
     pub fn lose(&mut self, event: Event, energy: f64) {
         match event {
             Event::Tie(..) => self.ties += energy,
@@ -148,111 +148,119 @@ impl Energies {
 pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States,
-    place: &Place<T>,
+    kinematics: &Kinematics<T>,
     forcing: [T; 3],
 ) -> [T; 3] {
     let States { ties } = states;
-    tie::pull::add_pull(block, ties, place, forcing)
+    tie::pull::add_pull(block, ties, kinematics, forcing)
 }
 
-/// Pulls of all restraints (N), by their numbers.
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> [T; MOST] {
+/// Returns the pulls of all restraints (N), by their numbers.
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States,
+    kinematics: &Kinematics<T>,
+) -> [T; MOST] {
     let States { ties } = states;
-    tie::pull::tensions(block, ties, place)
+    tie::pull::tensions(block, ties, kinematics)
 }
 
-/// The greatest pull (N) of the restraint with this number, if it has one.
+/// Returns the strength (N) of the restraint with this number, if it can break.
 pub fn strength(block: &Block, number: usize) -> Option<f64> {
     let strength = block.ties().get(number)?.strength;
     (strength > 0.0).then_some(strength)
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the restraints.
-pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, force: T) -> T {
+pub fn less_static_pull<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, force: T) -> T {
     let Restraints { ties } = &block.restraints;
-    tie::pull::less_static_pull(block, ties, place, force)
+    tie::pull::less_static_pull(block, ties, kinematics, force)
 }
 
-/// Vertical stiffness (N/m) of the restraints at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
+/// Returns the vertical stiffness (N/m) of the restraints at rest.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>) -> f64 {
     let Restraints { ties } = &block.restraints;
-    tie::pull::static_stiffness(block, ties, place)
+    tie::pull::static_stiffness(block, ties, kinematics)
 }
 
-/// A bound on the circular frequencies and rates of decay that the restraints give the block (rad/s).
+/// Returns a bound on the circular frequencies and decay rates that the restraints add to the block (rad/s).
 pub fn fastest(block: &Block) -> f64 {
     let Restraints { ties } = &block.restraints;
     let [stiffness, damping] = tie::pull::stiffest(block, ties);
     stiffness.sqrt().max(damping)
 }
 
-/// Energy stored in the restraints per mass (m²/s²).
-pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> T {
+/// Returns the energy stored in the restraints per mass (m²/s²).
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, kinematics: &Kinematics<T>) -> T {
     let States { ties } = states;
-    tie::pull::energy(block, ties, place)
+    tie::pull::energy(block, ties, kinematics)
 }
 
-/// Powers per mass (m²/s³) that the restraints take.
-pub fn powers<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> Energies<T> {
+/// Returns the powers per mass (m²/s³) dissipated by the restraints.
+pub fn powers<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States,
+    kinematics: &Kinematics<T>,
+) -> Energies<T> {
     let States { ties } = states;
-    Energies { ties: tie::pull::power(block, ties, place) }
+    Energies { ties: tie::pull::power(block, ties, kinematics) }
 }
 
-/// A function of a restraint that is watched.
+/// An event function of a restraint: positive until it falls through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Surface {
-    /// One of a tie, by its place in the list.
+    /// That of the tie with this index.
     Tie(u8, tie::Surface),
 }
 
-/// Maximum number of functions that are watched.
+/// Maximum number of watched functions.
 pub const WATCHED: usize = 2 * MOST_TIES;
 
-/// The functions of restraints in these states that are watched.
+/// Returns the watched functions of restraints in these states.
 pub fn watched(block: &Block, states: &States) -> [Option<Surface>; WATCHED] {
     let (Restraints { ties }, mut watched) = (&block.restraints, [None; WATCHED]);
     for (i, tie) in (0..).zip(ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
-        let place = 2 * usize::from(i);
+        let first = 2 * usize::from(i);
         let of_tie = tie::switching::watched(tie, states.ties[usize::from(i)]);
-        [watched[place], watched[place + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
+        [watched[first], watched[first + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
     }
     watched
 }
 
-/// The number of watched functions that belong to variables of the FMU, which are the first ones.
+/// Number of watched functions of the restraints among the variables of the FMU, which come first.
 pub const INDICATORS: usize = 2 * tie::VARIABLES;
 
 impl Surface {
-    /// Value and rate at a place; `rates` is the place with its rates of change in the dual parts.
+    /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
     pub fn sample<T: Elementary>(
         self,
         block: &Block<T>,
-        place: impl Fn() -> Place<T>,
-        rates: impl Fn() -> Place<Dual<T>>,
+        kinematics: impl Fn() -> Kinematics<T>,
+        rates: impl Fn() -> Kinematics<Dual<T>>,
     ) -> Sample<T>
     where
         Dual<T>: CombinesWith<T>,
     {
         match self {
-            Surface::Tie(tie, surface) => surface.sample(block, &block.ties()[usize::from(tie)], place, rates),
+            Surface::Tie(tie, surface) => surface.sample(block, &block.ties()[usize::from(tie)], kinematics, rates),
         }
     }
 
-    /// Its value alone at a place.
-    pub fn value<T: Elementary>(self, block: &Block<T>, place: &Place<T>) -> T {
+    /// Returns the value.
+    pub fn value<T: Elementary>(self, block: &Block<T>, kinematics: &Kinematics<T>) -> T {
         match self {
-            Surface::Tie(tie, surface) => surface.value(block, &block.ties()[usize::from(tie)], place),
+            Surface::Tie(tie, surface) => surface.value(block, &block.ties()[usize::from(tie)], kinematics),
         }
     }
 
-    /// The size of its terms.
+    /// Returns the size of its terms.
     pub fn size<T: Elementary>(self, block: &Block<T>) -> f64 {
         match self {
             Surface::Tie(tie, surface) => surface.size(block, &block.ties()[usize::from(tie)]),
         }
     }
 
-    /// Whether its value follows from the state and its rate from that of the state.
+    /// Whether value and rate follow from the state and its rate alone.
     pub fn follows_from_state(self) -> bool {
         match self {
             Surface::Tie(_, surface) => surface.follows_from_state(),
@@ -266,17 +274,17 @@ impl Surface {
         }
     }
 
-    /// Changes the state of the restraint, as this function has fallen through zero at a place.
+    /// Changes the state of the restraint after this function has fallen through zero.
     pub fn switch<T: Elementary>(
         self,
         block: &Block<T>,
         states: &mut States,
-        place: impl Fn() -> Place<T>,
+        kinematics: impl Fn() -> Kinematics<T>,
     ) -> Option<Event> {
         match self {
             Surface::Tie(tie, surface) => {
                 let i = usize::from(tie);
-                let (state, event) = surface.switched(block, &block.ties()[i], place);
+                let (state, event) = surface.switched(block, &block.ties()[i], kinematics);
                 states.ties[i] = state;
                 event.map(|event| Event::Tie(tie, event))
             }
@@ -284,29 +292,29 @@ impl Surface {
     }
 }
 
-/// The states at a place at which a run begins; `rounding` is the round-off of a zero relative to its largest term.
-pub fn at_beginning<T: Elementary>(block: &Block<T>, place: &Place<T>, rounding: f64) -> States {
+/// Returns the states at the beginning of a run; `rounding` is the round-off of a zero relative to its largest term.
+pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, rounding: f64) -> States {
     let Restraints { ties } = &block.restraints;
-    States { ties: tie::switching::at_beginning(block, ties, place, rounding) }
+    States { ties: tie::switching::at_beginning(block, ties, kinematics, rounding) }
 }
 
 /// A reported event of a restraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// One of a tie, by its place in the list.
+    /// That of the tie with this index.
     Tie(u8, tie::Event),
 }
 
 impl Event {
-    /// Its name in tables.
+    /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Event::Tie(_, event) => event.word(),
         }
     }
 
-    /// The name of the restraint, `tie 1` and so on.
-    pub fn place(self) -> Option<&'static str> {
+    /// Returns the name of the restraint, such as `tie 1`.
+    pub fn location(self) -> Option<&'static str> {
         match self {
             Event::Tie(tie, _) => tie::NAMES.get(usize::from(tie)).copied(),
         }

@@ -103,12 +103,12 @@ fn a_call_in_pieces_lends_its_turn() {
         }
         2 * asked
     };
-    let piece = |_: &mut Instance<Any>, given: Option<u32>| {
+    let piece = |_: &mut Instance<Any>, reply: Option<u32>| {
         // SAFETY: as before.
         assert_eq!(unsafe { call::<Any>(handle, Function, |_| panic!("reached")) }, Status::Error);
-        Ok(match given {
+        Ok(match reply {
             None => ControlFlow::Continue(21),
-            Some(given) => ControlFlow::Break(if given == 42 { Status::Ok } else { Status::Discard }),
+            Some(reply) => ControlFlow::Break(if reply == 42 { Status::Ok } else { Status::Discard }),
         })
     };
     // SAFETY: as before.

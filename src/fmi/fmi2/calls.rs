@@ -190,7 +190,7 @@ fn name(phase: Phase) -> &'static str {
         Phase::StepComplete => "stepComplete",
         // States of FMI 3.0, which no instance of FMI 2.0 reaches.
         Phase::ConfigurationMode => "configurationMode",
-        Phase::SettingAhead | Phase::LookingIn => "intermediateUpdateMode",
+        Phase::SettingAhead | Phase::ReadingOutputs => "intermediateUpdateMode",
         Phase::StepFailed => "stepFailed",
         Phase::EventMode => "eventMode",
         Phase::ContinuousTimeMode => "continuousTimeMode",

@@ -5,7 +5,7 @@
 //!
 //! For all functions the component is null or a live instance (standard, 2.1.5), arrays have the given number of elements (2.1.7,
 //! 2.1.9, 3.2.1, 4.2.1), and strings end with 0 (2.1.5). Saved states come from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and have
-//! not been freed, and a pointer to a state points to null or to such a state (2.1.8). Places for results are only written (2.1.7,
+//! not been freed, and a pointer to a state points to null or to such a state (2.1.8). Memory for results is only written (2.1.7,
 //! 3.2.2, 4.2.3).
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
@@ -13,7 +13,7 @@
 
 use std::ffi::c_char;
 
-use crate::fmi::arrays::{output_array, place, read, texts};
+use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi2::boundary::{self, call, is_true};
 use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::instance::{Instance, write};
@@ -95,26 +95,26 @@ functions! {
     fmi2GetReal GetReal(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) = |instance| {
         let mut values = output_array("value", values, count)?;
         let references = values.read_input("vr", references, count)?;
-        instance.get(Kind::Real, &references, values.places(), |value| value)
+        instance.get(Kind::Real, &references, values.elements(), |value| value)
     };
     /// Reads Integer variables and enumerations.
     fmi2GetInteger GetInteger(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Integer) = |instance| {
         let mut values = output_array("value", values, count)?;
         let references = values.read_input("vr", references, count)?;
-        instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
+        instance.get(Kind::Integer, &references, values.elements(), |value| value as fmi2Integer)
     };
     /// Reads Boolean variables.
     fmi2GetBoolean GetBoolean(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Boolean) = |instance| {
         let mut values = output_array("value", values, count)?;
         let references = values.read_input("vr", references, count)?;
-        instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
+        instance.get(Kind::Boolean, &references, values.elements(), |value| fmi2Boolean::from(value != 0.0))
     };
     /// Reads String variables. The results are valid until the next call.
     fmi2GetString GetString(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2String) = |instance| {
         let mut values = output_array("value", values, count)?;
         let references = values.read_input("vr", references, count)?;
         let texts = instance.get_texts(&references)?;
-        write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
+        write(texts.iter().map(|text| Ok(text.as_ptr())), values.elements())
     };
     /// Sets Real variables, all or none.
     fmi2SetReal SetReal(references: *const fmi2ValueReference, count: size_t, values: *const fmi2Real) = |instance| {
@@ -144,7 +144,7 @@ functions! {
     fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| boundary::free_state(state);
     /// Returns the size of a saved state in bytes.
     fmi2SerializedFMUstateSize SerializedFmuStateSize(state: fmi2FMUstate, size: *mut size_t) = |_| {
-        place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
         Ok(Status::Ok)
     };
     /// Writes a saved state as bytes.
@@ -157,7 +157,7 @@ functions! {
     fmi2DeSerializeFMUstate DeSerializeFmuState(bytes: *const fmi2Byte, size: size_t, state: *mut fmi2FMUstate) = |instance| {
         let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
         instance.check_restorable(&unit)?;
-        boundary::give_state(place("FMUstate", state)?, unit)
+        boundary::give_state(single_output("FMUstate", state)?, unit)
     };
     /// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
     fmi2GetDirectionalDerivative GetDirectionalDerivative(
@@ -167,7 +167,7 @@ functions! {
         let unknowns = sensitivities.read_input("vUnknown_ref", unknowns, unknown_count)?;
         let knowns = sensitivities.read_input("vKnown_ref", knowns, known_count)?;
         let direction = sensitivities.read_input("dvKnown", direction, known_count)?;
-        instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.places())
+        instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.elements())
     };
     /// Sets the time derivatives of inputs over the next step.
     fmi2SetRealInputDerivatives SetRealInputDerivatives(
@@ -183,7 +183,7 @@ functions! {
         let mut values = output_array("value", values, count)?;
         let references = values.read_input("vr", references, count)?;
         let orders = values.read_input("order", orders, count)?;
-        instance.output_derivatives(&references, &orders, values.places())
+        instance.output_derivatives(&references, &orders, values.elements())
     };
     /// Does a communication step.
     fmi2DoStep DoStep(
@@ -193,12 +193,12 @@ functions! {
     fmi2CancelStep CancelStep() = refused;
     /// Returns the status of the last step.
     fmi2GetStatus GetStatus(kind: fmi2StatusKind, value: *mut fmi2Status) = |instance| {
-        place("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
+        single_output("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
         Ok(Status::Ok)
     };
     /// Returns the time that the last step reached.
     fmi2GetRealStatus GetRealStatus(kind: fmi2StatusKind, value: *mut fmi2Real) = |instance| {
-        place("value", value)?.put(instance.real_status(status_kind(kind)?)?);
+        single_output("value", value)?.put(instance.real_status(status_kind(kind)?)?);
         Ok(Status::Ok)
     };
     /// Always refused, since no status is an integer.
@@ -207,7 +207,7 @@ functions! {
     };
     /// Returns whether the run has ended.
     fmi2GetBooleanStatus GetBooleanStatus(kind: fmi2StatusKind, value: *mut fmi2Boolean) = |instance| {
-        place("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
+        single_output("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
         Ok(Status::Ok)
     };
     /// Always refused, since no step is ever pending.
@@ -235,9 +235,9 @@ functions! {
     fmi2EnterEventMode EnterEventMode() = Instance::enter_event_mode;
     /// Model Exchange: applies an event.
     fmi2NewDiscreteStates NewDiscreteStates(event_info: *mut fmi2EventInfo) = |instance| {
-        let place = place("fmi2EventInfo", event_info)?;
+        let output = single_output("fmi2EventInfo", event_info)?;
         let after = instance.new_discrete_states()?;
-        place.put(fmi2EventInfo {
+        output.put(fmi2EventInfo {
             new_discrete_states_needed: FMI2_FALSE,
             terminate_simulation: after.ended.into(),
             nominals_of_continuous_states_changed: FMI2_FALSE,
@@ -249,12 +249,12 @@ functions! {
     };
     /// Model Exchange: enters Continuous-Time Mode.
     fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = Instance::enter_continuous_time_mode;
-    /// Model Exchange: takes in an accepted step of the importer's solver.
+    /// Model Exchange: accepts a step of the importer's solver.
     fmi2CompletedIntegratorStep CompletedIntegratorStep(
         _no_set_state_prior: fmi2Boolean, enter_event_mode: *mut fmi2Boolean, terminate: *mut fmi2Boolean
     ) = |instance| {
-        let enter_event_mode = place("enterEventMode", enter_event_mode)?;
-        let terminate = place("terminateSimulation", terminate)?;
+        let enter_event_mode = single_output("enterEventMode", enter_event_mode)?;
+        let terminate = single_output("terminateSimulation", terminate)?;
         let answer = instance.completed_integrator_step();
         enter_event_mode.put(FMI2_FALSE);
         terminate.put(FMI2_FALSE);
@@ -268,14 +268,14 @@ functions! {
     ) = |instance| instance.set_continuous_states(read("x", states, count)?);
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi2GetDerivatives GetDerivatives(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.places());
+        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.elements());
     /// Model Exchange: returns the event indicators.
     fmi2GetEventIndicators GetEventIndicators(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.places());
+        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.elements());
     /// Model Exchange: returns the continuous states.
     fmi2GetContinuousStates GetContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::states, output_array("x", values, count)?.places());
+        |instance| instance.get_all(Unit::states, output_array("x", values, count)?.elements());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, output_array("x_nominal", values, count)?.places());
+        |instance| instance.get_all(Unit::nominals, output_array("x_nominal", values, count)?.elements());
 }

@@ -30,9 +30,9 @@ pub type fmi2String = *const fmi2Char;
 pub type fmi2Byte = c_char;
 /// An enumeration of C. Any integer may come in, so it is not an enum in Rust.
 pub type fmi2Status = c_int;
-/// `fmi2Type`, likewise.
+/// `fmi2Type`, an integer for the same reason.
 pub type fmi2Type = c_int;
-/// `fmi2StatusKind`, likewise.
+/// `fmi2StatusKind`, an integer for the same reason.
 pub type fmi2StatusKind = c_int;
 
 /// Yes.

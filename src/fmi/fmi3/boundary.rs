@@ -38,14 +38,14 @@ pub unsafe fn do_step(
     done: impl Fn(&Step) -> Answer,
 ) -> fmi3Status {
     let mut step = step;
-    let piece = |instance: &mut Instance, given: Option<UpdateReply>| {
-        if given.is_none() {
+    let piece = |instance: &mut Instance, reply: Option<UpdateReply>| {
+        if reply.is_none() {
             ready()?;
         }
-        instance.step_on(&mut step, given, &done)
+        instance.step_on(&mut step, reply, &done)
     };
     // SAFETY: by contract.
-    unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::show) }.code()
+    unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::call) }.code()
 }
 
 /// Arguments of an instantiation, for any interface type.

@@ -21,7 +21,7 @@ impl Messenger {
 }
 
 impl log::Messenger for Messenger {
-    /// Switches each category by itself. With none enabled the logger is never called, not even for a failed instantiation
+    /// Switches each category on its own. With none enabled the logger is never called, not even for a failed instantiation
     /// (standard, 2.3.1).
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
         Category::ALL.map(|category| match listed {
@@ -55,24 +55,26 @@ impl Updater {
     }
 
     /// Calls the importer's `intermediateUpdate`.
-    pub fn show(look: IntermediateUpdate) -> UpdateReply {
-        let IntermediateUpdate { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
+    pub fn call(update: IntermediateUpdate) -> UpdateReply {
+        let IntermediateUpdate { updater, time, requests_inputs, can_return_early } = update;
+        let Updater { callback, environment } = updater;
         let (mut requested, mut return_time) = (FMI3_FALSE, time);
-        // SAFETY: by the contract of `new` the importer's function, which may be called (standard, 2.3.1); both places are written before they are read. Calls on the instance are admitted meanwhile, and there is no
-        // reference to it; see `crate::fmi::boundary::call_in_pieces`.
+        // SAFETY: by the contract of `new` the importer's function, which may be called (standard, 2.3.1); both results are initialized.
+        // Calls on the instance are admitted meanwhile, and there is no reference to it; see `crate::fmi::boundary::call_in_pieces`.
         unsafe {
             callback(
                 environment,
                 time,
-                asks.into(),
-                (!asks).into(),
-                (!asks).into(),
-                (can_return_early && !asks).into(),
+                requests_inputs.into(),
+                (!requests_inputs).into(),
+                (!requests_inputs).into(),
+                (can_return_early && !requests_inputs).into(),
                 &raw mut requested,
                 &raw mut return_time,
             );
         }
-        UpdateReply { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
+        let returns = is_true(requested) && can_return_early && !requests_inputs;
+        UpdateReply { early_return: returns.then_some(return_time) }
     }
 }
 
@@ -84,7 +86,7 @@ pub struct IntermediateUpdate {
     /// Its time (s).
     pub time: f64,
     /// Whether inputs at this time are requested. Otherwise the time has been reached, and outputs can be read.
-    pub asks: bool,
+    pub requests_inputs: bool,
     /// Whether the step may be left.
     pub can_return_early: bool,
 }

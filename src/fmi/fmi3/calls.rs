@@ -13,7 +13,7 @@ const INITIALIZATION: u16 = Phase::InitializationMode.bit();
 const EVENT: u16 = Phase::EventMode.bit();
 const STEP: u16 = Phase::StepComplete.bit();
 const AHEAD: u16 = Phase::SettingAhead.bit();
-const LOOKING: u16 = Phase::LookingIn.bit();
+const READING: u16 = Phase::ReadingOutputs.bit();
 const CONTINUOUS: u16 = Phase::ContinuousTimeMode.bit();
 const ENDED: u16 = Phase::StepFailed.bit();
 const TERMINATED: u16 = Phase::Terminated.bit();
@@ -22,12 +22,12 @@ const NEVER: u16 = 0;
 
 const COMPUTED: u16 = INITIALIZATION | EVENT | STEP | CONTINUOUS | ENDED | TERMINATED | ERROR;
 const ANY: u16 = INSTANTIATED | CONFIGURATION | COMPUTED;
-const READABLE: u16 = ANY | LOOKING;
+const READABLE: u16 = ANY | READING;
 const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | EVENT | STEP;
 const EXCHANGED: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR;
 
 /// States only of Co-Simulation, and only of Model Exchange.
-const OF_CO_SIMULATION: u16 = STEP | AHEAD | LOOKING | ENDED;
+const OF_CO_SIMULATION: u16 = STEP | AHEAD | READING | ENDED;
 const OF_MODEL_EXCHANGE: u16 = CONTINUOUS;
 
 macro_rules! calls {
@@ -102,7 +102,7 @@ calls! {
     GetDirectionalDerivative "fmi3GetDirectionalDerivative" COMPUTED;
     GetAdjointDerivative "fmi3GetAdjointDerivative" COMPUTED;
     DoStep "fmi3DoStep" STEP | ENDED;
-    GetOutputDerivatives "fmi3GetOutputDerivatives" EVENT | STEP | LOOKING | ENDED | TERMINATED | ERROR;
+    GetOutputDerivatives "fmi3GetOutputDerivatives" EVENT | STEP | READING | ENDED | TERMINATED | ERROR;
     GetClock "fmi3GetClock" NEVER;
     SetClock "fmi3SetClock" NEVER;
     SetInputDerivatives "fmi3SetInputDerivatives" NEVER;
@@ -161,7 +161,7 @@ impl fmi::Call for Call {
             Interface::CoSimulation => OF_MODEL_EXCHANGE,
             Interface::ModelExchange => OF_CO_SIMULATION,
         };
-        (ANY | AHEAD | LOOKING) & !others & phase.bit() != 0
+        (ANY | AHEAD | READING) & !others & phase.bit() != 0
     }
 }
 
@@ -206,7 +206,7 @@ fn name(phase: Phase) -> &'static str {
         Phase::EventMode => "Event Mode",
         Phase::StepComplete => "Step Mode",
         Phase::SettingAhead => "Intermediate Update Mode (inputs requested)",
-        Phase::LookingIn => "Intermediate Update Mode (outputs allowed)",
+        Phase::ReadingOutputs => "Intermediate Update Mode (outputs allowed)",
         Phase::ContinuousTimeMode => "Continuous-Time Mode",
         Phase::StepFailed => "Step Mode after the end of the run",
         Phase::Terminated => "Terminated",

@@ -60,20 +60,20 @@ impl Instance {
         };
         if self.unit.phase() != Phase::InitializationMode {
             fits(knowns.len(), sensitivities.len())?;
-            for (known, place) in knowns.iter().zip(sensitivities) {
+            for (known, sensitivity) in knowns.iter().zip(sensitivities) {
                 let (knowns, time) = if is_time(known) { (&[][..], 1.0) } else { (std::slice::from_ref(known), 0.0) };
                 let mut derivatives = self.unit.directional_derivative(unknowns, knowns, &[1.0], time)?;
-                place.write(weighted(&mut derivatives)?);
+                sensitivity.write(weighted(&mut derivatives)?);
             }
             return Ok(Status::Ok);
         }
         fits(self.value_count(knowns), sensitivities.len())?;
-        let mut places = sensitivities.iter_mut();
+        let mut sensitivities = sensitivities.iter_mut();
         for known in knowns {
-            for (i, place) in (0..self.size(known)).zip(&mut places) {
+            for (i, sensitivity) in (0..self.size(known)).zip(&mut sensitivities) {
                 let mut direction = Direction::default();
                 add(&mut direction, *known, i, &[1.0])?;
-                place.write(weighted(&mut self.unit.initial_directional_derivative(unknowns, &direction)?)?);
+                sensitivity.write(weighted(&mut self.unit.initial_directional_derivative(unknowns, &direction)?)?);
             }
         }
         Ok(Status::Ok)

@@ -5,14 +5,14 @@
 //!
 //! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6, 3.2, 4.2), and
 //! strings end with 0 (2.2.1). Saved states come from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and have not been freed, and a
-//! pointer to a state points to null or to such a state (2.2.7). Places for results are only written (2.3.5, 3.2).
+//! pointer to a state points to null or to such a state (2.2.7). Memory for results is only written (2.3.5, 3.2).
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
 
 use std::ffi::c_char;
 
-use crate::fmi::arrays::{output_array, place, read, texts};
+use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
@@ -175,7 +175,7 @@ macro_rules! getters {
             let mut values = output_array("values", values, value_count)?;
             let references = values.read_input("valueReferences", references, count)?;
             let get: fn(&mut Instance, &[u32], &mut [std::mem::MaybeUninit<$type>]) -> _ = $get;
-            get(instance, &references, values.places())
+            get(instance, &references, values.elements())
         };
     )*}};
 }
@@ -285,7 +285,7 @@ functions! {
     fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| boundary::free_state(state);
     /// Returns the size of a saved state in bytes.
     fmi3SerializedFMUStateSize SerializedFmuStateSize(state: fmi3FMUState, size: *mut size_t) = |_| {
-        place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
         Ok(Status::Ok)
     };
     /// Writes a saved state as bytes.
@@ -298,7 +298,7 @@ functions! {
     fmi3DeserializeFMUState DeserializeFmuState(bytes: *const fmi3Byte, size: size_t, state: *mut fmi3FMUState) = |instance| {
         let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
         instance.check_restorable(&unit)?;
-        boundary::give_state(place("FMUState", state)?, unit)
+        boundary::give_state(single_output("FMUState", state)?, unit)
     };
 }
 
@@ -314,7 +314,7 @@ macro_rules! derivatives {
             let unknowns = sensitivities.read_input("unknowns", unknowns, unknown_count)?;
             let knowns = sensitivities.read_input("knowns", knowns, known_count)?;
             let seed = sensitivities.read_input("seed", seed, seed_count)?;
-            $get(instance, &unknowns, &knowns, &seed, sensitivities.places())
+            $get(instance, &unknowns, &knowns, &seed, sensitivities.elements())
         };
     )*}};
 }
@@ -322,7 +322,7 @@ macro_rules! derivatives {
 derivatives! {
     /// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
     fmi3GetDirectionalDerivative GetDirectionalDerivative Instance::directional;
-    /// Returns the derivatives of a weighted sum of these.
+    /// Returns the derivatives of a weighted sum of the unknowns.
     fmi3GetAdjointDerivative GetAdjointDerivative Instance::adjoint_derivative;
 }
 
@@ -334,18 +334,18 @@ functions! {
         let mut values = output_array("values", values, value_count)?;
         let references = values.read_input("valueReferences", references, count)?;
         let orders = values.read_input("orders", orders, count)?;
-        instance.derivatives(&references, &orders, values.places())
+        instance.derivatives(&references, &orders, values.elements())
     };
     /// Applies the event.
     fmi3UpdateDiscreteStates UpdateDiscreteStates(
         discrete_states_need_update: *mut fmi3Boolean, terminate_simulation: *mut fmi3Boolean, nominals_changed: *mut fmi3Boolean, values_changed: *mut fmi3Boolean, next_event_time_defined: *mut fmi3Boolean, next_event_time: *mut fmi3Float64
     ) = |instance| {
-        let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
-        let terminate = place("terminateSimulation", terminate_simulation)?;
-        let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
-        let values = place("valuesOfContinuousStatesChanged", values_changed)?;
-        let defined = place("nextEventTimeDefined", next_event_time_defined)?;
-        let time = place("nextEventTime", next_event_time)?;
+        let need_update = single_output("discreteStatesNeedUpdate", discrete_states_need_update)?;
+        let terminate = single_output("terminateSimulation", terminate_simulation)?;
+        let nominals = single_output("nominalsOfContinuousStatesChanged", nominals_changed)?;
+        let values = single_output("valuesOfContinuousStatesChanged", values_changed)?;
+        let defined = single_output("nextEventTimeDefined", next_event_time_defined)?;
+        let time = single_output("nextEventTime", next_event_time)?;
         let after = instance.update_discrete_states()?;
         need_update.put(FMI3_FALSE);
         terminate.put(after.ended.into());
@@ -369,22 +369,22 @@ pub unsafe extern "C" fn fmi3DoStep(
     early_return: *mut fmi3Boolean,
     last_successful_time: *mut fmi3Float64,
 ) -> fmi3Status {
-    // SAFETY: the instance is live; the others are places for results (standard, 4.2).
+    // SAFETY: the instance is live; the other pointers are memory for results (standard, 4.2).
     unsafe {
-        let places = || {
+        let outputs = || {
             Ok((
-                place("eventHandlingNeeded", event_handling_needed)?,
-                place("terminateSimulation", terminate_simulation)?,
-                place("earlyReturn", early_return)?,
-                place("lastSuccessfulTime", last_successful_time)?,
+                single_output("eventHandlingNeeded", event_handling_needed)?,
+                single_output("terminateSimulation", terminate_simulation)?,
+                single_output("earlyReturn", early_return)?,
+                single_output("lastSuccessfulTime", last_successful_time)?,
             ))
         };
         boundary::do_step(
             instance,
             Step::new(time, step),
-            || places().map(|_| ()),
+            || outputs().map(|_| ()),
             |step| {
-                let (event, terminates, early, reached) = places()?;
+                let (event, terminates, early, reached) = outputs()?;
                 event.put(step.event.into());
                 terminates.put(step.terminates.into());
                 early.put(step.early.into());
@@ -396,12 +396,12 @@ pub unsafe extern "C" fn fmi3DoStep(
 }
 
 functions! {
-    /// Model Exchange: takes in an accepted step of the importer's solver.
+    /// Model Exchange: accepts a step of the importer's solver.
     fmi3CompletedIntegratorStep CompletedIntegratorStep(
         _no_set_state_prior: fmi3Boolean, enter_event_mode: *mut fmi3Boolean, terminate_simulation: *mut fmi3Boolean
     ) = |instance| {
-        let enter = place("enterEventMode", enter_event_mode)?;
-        let terminate = place("terminateSimulation", terminate_simulation)?;
+        let enter = single_output("enterEventMode", enter_event_mode)?;
+        let terminate = single_output("terminateSimulation", terminate_simulation)?;
         let answer = instance.completed_integrator_step();
         enter.put(FMI3_FALSE);
         terminate.put(FMI3_FALSE);
@@ -415,24 +415,24 @@ functions! {
     };
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.places());
+        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.elements());
     /// Model Exchange: returns the event indicators.
     fmi3GetEventIndicators GetEventIndicators(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.places());
+        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.elements());
     /// Model Exchange: returns the continuous states.
     fmi3GetContinuousStates GetContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::states, output_array("continuousStates", values, count)?.places());
+        |instance| instance.get_all(Unit::states, output_array("continuousStates", values, count)?.elements());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, output_array("nominals", values, count)?.places());
+        |instance| instance.get_all(Unit::nominals, output_array("nominals", values, count)?.elements());
     /// Model Exchange: returns the number of event indicators.
     fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |_| {
-        place("nEventIndicators", count)?.put(INDICATORS);
+        single_output("nEventIndicators", count)?.put(INDICATORS);
         Ok(Status::Ok)
     };
     /// Model Exchange: returns the number of continuous states.
     fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates(count: *mut size_t) = |_| {
-        place("nContinuousStates", count)?.put(STATES);
+        single_output("nContinuousStates", count)?.put(STATES);
         Ok(Status::Ok)
     };
 }

@@ -10,16 +10,16 @@ use crate::unit::fault::Fault;
 use crate::unit::instance::substeps::Reached;
 use crate::unit::life_cycle::Phase;
 
-/// Fraction by which the last interval between two looks may be longer than the others.
+/// Fraction by which the last interval between two updates may be longer than the others.
 ///
-/// It prevents a last part as short as a rounding error of the clock.
+/// It prevents a last part as short as a round-off error of the clock.
 const ROUNDING: f64 = 1e-6;
 
-/// Maximum number of intervals between looks in one step. In a longer step the intervals are longer.
-const MOST_LOOKS: f64 = 1e6;
+/// Maximum number of intervals between updates in one step. In a longer step the intervals are longer.
+const MOST_UPDATES: f64 = 1e6;
 
-/// Returns the time of the next look (s): an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
-fn next_look(time: f64, interval: f64, until: f64) -> f64 {
+/// Returns the time of the next update (s): an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
+fn next_update(time: f64, interval: f64, until: f64) -> f64 {
     let next = (time + interval).max(time.next_up());
     if next + ROUNDING * interval < until { next } else { until }
 }
@@ -62,15 +62,15 @@ impl Step {
 }
 
 impl Instance {
-    /// Advances a step to its end or to the next look of the importer. Allocates no memory unless it fails.
+    /// Advances a step to its end or to the importer's next update. Allocates no memory unless it fails.
     pub fn step_on(
         &mut self,
         step: &mut Step,
-        given: Option<UpdateReply>,
+        reply: Option<UpdateReply>,
         done: &impl Fn(&Step) -> Answer,
     ) -> Result<ControlFlow<Status, IntermediateUpdate>, Fault> {
-        if let Some(look) = self.take_substeps(step, given)? {
-            return Ok(ControlFlow::Continue(look));
+        if let Some(update) = self.take_substeps(step, reply)? {
+            return Ok(ControlFlow::Continue(update));
         }
         step.reached = self.unit.time();
         let (time, reached) = (step.time, step.reached);
@@ -78,11 +78,11 @@ impl Instance {
         done(step).map(ControlFlow::Break)
     }
 
-    /// Advances a step to the next look of the importer, or returns `None` if the step is done.
+    /// Advances a step to the importer's next update, or returns `None` if the step is done.
     fn take_substeps(
         &mut self,
         step: &mut Step,
-        given: Option<UpdateReply>,
+        reply: Option<UpdateReply>,
     ) -> Result<Option<IntermediateUpdate>, Fault> {
         let Instance { log, unit, version, .. } = self;
         let mut tell = |event: &_| log.tell(Status::Ok, Category::Events, format_args!("{event}"));
@@ -98,11 +98,11 @@ impl Instance {
                 *step.end.insert(step.until)
             }
         };
-        match (unit.phase(), given) {
+        match (unit.phase(), reply) {
             (Phase::SettingAhead, _) => unit.end_setting_ahead(),
-            (Phase::LookingIn, given) => {
-                unit.look_in(false);
-                let early_return = given.and_then(|given| given.early_return);
+            (Phase::ReadingOutputs, reply) => {
+                unit.set_reading_outputs(false);
+                let early_return = reply.and_then(|reply| reply.early_return);
                 step.until = step.until.min(early_return.unwrap_or(end).max(unit.time()));
             }
             _ => {}
@@ -111,7 +111,7 @@ impl Instance {
         while unit.time() < step.until {
             if let Some(updater) = version.updater.filter(|_| unit.needs_substep()) {
                 let time = match version.sets_inputs || !unit.rests() {
-                    true => next_look(unit.time(), unit.interval().max(step.size / MOST_LOOKS), step.until),
+                    true => next_update(unit.time(), unit.interval().max(step.size / MOST_UPDATES), step.until),
                     false => step.until,
                 };
                 unit.begin_setting_ahead(time);
@@ -119,7 +119,7 @@ impl Instance {
                     return Ok(Some(IntermediateUpdate {
                         updater,
                         time,
-                        asks: true,
+                        requests_inputs: true,
                         can_return_early: version.early_return,
                     }));
                 }
@@ -128,9 +128,10 @@ impl Instance {
             match unit.do_substep(step.until, after, &mut tell)? {
                 Reached::End => {
                     if let Some(updater) = version.updater {
-                        unit.look_in(true);
+                        unit.set_reading_outputs(true);
                         let (time, can_return_early) = (unit.time(), version.early_return);
-                        return Ok(Some(IntermediateUpdate { updater, time, asks: false, can_return_early }));
+                        let requests_inputs = false;
+                        return Ok(Some(IntermediateUpdate { updater, time, requests_inputs, can_return_early }));
                     }
                 }
                 Reached::Event => {

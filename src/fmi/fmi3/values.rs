@@ -23,8 +23,8 @@ fn type_name(kind: Kind) -> &'static str {
 
 /// Returns the variable with this value reference if it exists only in FMI 3.0.
 pub(super) fn fmi3_variable(reference: u32) -> Option<Fmi3Variable> {
-    let place = (reference as usize).checked_sub(VARIABLES.len())?;
-    FMI3_VARIABLES.get(place).map(|metadata| metadata.variable)
+    let index = (reference as usize).checked_sub(VARIABLES.len())?;
+    FMI3_VARIABLES.get(index).map(|metadata| metadata.variable)
 }
 
 /// Returns name and type of a variable.
@@ -74,7 +74,7 @@ pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
     if expected == found {
         return Ok(());
     }
-    Err(Fault::new(format!("nValues = {found}; expected {expected}, as many as the variables have")))
+    Err(Fault::new(format!("nValues = {found}; expected {expected}, the number of values of the variables")))
 }
 
 impl Instance {
@@ -199,7 +199,7 @@ impl Instance {
 
     /// Refuses to read a variable inside a step that was not requested for intermediate updates.
     fn may_read(&self, references: &[u32]) -> Result<(), Fault> {
-        if self.unit.phase() == Phase::LookingIn { self.version.check_required(references) } else { Ok(()) }
+        if self.unit.phase() == Phase::ReadingOutputs { self.version.check_required(references) } else { Ok(()) }
     }
 
     /// `fmi3GetString`: checks the arguments before the strings are read.

@@ -35,7 +35,7 @@ fn sees_a_dip_between_positive_ends() {
     assert_eq!(first_fall(shallow(0.0), shallow(1.0), 1e-15, 1.0, shallow), None);
 }
 
-/// A function that leaves a double zero, with a start that rounding made negative, and returns later.
+/// A function that leaves a double zero, with a start that round-off made negative, and returns later.
 #[test]
 fn the_zero_at_which_it_starts_is_no_root() {
     let opening = |t: f64| Sample { value: t * t * (0.7 - t) - 1e-18, rate: 1.4 * t - 3.0 * t * t };
@@ -130,7 +130,7 @@ fn no_cubic_dips_unseen() {
     }
 }
 
-/// A fall from zero counts even if the function soon comes back; not within rounding, and not from above zero.
+/// A fall from zero counts even if the function soon comes back; not within round-off, and not from above zero.
 #[test]
 fn a_fall_from_zero_differs_from_a_rise() {
     let falls = |at: f64, rounding: f64| {
@@ -153,7 +153,7 @@ fn sees_a_dip_behind_a_short_hop() {
     };
     let root = first_fall(dip(0.0), dip(1.0), 1e-15, 1.0, dip).unwrap();
     assert!((root - 0.02).abs() < 1e-14, "{root}");
-    // With a rate of zero at the beginning such a dip is what the errors of a step make of a rise.
+    // With a rate of zero at the beginning, the errors of a step can turn a rise into such a dip.
     let rise = |t: f64| {
         let Sample { value, rate } = dip(t);
         Sample { value: t * value, rate: t * rate + value }
@@ -197,7 +197,7 @@ fn sees_a_narrow_dip() {
     }
 }
 
-/// A constant within rounding of zero is no fall.
+/// A constant within round-off of zero is no fall.
 #[test]
 fn what_stays_at_zero_does_not_fall() {
     let still = |_: f64| Sample { value: -0.5e-15, rate: 0.0 };

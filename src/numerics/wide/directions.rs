@@ -1,4 +1,4 @@
-//! Derivatives in four directions as one vector of the processor, where it has such.
+//! Derivatives in four directions, as one vector of processors that have vectors of four numbers.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -6,29 +6,29 @@ use crate::numerics::gradient::{Directions, Gradient, Varying};
 use crate::numerics::scalar::CombinesWith;
 use crate::numerics::wide::{Simd, Wide};
 
-/// Number of directions that are followed at once.
+/// Number of directions in a batch.
 pub const DIRECTIONS: usize = 4;
 
-/// A number with its derivatives in these directions, as it is stored.
+/// A number with its derivatives in the directions of a batch, in memory.
 pub type Number = Gradient<DIRECTIONS>;
 
-/// Derivatives in these directions, as an array or as a vector.
+/// Derivatives in the directions of a batch, as an array or as a vector.
 pub trait Packed: Directions + From<[f64; DIRECTIONS]> + Into<[f64; DIRECTIONS]> {}
 
 impl<D: Directions + From<[f64; DIRECTIONS]> + Into<[f64; DIRECTIONS]>> Packed for D {}
 
-/// A computation with derivatives.
+/// A computation with derivatives in the directions of a batch.
 pub trait DirectionsTask {
     /// Its result.
     type Output;
 
-    /// Runs it. As with a [`Task`](super::Task), only what is inlined is compiled for the processor's vectors.
+    /// Runs the task. As in a [`Task`](super::Task), only inlined functions are compiled for the processor's vectors.
     fn run<D: Packed>(self) -> Self::Output
     where
         Varying<D>: CombinesWith<Number>;
 }
 
-/// A vector of as many numbers as there are directions.
+/// A vector of [`DIRECTIONS`] numbers.
 pub trait DirectionVector: Simd {}
 
 impl<V: Simd> Directions for Wide<V> {
@@ -80,7 +80,7 @@ impl<V: DirectionVector> From<Number> for Varying<Wide<V>> {
     }
 }
 
-/// An operator with a number as it is stored.
+/// Implements an operator between a number in vectors and one in memory.
 macro_rules! operator {
     ($trait:ident, $operate:ident) => {
         impl<V: DirectionVector> $trait<Number> for Varying<Wide<V>> {

@@ -22,7 +22,7 @@ pub use directions::{DIRECTIONS, DirectionsTask, Number, Packed};
 /// Maximum number of lanes of a vector.
 pub const MOST_LANES: usize = 8;
 
-/// One number for each lane; those beyond the lanes of a vector are not read.
+/// One number per lane; numbers beyond a vector's lanes are not read.
 pub type Array = [f64; MOST_LANES];
 
 /// Four numbers of one lane.
@@ -35,9 +35,9 @@ pub trait Simd: Copy + 'static {
     /// A Boolean per lane.
     type Mask: Copy;
 
-    /// The first of these numbers.
+    /// A vector of the first [`Simd::LANES`] numbers.
     fn load(numbers: &Array) -> Self;
-    /// Four numbers of each lane as four vectors; rows beyond the lanes are not read.
+    /// Transposes rows, four numbers of each lane, into four vectors; rows beyond the lanes are not read.
     #[inline(always)]
     fn columns(rows: [&Four; MOST_LANES]) -> [Self; 4] {
         let mut columns = [[0.0; MOST_LANES]; 4];
@@ -48,27 +48,27 @@ pub trait Simd: Copy + 'static {
         }
         [Self::load(&columns[0]), Self::load(&columns[1]), Self::load(&columns[2]), Self::load(&columns[3])]
     }
-    /// Its numbers, then zeros.
+    /// The numbers of the lanes, then zeros.
     fn store(self) -> Array;
-    /// The same number everywhere.
+    /// The same number in each lane.
     fn splat(number: f64) -> Self;
-    /// Sums.
+    /// Sum in each lane.
     fn add(self, other: Self) -> Self;
-    /// Differences.
+    /// Difference in each lane.
     fn sub(self, other: Self) -> Self;
-    /// Products.
+    /// Product in each lane.
     fn mul(self, other: Self) -> Self;
-    /// Quotients.
+    /// Quotient in each lane.
     fn div(self, other: Self) -> Self;
-    /// Square roots.
+    /// Square root in each lane.
     fn sqrt(self) -> Self;
-    /// Negatives.
+    /// Opposite number in each lane.
     fn neg(self) -> Self;
-    /// Absolute values.
+    /// Absolute value in each lane.
     fn abs(self) -> Self;
-    /// Powers of two with these exponents, whole numbers from −1022 to 1023; other numbers give any result.
+    /// Powers of two with these exponents: whole numbers from −1022 to 1023, otherwise the result is unspecified.
     fn power_of_two(self) -> Self;
-    /// The lanes in which this is less.
+    /// The lanes in which `self` is less than `other`.
     fn less(self, other: Self) -> Self::Mask;
     /// `self` where `mask` is true, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
@@ -87,13 +87,13 @@ pub trait Task {
     /// Its result.
     type Output;
 
-    /// Runs it. It must be inlined with all that it calls: only the body of the function that [`VectorWidth::run`] enters is compiled for the
-    /// processor's vectors.
+    /// Runs the task. It and all functions that it calls must be inlined: only the body of the function that [`VectorWidth::run`] enters
+    /// is compiled for the processor's vectors.
     fn run<V: Simd>(self) -> Self::Output;
 }
 
-/// Runs a task with the processor's vectors of four numbers, or with arrays where the compiler makes such vectors of them. `None` on an x86-64
-/// without AVX2. The results have the same bits.
+/// Runs a task with vectors of four numbers on x86-64, or `None` without AVX2; with arrays on other processors, whose compilers vectorize
+/// them. The results have the same bits.
 #[inline(always)]
 pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
     #[cfg(target_arch = "x86_64")]
@@ -107,12 +107,12 @@ pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
 pub struct VectorWidth(processor::Vectors);
 
 impl VectorWidth {
-    /// Returns the widest with at most this many lanes, or `None` for a single one.
+    /// Returns the widest vectors with at most this number of lanes, or `None` for a single lane.
     pub fn at_most(lanes: usize) -> Option<VectorWidth> {
         processor::Vectors::at_most(lanes).map(VectorWidth)
     }
 
-    /// Returns the widest, or `None` if vectors have a single lane.
+    /// Returns the processor's widest vectors, or `None` if they have a single lane.
     pub fn widest() -> Option<VectorWidth> {
         VectorWidth::at_most(MOST_LANES)
     }
@@ -128,10 +128,10 @@ impl VectorWidth {
     }
 }
 
-/// A whole number plus this has the biased exponent of its power of two in its lowest bits.
+/// Adding this to a whole number puts the biased exponent of its power of two into the lowest bits.
 const TO_EXPONENT: f64 = 1.0 / f64::EPSILON + 1023.0;
 
-/// The bits of a number below its exponent.
+/// Number of bits of the mantissa, below the exponent.
 const BELOW_EXPONENT: i32 = 52;
 
 /// A number in each lane.
@@ -143,29 +143,29 @@ pub struct Wide<V>(V);
 pub struct Lanes<V: Simd>(V::Mask);
 
 impl<V: Simd> Wide<V> {
-    /// The results of `number` for each lane.
+    /// A vector of `number(lane)` for each lane.
     #[inline(always)]
     pub fn each(mut number: impl FnMut(usize) -> f64) -> Wide<V> {
         let mut numbers = [0.0; MOST_LANES];
-        for (lane, place) in numbers.iter_mut().enumerate().take(V::LANES) {
-            *place = number(lane);
+        for (lane, slot) in numbers.iter_mut().enumerate().take(V::LANES) {
+            *slot = number(lane);
         }
         Wide(V::load(&numbers))
     }
 
-    /// The first of these numbers, one per lane.
+    /// A vector of the first numbers, one per lane.
     #[inline(always)]
     pub fn load(numbers: &Array) -> Wide<V> {
         Wide(V::load(numbers))
     }
 
-    /// Powers of two with these exponents, whole numbers from −1022 to 1023; other numbers give any result.
+    /// Powers of two with these exponents: whole numbers from −1022 to 1023, otherwise the result is unspecified.
     #[inline(always)]
     fn power_of_two(self) -> Wide<V> {
         Wide(self.0.power_of_two())
     }
 
-    /// Four numbers of each lane as four vectors; rows beyond the lanes are not read. Many times faster than number by number.
+    /// Transposes rows, four numbers of each lane, into four vectors, many times faster than number by number.
     #[inline(always)]
     pub fn columns(rows: [&Four; MOST_LANES]) -> [Wide<V>; 4] {
         let [a, b, c, d] = V::columns(rows);
@@ -184,19 +184,19 @@ impl<V: Simd> Wide<V> {
         self.0.store()[lane]
     }
 
-    /// The lanes in which this is less.
+    /// The lanes in which `self` is less than `other`.
     #[inline(always)]
     pub fn less(self, other: Wide<V>) -> Lanes<V> {
         Lanes(self.0.less(other.0))
     }
 
-    /// This in some lanes, `other` elsewhere.
+    /// `self` in these lanes, `other` elsewhere.
     #[inline(always)]
     pub fn in_lanes(self, lanes: Lanes<V>, other: Wide<V>) -> Wide<V> {
         Wide(self.0.select(lanes.0, other.0))
     }
 
-    /// The greater number.
+    /// The greater number in each lane.
     #[inline(always)]
     pub fn max(self, other: Wide<V>) -> Wide<V> {
         other.in_lanes(self.less(other), self)
@@ -204,13 +204,13 @@ impl<V: Simd> Wide<V> {
 }
 
 impl<V: Simd> Lanes<V> {
-    /// The lanes of both.
+    /// The lanes in both sets.
     #[inline(always)]
     pub fn and(self, other: Lanes<V>) -> Lanes<V> {
         Lanes(V::both(self.0, other.0))
     }
 
-    /// The lanes of either.
+    /// The lanes in either set.
     #[inline(always)]
     pub fn or(self, other: Lanes<V>) -> Lanes<V> {
         Lanes(V::either(self.0, other.0))

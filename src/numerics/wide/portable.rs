@@ -1,8 +1,8 @@
-//! Pairs of numbers, for processors whose vectors are not asked for by name: the compiler finds some of them.
+//! Pairs of numbers, for processors without intrinsics here: the compiler may turn them into vectors.
 
 use crate::numerics::wide::{Array, BELOW_EXPONENT, MOST_LANES, Simd, TO_EXPONENT, Task};
 
-/// Pairs.
+/// Vectors of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vectors;
 

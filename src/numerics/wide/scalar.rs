@@ -1,4 +1,4 @@
-//! Lanes as the numbers of equations: sines and cosines in each lane, and duals of lanes.
+//! Lanes as numbers of the equations: sine, cosine and exponential with the bits of `libm`, and duals of lanes.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -17,14 +17,14 @@ impl<V: Simd> Scalar for Wide<V> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Wide<V>, Wide<V>) {
-        if self.abs().less(Wide::from(QUARTER_PI)).all() { near_zero(self) } else { in_quadrants(self) }
+        if self.abs().less(Wide::from(QUARTER_PI)).all() { near_zero(self) } else { reduced(self) }
     }
 
     #[inline(always)]
     fn exp(self) -> Wide<V> {
-        let powers = in_range(self);
+        let powers = exp_in_range(self);
         let far = Wide::from(EXP_RANGE).less(self.abs()).bits();
-        if far == 0 { powers } else { Wide::load(&out_of_range(&self.store(), far, powers.store())) }
+        if far == 0 { powers } else { Wide::load(&exp_by_libm(&self.store(), far, powers.store())) }
     }
 
     #[inline(always)]
@@ -50,20 +50,19 @@ impl<V: Simd> Real for Wide<V> {
     }
 }
 
-/// The least angle (rad), π/4 or so, that `libm` brings nearer to zero before it takes its sine: the least number above those
-/// with these upper 32 bits.
+/// The least angle (rad), about π/4, whose argument `libm` reduces; it compares the upper 32 bits.
 const QUARTER_PI: f64 = f64::from_bits((0x3fe9_21fb + 1) << 32);
 
 /// Sine and cosine with the operations of `libm::sincos` up to [`QUARTER_PI`], in their order: the polynomials of FreeBSD's
 /// k_sin.c and k_cos.c (Copyright (C) 1993 by Sun Microsystems, Inc.; permission to use, copy, modify, and distribute this
 /// software is freely granted, provided that this notice is preserved).
 ///
-/// Below 2^−27 `libm` gives the angle and 1, and so do these, but for −0.
+/// Below 2^−27 `libm` returns the angle and 1, and so do these polynomials, except for −0.
 #[inline(always)]
 fn near_zero<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     let z = x * x;
-    let sin = x + z * x * (z * of_sine(z) + S[0]);
-    (sin.in_lanes(Wide::default().less(z), x), cosine(z, z * of_cosine(z)))
+    let sin = x + z * x * (z * sine_polynomial(z) + S[0]);
+    (sin.in_lanes(Wide::default().less(z), x), cosine(z, z * cosine_polynomial(z)))
 }
 
 const S: [f64; 6] = [
@@ -84,20 +83,20 @@ const C: [f64; 6] = [
     -1.1359647557788195e-11,
 ];
 
-/// The polynomial of the sine, without its first terms, of the square of an angle.
+/// Evaluates the sine's polynomial, without its first terms, at the square of an angle.
 #[inline(always)]
-fn of_sine<V: Simd>(z: Wide<V>) -> Wide<V> {
+fn sine_polynomial<V: Simd>(z: Wide<V>) -> Wide<V> {
     (z * S[3] + S[2]) * z + S[1] + z * (z * z) * (z * S[5] + S[4])
 }
 
-/// The same of the cosine.
+/// Evaluates the cosine's polynomial, without its first terms, at the square of an angle.
 #[inline(always)]
-fn of_cosine<V: Simd>(z: Wide<V>) -> Wide<V> {
+fn cosine_polynomial<V: Simd>(z: Wide<V>) -> Wide<V> {
     let w = z * z;
     z * ((z * C[2] + C[1]) * z + C[0]) + w * w * ((z * C[5] + C[4]) * z + C[3])
 }
 
-/// `1 − z/2 + rest` to the last bit.
+/// Returns `1 − z/2 + rest` with a compensated sum.
 #[inline(always)]
 fn cosine<V: Simd>(z: Wide<V>, rest: Wide<V>) -> Wide<V> {
     let (half, one) = (z * 0.5, Wide::from(1.0));
@@ -105,21 +104,22 @@ fn cosine<V: Simd>(z: Wide<V>, rest: Wide<V>) -> Wide<V> {
     cos + (((one - cos) - half) + rest)
 }
 
-/// Sine and cosine of any angles, with the operations of `libm::sincos` in their order: the nearest multiple of π/2 is subtracted as in
-/// FreeBSD's e_rem_pio2.c (Copyright (C) 1993 by Sun Microsystems, Inc., as above), where that takes one round. The other lanes are left
-/// to `libm`: large angles, those very near a multiple of π/2, and those about halfway between two multiples, where it may
-/// choose the other one.
+/// Sine and cosine of reduced arguments, with the operations of `libm::sincos` in their order.
+///
+/// The nearest multiple of π/2 is subtracted in one round of FreeBSD's e_rem_pio2.c (Copyright (C) 1993 by Sun Microsystems, Inc., as
+/// above). `libm` handles the lanes that need more rounds: large angles, those very near a multiple of π/2, and those about halfway
+/// between two multiples, where it may choose the other one.
 #[inline(always)]
-fn in_quadrants<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
+fn reduced<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     const HALF_PI: [f64; 2] = [1.5707963267341256, 6.077100506506192e-11];
-    /// The least angle over the largest one whose multiple of π/2 is subtracted in one round.
+    /// Least reduced angle, relative to the angle, for which one round suffices.
     const NO_CANCELLATION: f64 = 1.0 / 65536.0;
-    /// The bounds between multiples of π/2 have 20 bits after the first one.
+    /// Greatest reduced angle (rad): `libm` chooses the multiple of π/2 by 20 bits after the first.
     const BETWEEN: f64 = std::f64::consts::FRAC_PI_4 - 1e-5;
     const LARGE: f64 = 1e6;
 
     let (zero, near) = (Wide::default(), x.abs().less(Wide::from(QUARTER_PI)));
-    let multiple = zero.in_lanes(near, whole(x * std::f64::consts::FRAC_2_PI));
+    let multiple = zero.in_lanes(near, nearest_whole(x * std::f64::consts::FRAC_2_PI));
     let (r, w) = (x - multiple * HALF_PI[0], multiple * HALF_PI[1]);
     let y = r - w;
     let tail = (r - y) - w;
@@ -127,11 +127,11 @@ fn in_quadrants<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     let in_one_round = near_a_multiple.and(y.abs().less(Wide::from(BETWEEN))).and(x.abs().less(Wide::from(LARGE)));
 
     let z = y * y;
-    let (v, r) = (z * y, of_sine(z));
+    let (v, r) = (z * y, sine_polynomial(z));
     let sin = (y + v * (z * r + S[0])).in_lanes(near, y - ((z * (tail * 0.5 - v * r) - tail) - v * S[0]));
-    let cos = cosine(z, z * of_cosine(z) - y * tail);
+    let cos = cosine(z, z * cosine_polynomial(z) - y * tail);
     // −2 or 2, −1, 0, or 1 quarters of a turn beyond full turns.
-    let quarters = multiple - whole(multiple * 0.25) * 4.0;
+    let quarters = multiple - nearest_whole(multiple * 0.25) * 4.0;
     let half = Wide::from(0.5);
     let (odd, opposite) = ((quarters.abs() - 1.0).abs().less(half), Wide::from(1.5).less(quarters.abs()));
     let (sin, cos) = (cos.in_lanes(odd, sin), sin.in_lanes(odd, cos));
@@ -141,35 +141,35 @@ fn in_quadrants<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
         return (sin, cos);
     }
     let others = (1 << V::LANES) - 1 - in_one_round.bits();
-    let [sin, cos] = by_libm(&x.store(), others, [sin.store(), cos.store()]);
+    let [sin, cos] = sin_cos_by_libm(&x.store(), others, [sin.store(), cos.store()]);
     (Wide::load(&sin), Wide::load(&cos))
 }
 
-/// The nearest whole number.
+/// Returns the nearest whole number.
 #[inline(always)]
-fn whole<V: Simd>(x: Wide<V>) -> Wide<V> {
-    /// A sum with it is rounded to a whole number.
+fn nearest_whole<V: Simd>(x: Wide<V>) -> Wide<V> {
+    /// A sum with this is rounded to a whole number.
     const TO_WHOLE: f64 = 1.5 / f64::EPSILON;
     (x + TO_WHOLE) - TO_WHOLE
 }
 
-/// These sines and cosines, with those of `angles` in some lanes by `libm`.
+/// Replaces the sines and cosines in some lanes by those that `libm` computes from `angles`.
 #[cold]
 #[inline(never)]
-fn by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array; 2]) -> [Array; 2] {
+fn sin_cos_by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array; 2]) -> [Array; 2] {
     for i in (0..MOST_LANES).filter(|i| lanes >> i & 1 == 1) {
         (sines[i], cosines[i]) = libm::sincos(angles[i]);
     }
     [sines, cosines]
 }
 
-/// The magnitude up to which [`in_range`] holds: `libm` looks at the upper 32 bits, too, and then for overflow and underflow.
+/// Greatest magnitude for [`exp_in_range`]: beyond it `libm`, which compares the upper 32 bits, tests for overflow and underflow.
 const EXP_RANGE: f64 = f64::from_bits((0x4086_232b << 32) - 1);
 
 /// The exponential function with the operations of `libm::exp` in their order: FreeBSD's e_exp.c (Copyright (C) 2004 by Sun Microsystems,
 /// Inc.; permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is preserved).
 #[inline(always)]
-fn in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
+fn exp_in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
     /// Up to this magnitude `k = 0`.
     const HALF_LN_2: f64 = f64::from_bits((0x3fd6_2e43 << 32) - 1);
     /// Below this magnitude `exp(x) = 1 + x`.
@@ -182,12 +182,12 @@ fn in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
         -1.6533902205465252e-06,
         4.1381367970572385e-08,
     ];
-    // x = k ln 2 + r, with the whole number k next to zero from x / ln 2 ± 1/2.
+    // x = k ln 2 + r, where k is x / ln 2 ± 1/2 truncated towards zero.
     let zero = Wide::default();
     let (half, one) = (Wide::from(0.5), Wide::from(1.0));
     let negative = x.less(zero);
     let y = x * std::f64::consts::LOG2_E + (-half).in_lanes(negative, half);
-    let nearest = whole(y);
+    let nearest = nearest_whole(y);
     let toward_zero = nearest - (-one).in_lanes(negative, one);
     let k = toward_zero.in_lanes(y.abs().less(nearest.abs()), nearest);
     let k = k.in_lanes(Wide::from(HALF_LN_2).less(x.abs()), zero);
@@ -200,10 +200,10 @@ fn in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
     (x + 1.0).in_lanes(x.abs().less(Wide::from(TINY)), y * power)
 }
 
-/// These exponentials of `numbers`, with those in the lanes that are `far` by `libm`.
+/// Replaces the exponentials in the lanes `far` out of range by those of `libm`.
 #[cold]
 #[inline(never)]
-fn out_of_range(numbers: &Array, far: u32, mut powers: Array) -> Array {
+fn exp_by_libm(numbers: &Array, far: u32, mut powers: Array) -> Array {
     for i in (0..MOST_LANES).filter(|i| far >> i & 1 == 1) {
         powers[i] = libm::exp(numbers[i]);
     }

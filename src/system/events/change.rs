@@ -1,4 +1,4 @@
-//! A pose that is being changed, with the counters and the regimes of the change.
+//! A change of the pose in progress, with its counters and the regimes passed.
 
 use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::Excitation;
@@ -17,18 +17,17 @@ pub struct TransitionCounts {
     pub impacts: u32,
     /// Corners that lifted.
     pub liftoffs: u32,
-    /// Energy per unit mass (m²/s²) that came with changes of the horizontal constraint.
+    /// Energy per unit mass (m²/s²) added by changes of the horizontal constraint.
     pub constraint: f64,
     /// Evaluations of the equations of motion.
     pub evaluations: u64,
 }
 
-/// The regimes through which a pose passes in one instant. Corners only leave once the first of them is decided: so both corners
-/// touch, then one, then none.
+/// The regimes through which a pose passes in one instant. After the first one corners only leave: both touch, then one, then none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Path {
     regimes: [Option<Regime>; 3],
-    /// Whether there were more.
+    /// Whether there were more regimes.
     overflows: bool,
 }
 
@@ -44,21 +43,21 @@ impl Path {
         }
     }
 
-    /// The regimes in their order.
+    /// Returns the regimes in their order.
     pub fn iter(&self) -> impl Iterator<Item = Regime> {
         self.regimes.into_iter().flatten()
     }
 
-    /// Whether there were more regimes than a pose can pass through: none of them lasts.
+    /// Whether there were more regimes than a pose can pass through, so that none of them lasts.
     pub fn overflows(&self) -> bool {
         self.overflows
     }
 }
 
-/// Round-off of a zero relative to its largest term: some thousand ulp.
+/// Round-off of a zero relative to its largest term: about 450 ulp.
 pub(crate) const ROUNDING: f64 = 1e-13;
 
-/// The way in which a corner that bears nothing any more leaves.
+/// The fate of a corner that no longer bears anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Leaving {
     /// It lifts.
@@ -69,7 +68,7 @@ pub(super) enum Leaving {
     Held,
 }
 
-/// A pose that is being changed.
+/// A change of the pose in progress.
 pub struct Change<'a, T = f64> {
     pub(super) system: &'a System<T>,
     excitation: &'a Excitation<T>,
@@ -96,46 +95,52 @@ impl<'a, T: Elementary> Change<'a, T> {
         self.pose.contacts.regime()
     }
 
-    /// The block in the present pose.
+    /// Evaluates the block in the present pose.
     pub(super) fn now(&mut self) -> Evaluation<'a, T> {
         self.counts.evaluations += 1;
         Motion::from_pose(&self.system.block, &self.pose, self.excitation).at_called(self.pose.time, self.pose.state)
     }
 
-    /// Goes on from a placement on the present contacts.
+    /// Takes the state of a placement on the present contacts.
     pub(super) fn place(&mut self, placement: &Placement<T>) {
         let regime = self.regime();
         self.pose.state = placement.state(regime).into();
         self.path.push(regime);
     }
 
-    /// The foot is held from here on, where it is, with velocities that agree with that.
+    /// Takes the state of a placement whose velocities suit a gripping foot, and lets it grip.
     pub(super) fn hold(&mut self, placement: &Placement<T>) {
-        self.place(placement);
+        self.path.push(self.regime());
+        self.grip_here(placement);
+    }
+
+    /// Lets the foot grip at its present position.
+    pub(super) fn grip_here(&mut self, placement: &Placement<T>) {
         self.pose.footing = Footing::Grips { offset: T::from(0.0) };
+        self.pose.state = placement.state(self.regime()).into();
         let offset = placement.u - self.now().instant.u;
         self.pose.footing = Footing::Grips { offset };
     }
 
-    /// Height of the support under a corner that has left it (m), and its rate (m/s).
+    /// Returns the height of the support under a lifted corner (m), and its rate (m/s).
     pub(super) fn support(&self, corner: Corner) -> Sample<T> {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
     }
 
-    /// `corner` touches from now on, at the height of its support.
-    pub(super) fn put_down(&mut self, corner: Corner, placement: &mut Placement<T>) {
+    /// Puts `corner` on its support, at the height of the support.
+    pub(super) fn set_down(&mut self, corner: Corner, placement: &mut Placement<T>) {
         self.landed = true;
         placement.corners[corner.index()].0 = self.support(corner).value;
         self.pose.contacts.set(corner, Contact::Bearing);
     }
 
-    /// The recovery of the support under a corner that bears nothing from here on, from this height (m).
+    /// Returns the recovery of a support from this height (m), which begins now.
     pub(super) fn creep_from(&self, corner: Corner, height: T) -> Creep<T> {
         Creep { depth: self.system.block.free_height(corner) - height, since: self.pose.time }
     }
 
-    /// Goes on from a placement; without any corner on the base, the block flies.
-    pub(super) fn go_on_from(&mut self, placement: &Placement<T>) {
+    /// Takes the state of a placement; without any corner on the base, the block flies.
+    pub(super) fn continue_from(&mut self, placement: &Placement<T>) {
         self.place(placement);
         if self.regime() == Regime::Separated {
             self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
@@ -147,7 +152,7 @@ impl<'a, T: Elementary> Change<'a, T> {
 mod tests {
     use super::*;
 
-    /// Corners that only leave pass through three regimes at most; the same one again is none.
+    /// Corners that only leave pass through at most three regimes; a repeated regime does not count.
     #[test]
     fn a_fourth_regime_in_one_instant_overflows() {
         let mut path = Path::default();

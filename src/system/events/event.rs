@@ -9,10 +9,9 @@ pub enum EventKind {
     LiftOff(Corner),
     /// A corner came down on its support, or on the rigid base.
     Landing(Corner),
-    /// The foot slides from here on, or to the other side: friction has reached its limit, or nothing holds the block horizontally though
-    /// a support still bears it.
+    /// The foot began to slide, or changed direction: friction reached its limit, or a support that bears no load cannot hold it.
     Slip,
-    /// The foot slides no more.
+    /// The foot stopped sliding.
     Grip,
     /// A restraint changed its state.
     Restraint(restraints::Event),
@@ -21,7 +20,7 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// Its name in tables.
+    /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
             EventKind::LiftOff(_) => "lift-off",
@@ -33,18 +32,18 @@ impl EventKind {
         }
     }
 
-    /// The name of its corner, `L` or `R`, or of its restraint; none for an event of the whole block.
-    pub fn place(self) -> Option<&'static str> {
+    /// Returns the name of its corner, `L` or `R`, or of its restraint; `None` for an event of the whole block.
+    pub fn location(self) -> Option<&'static str> {
         match self {
             EventKind::LiftOff(Corner::Left) | EventKind::Landing(Corner::Left) => Some("L"),
             EventKind::LiftOff(Corner::Right) | EventKind::Landing(Corner::Right) => Some("R"),
-            EventKind::Restraint(event) => event.place(),
+            EventKind::Restraint(event) => event.location(),
             EventKind::Slip | EventKind::Grip | EventKind::Overturning => None,
         }
     }
 }
 
-/// An event, as it is reported while the simulation runs.
+/// A reported event of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Time (s).
@@ -53,7 +52,7 @@ pub struct Event {
     pub kind: EventKind,
     /// Regime right before.
     pub before: Regime,
-    /// Regime right after, with all that followed in the same instant.
+    /// Regime right after, including all changes in the same instant.
     pub after: Regime,
 }
 

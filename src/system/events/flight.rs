@@ -1,6 +1,6 @@
-//! Landing from flight, or while the other corner slides: the gap under a lifted corner closes.
+//! Landing from flight, or while the other corner slides.
 //!
-//! The landing corner grips if nothing held the block; otherwise it comes down without a horizontal impulse.
+//! A corner that lands from flight grips; otherwise it lands without a horizontal impulse.
 
 use crate::block::{Contact, Corner, Foot, Regime};
 use crate::numerics::dual::Dual;
@@ -15,7 +15,7 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The gap under `corner` closed in flight, or while the other corner slides.
+    /// Lands `corner` on its support from flight, or while the other corner slides.
     pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation<T>) {
         let (other, placement) = (corner.other(), Placement::of(&now.instant));
         if self.is_level(other, now) {
@@ -28,12 +28,12 @@ where
         self.land_alone(corner, placement);
     }
 
-    /// Both corners land at once from flight, unless one of the impulses, which are returned, would have to pull.
+    /// Lands both corners at once from flight, or returns the impulses if one of them would have to pull.
     pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<(), [T; 2]> {
         let (before, mut both) = (self.pose.contacts, Placement::of(&now.instant));
         let rates = Corner::BOTH.map(|corner| {
             let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
-            self.put_down(corner, &mut both);
+            self.set_down(corner, &mut both);
             self.rate_after_landing(rate, support)
         });
         let (impulses, velocities) = impact::landing_on_both(&self.system.block, both.theta, both.velocities, rates);
@@ -49,7 +49,7 @@ where
         Ok(())
     }
 
-    /// Whether, in flight, the gap under this corner is closed to rounding and closing.
+    /// Whether, in flight, the gap under this corner is closed to round-off and closing.
     pub(super) fn is_level(&self, corner: Corner, now: &Evaluation<T>) -> bool {
         let gap = landing::gap(&now.instant, now.support_heights, corner);
         let closed = gap.value.value() <= landing::rounding(&self.system.block) && gap.rate.value() < 0.0;
@@ -60,7 +60,7 @@ where
         let block = &self.system.block;
         let (i, before, regime) = (corner.index(), placement.velocities, self.regime());
         let support = self.support(corner).rate;
-        self.put_down(corner, &mut placement);
+        self.set_down(corner, &mut placement);
         let rate = placement.corners[i].1;
         self.counts.impacts += u32::from(rate.value() < 0.0);
         let mut after = self.rate_after_landing(rate, support);
@@ -68,16 +68,17 @@ where
         if flying {
             let mut velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
             if rate.value() >= 0.0 || velocities.v_dot.value() < before.v_dot.value() {
-                // The support came up to the corner, or it would have to pull: the horizontal stop alone throws the corner
-                // up faster than that.
+                // The support rose to the corner, or its impulse would have to pull, since the horizontal stop alone throws the corner up
+                // faster.
                 let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
                 let rate = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
-                after = self.or_rest(rate, support);
+                after = self.rest_if_slow(rate, support);
                 velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
             }
-            placement.strike(block, velocities);
+            placement.set_velocities(block, velocities);
         } else {
-            placement.strike(block, impact::landing_without_grip(block, corner, placement.theta, before, after));
+            placement
+                .set_velocities(block, impact::landing_without_grip(block, corner, placement.theta, before, after));
         }
         placement.corners[i].1 = after;
         let mut before = regime;
@@ -88,12 +89,12 @@ where
         self.settle(before, placement);
     }
 
-    /// Vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
+    /// Returns the vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
     fn rate_after_landing(&self, rate: T, support: T) -> T {
-        self.or_rest(if rate.value() < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
+        self.rest_if_slow(if rate.value() < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
     }
 
-    /// `corner` comes down from flight, or while the other one slides.
+    /// Lands `corner` on the rigid base from flight, or while the other one slides.
     pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) {
         let other = corner.other();
         let placement = Placement::of(&now.instant);
@@ -111,12 +112,13 @@ where
             self.land_on_corner(corner, placement);
         } else {
             self.counts.impacts += 2;
-            self.come_down(placement, velocities, rates.map(Some));
+            self.touch_down(placement, velocities, rates.map(Some));
         }
     }
 
-    /// `corner` comes down alone: it stops horizontally and rebounds with ε times its vertical rate, but with no more than
-    /// the energy allows, and no less than the horizontal stop alone throws it up.
+    /// Lands `corner` alone: it stops horizontally and rebounds with ε times its vertical rate.
+    ///
+    /// The rebound is at most what the energy allows, and at least the rate with which the horizontal stop alone throws the corner up.
     fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) {
         let block = &self.system.block;
         let before = placement.velocities;
@@ -129,44 +131,44 @@ where
             false => impact::landing_with_grip(block, corner, placement.theta, before, rate),
         };
         let mut rate = self.rebound(placement.corners[corner.index()].1);
-        // The energy after the landing grows with the square of the rate.
+        // The energy after the landing is quadratic in the rate.
         let [energy, held, rebound] = [before, land(zero), land(rate)].map(|velocities| velocities.kinetic(block));
         if block.friction.value() > 0.0 {
-            rate = self.or_rest(without_gain(block, before, rate, land).0, zero);
+            rate = self.rest_if_slow(without_gain(block, before, rate, land).0, zero);
         } else if rebound.value() > energy.value() {
-            // No rebound is left where its energy is lost in rounding.
+            // A rebound whose energy is round-off becomes zero.
             let gains = rebound.value() > held.value() && energy.value() > held.value();
             rate = if gains { rate * ((energy - held) / (rebound - held)).sqrt() } else { zero };
-            rate = self.or_rest(rate, zero);
+            rate = self.rest_if_slow(rate, zero);
         }
         if block.friction.value() == 0.0 && land(rate).v_dot.value() < before.v_dot.value() {
             let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
             let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
-            rate = self.or_rest(thrown, zero);
+            rate = self.rest_if_slow(thrown, zero);
         }
         self.counts.impacts += 1;
-        // The other one slid.
+        // The other corner, which slid, lifts.
         self.counts.liftoffs += u32::from(self.pose.contacts.touches(corner.other()));
         let mut rates = [None; 2];
         rates[corner.index()] = Some(rate);
-        self.come_down(placement, land(rate), rates);
+        self.touch_down(placement, land(rate), rates);
     }
 
-    /// Vertical rate of a corner after its landing (m/s), upwards.
+    /// Returns the vertical rate of a corner after its landing on the rigid base (m/s), upwards.
     fn rebound(&self, rate: T) -> T {
         let zero = T::from(0.0);
-        self.or_rest(greatest(-self.system.block.epsilon * rate, zero), zero)
+        self.rest_if_slow(greatest(-self.system.block.epsilon * rate, zero), zero)
     }
 
-    /// The corners with a rate have come down; those whose rate is zero stand.
-    pub(super) fn come_down(&mut self, mut placement: Placement<T>, velocities: Velocities<T>, rates: [Option<T>; 2]) {
-        placement.strike(&self.system.block, velocities);
+    /// Completes a landing on the rigid base: corners with a rate have landed, those with a rate of zero stand.
+    pub(super) fn touch_down(&mut self, mut placement: Placement<T>, velocities: Velocities<T>, rates: [Option<T>; 2]) {
+        placement.set_velocities(&self.system.block, velocities);
         for (corner, rate) in Corner::BOTH.into_iter().zip(rates) {
             let stands = rate.is_some_and(|rate| rate.value() == 0.0);
             if stands {
                 self.pose.contacts.set(corner, Contact::Bearing);
             } else {
-                self.raise(corner);
+                self.lift(corner);
             }
             if let Some(rate) = rate {
                 placement.corners[corner.index()] = (T::from(0.0), rate);
@@ -174,7 +176,7 @@ where
             }
         }
         match self.regime() {
-            Regime::Separated => self.go_on_from(&placement),
+            Regime::Separated => self.continue_from(&placement),
             Regime::FullContact => {
                 placement.theta = T::from(0.0);
                 self.stand(&mut placement);

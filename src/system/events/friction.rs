@@ -1,4 +1,4 @@
-//! Coulomb's limit `|H| ≤ μ N`: a foot that grips slides where it is reached, and one that slides grips where it stops.
+//! Coulomb's limit `|H| ≤ μ N`: a gripping foot slides when it is reached, and a sliding foot grips when it stops.
 
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -12,9 +12,9 @@ use crate::system::events::placement::Placement;
 use crate::system::impact;
 use crate::system::instant::{Footing, Instant};
 
-/// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
+/// Returns the distance of a gripping foot from sliding (m/s²): `μ N ± H` per mass, with + for a `push` from L.
 #[inline(never)]
-pub(super) fn rest_to_limit<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
+pub(super) fn margin<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
 where
     Dual<T>: CombinesWith<T>,
 {
@@ -22,13 +22,13 @@ where
     Sample { value: re, rate: eps }
 }
 
-/// The same of an instant.
+/// Returns the [`margin`] at an instant.
 pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, x: &Instant<T>, push: Corner) -> T {
     let normal = x.reaction[0] + x.reaction[1];
     normal * block.friction + x.horizontal * push.sign()
 }
 
-/// The speed of a foot that slides (m/s).
+/// Returns the speed of a sliding foot (m/s).
 #[inline(never)]
 pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
@@ -36,9 +36,9 @@ pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     Sample { value: at.instant.slip_rate * direction, rate: rate * direction }
 }
 
-/// Round-off of [`rest_to_limit`] at zero (m/s²). On the rigid base no dashpot makes forces of the round-off of rates.
+/// Returns the round-off of [`margin`] at zero (m/s²). On the rigid base no dashpot amplifies the round-off of rates.
 #[inline(never)]
-pub(super) fn rounding_of_limit<T: Elementary>(block: &Block<T>) -> f64 {
+pub(super) fn margin_rounding<T: Elementary>(block: &Block<T>) -> f64 {
     const ULPS: f64 = 16.0;
     match block.foundation {
         Foundation::Viscoelastic => ROUNDING * grip::size(block) * (1.0 + block.friction.value()),
@@ -46,9 +46,9 @@ pub(super) fn rounding_of_limit<T: Elementary>(block: &Block<T>) -> f64 {
     }
 }
 
-/// Round-off of [`speed`] at zero (m/s).
+/// Returns the round-off of [`speed`] at zero (m/s).
 #[inline]
-pub(super) fn rounding_of_speed<T: Elementary>(block: &Block<T>) -> f64 {
+pub(super) fn speed_rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * (block.p * block.r0).value()
 }
 
@@ -56,9 +56,10 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Decides whether the foot grips or slides, and to which side: it grips if it does not move and `|H| ≤ μ N` holds it.
-    /// Without a limit of friction nothing changes.
-    pub(super) fn rub(&mut self, placement: &mut Placement<T>) {
+    /// Decides whether the foot grips or slides, and to which side: it grips if it is at rest and `|H| ≤ μ N` holds it.
+    ///
+    /// Does nothing without a limit of friction.
+    pub(super) fn apply_friction(&mut self, placement: &mut Placement<T>) {
         let block = &self.system.block;
         if block.friction.value() == 0.0 || self.regime() == Regime::Separated {
             return;
@@ -67,16 +68,16 @@ where
         let height = impact::height_over(block, foot, placement.theta);
         let velocities = &mut placement.velocities;
         let speed = velocities.u_dot - height * velocities.theta_dot;
-        if speed.value().abs() > rounding_of_speed(block) {
+        if speed.value().abs() > speed_rounding(block) {
             self.slide(placement, speed.value().signum());
             return;
         }
         velocities.u_dot = height * velocities.theta_dot;
         self.grip_here(placement);
         let now = self.now();
-        let rounding = rounding_of_limit(block);
+        let rounding = margin_rounding(block);
         for push in Corner::BOTH {
-            let Sample { value, rate } = rest_to_limit(&now, push);
+            let Sample { value, rate } = margin(&now, push);
             let (value, rate) = (value.value(), rate.value());
             if value < -rounding || (value <= rounding && rate < 0.0) {
                 // H pushes the block to a side, and the foot slides to the other one.
@@ -86,15 +87,15 @@ where
         }
     }
 
-    /// The same from where the block is.
-    pub(super) fn rub_here(&mut self) {
+    /// Applies friction to the present motion.
+    pub(super) fn apply_friction_here(&mut self) {
         if self.system.block.friction.value() > 0.0 {
             let now = self.now();
-            self.rub(&mut Placement::of(&now.instant));
+            self.apply_friction(&mut Placement::of(&now.instant));
         }
     }
 
-    /// A foot that grips and is pushed from a side slides; one that slides has stopped and grips, or turns.
+    /// Lets a gripping foot that is pushed from a side slide, or a sliding foot that has stopped grip or turn back.
     pub(super) fn slide_or_grip(&mut self, pushed_from: Option<Corner>, now: &Evaluation<T>) -> EventKind {
         self.pose.contacts.let_bear();
         let mut placement = Placement::of(&now.instant);
@@ -104,7 +105,7 @@ where
                 let foot = now.regime.foot().unwrap_or(Foot::Middle);
                 let height = impact::height_over(now.block, foot, placement.theta);
                 placement.velocities.u_dot = height * placement.velocities.theta_dot;
-                self.rub(&mut placement);
+                self.apply_friction(&mut placement);
             }
         }
         if now.block.foundation == Foundation::Rigid {
@@ -113,38 +114,29 @@ where
         if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }
     }
 
-    /// Lets the block stand; its foot grips as far as friction allows.
+    /// Lets the block stand on its present contacts; its foot grips as far as friction allows.
     pub(super) fn stand(&mut self, placement: &mut Placement<T>) {
         if self.system.block.friction.value() > 0.0 {
             self.place(placement);
-            self.rub(placement);
+            self.apply_friction(placement);
         } else {
             self.hold(placement);
         }
     }
 
-    /// Where restraints, friction or an eccentric centre of mass make the place of the block matter, a foot that grips has not
-    /// moved it.
+    /// Keeps the horizontal position of a gripping block where it matters: with restraints, friction or an eccentric centre of mass.
     pub(super) fn place_foot(&mut self, placement: &Placement<T>) {
         if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
             self.grip_here(placement);
         }
     }
 
-    /// Places the foot of a block at its beginning, where it grips.
+    /// Takes horizontal position and velocity of a gripping foot at the beginning.
     pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement<T>) {
         if self.system.block.is_extended() && self.regime() != Regime::Separated {
             let now = self.now();
             (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
         }
-    }
-
-    /// Lets the foot grip where it is.
-    pub(super) fn grip_here(&mut self, placement: &Placement<T>) {
-        self.pose.footing = Footing::Grips { offset: T::from(0.0) };
-        self.pose.state = placement.state(self.regime()).into();
-        let offset = placement.u - self.now().instant.u;
-        self.pose.footing = Footing::Grips { offset };
     }
 
     fn slide(&mut self, placement: &Placement<T>, direction: f64) {

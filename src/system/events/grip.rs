@@ -1,8 +1,8 @@
-//! Grip: a foot that slides would still be pressed on right after gripping.
+//! Grip without a limit of friction: a sliding foot grips once it would still be pressed on right after.
 //!
-//! In flight nothing holds the block horizontally, nor does a support that bears nothing. A support that bears the block
-//! grips it as soon as it would still be pressed on right after; until then the block slides on it without friction. So no
-//! support ever pulls, and no landing or grip makes energy.
+//! Nothing holds the block horizontally in flight or on a support without load. A support that bears the block grips it as soon as it
+//! would still be pressed on right after; until then the block slides on it without friction. So no support ever pulls, and no landing or
+//! grip creates energy.
 
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -14,7 +14,7 @@ use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
-/// The distance of a sliding foot from being pressed on if it gripped (m/s²).
+/// Returns the distance of a sliding foot from being pressed on if it gripped (m/s²).
 pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
 where
     Dual<T>: CombinesWith<T>,
@@ -23,35 +23,34 @@ where
     Sample { value: re, rate: eps }
 }
 
-/// The same of an instant.
+/// Returns the value of [`slide`] at an instant.
 pub(super) fn distance<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
     match (block.foundation, regime.pivot()) {
-        // It may be pressed on for a moment only, where the slide turns back.
+        // The foot may be pressed on for a moment only, when it turns back.
         (Foundation::Viscoelastic, _) => -pressure_if_gripped(block, regime, x),
         (Foundation::Rigid, Some(corner)) => impact::thrown_by_grip(block, corner, x) * block.p,
-        // Both corners stand on the rigid base, which neither throws up: they grip.
+        // A rigid base throws neither of two corners up: they grip.
         (Foundation::Rigid, None) => -T::from(block.gravity),
     }
 }
 
-/// Size of the terms of [`slide`] (m/s²): a foot may slide as fast as it wants, and dashpots make forces of the round-off of its
-/// rates.
+/// Returns the size of the terms of [`slide`] (m/s²), including dashpot forces, which amplify the round-off of rates.
 #[inline]
 pub(super) fn size<T: Elementary>(block: &Block<T>) -> f64 {
     block.gravity.value().max((block.xi_v * block.omega_v * block.p * block.r0).value())
 }
 
-/// Round-off of [`slide`] at zero (m/s²).
+/// Returns the round-off of [`slide`] at zero (m/s²).
 #[inline]
 pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
 }
 
-/// The least force per mass (m/s²) that presses the corners that touch on their supports if they grip now: the
-/// reaction right after the horizontal impulse, which turns the block, less what would follow if it threw the corner up.
+/// Returns the least force per mass (m/s²) that would press a touching corner on its support if the foot gripped now.
 ///
-/// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
-/// corner would leave it again, land, and grip, over and over.
+/// It is the reaction right after the horizontal impulse, which turns the block, less a reserve for a corner that this throws up. A
+/// support of stiffness K catches a mass M thrown up with v̇ if its force is above `√(K M) v̇`; with less, the corner would leave, land and
+/// grip again and again.
 pub fn pressure_if_gripped<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
     let Block { i0, omega_v, xi_v, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
@@ -73,7 +72,7 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Holds the sliding foot where it is.
+    /// Lets the sliding foot grip.
     pub(super) fn grip_from(&mut self, mut placement: Placement<T>) {
         let before = self.regime();
         match self.system.block.foundation {
@@ -85,11 +84,11 @@ where
         }
     }
 
-    /// On supports a horizontal impulse stops the foot.
+    /// Stops the foot on supports by a horizontal impulse.
     pub(super) fn grip(&mut self, placement: &mut Placement<T>) {
         let block = &self.system.block;
         let velocities = impact::grip(block, self.regime(), placement.theta, placement.velocities);
-        placement.strike(block, velocities);
+        placement.set_velocities(block, velocities);
         self.hold(placement);
     }
 
@@ -99,10 +98,10 @@ where
             Some(corner) => {
                 let held =
                     impact::landing_with_grip(&self.system.block, corner, placement.theta, placement.velocities, zero);
-                (held, Corner::BOTH.map(|of| (of == corner).then_some(zero)))
+                (held, Corner::BOTH.map(|landing| (landing == corner).then_some(zero)))
             }
             None => (Velocities { u_dot: zero, v_dot: zero, theta_dot: zero }, [Some(zero); 2]),
         };
-        self.come_down(placement, velocities, rates);
+        self.touch_down(placement, velocities, rates);
     }
 }

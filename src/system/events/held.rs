@@ -1,6 +1,6 @@
-//! A corner that is held on its support: full contact would lift it, and the other corner alone would press it back.
+//! A held corner: full contact would lift it, and standing on the other corner alone would press it back.
 //!
-//! It lifts when it would not be pressed on any more, and bears again when full contact would not lift it.
+//! It lifts once it would no longer be pressed back, and bears again once full contact would no longer lift it.
 
 use crate::block::{Contact, Corner, Regime};
 use crate::numerics::dual::Dual;
@@ -13,13 +13,14 @@ use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
 use crate::system::instant::Instant;
 
-/// Acceleration (m/s²) with which a held corner would be pressed on if it were let go. Its rate is not known; a change of sign
-/// between samples is enough where the function is monotone.
+/// Returns the acceleration (m/s²) with which a held corner would be pressed on if it were let go.
+///
+/// Its rate is unknown and set to zero, so that only a sign change between samples is found, which suffices for a monotone function.
 pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
     Sample { value: -gap_opening(at, corner, at.instant.corner_dot[corner.index()]), rate: T::from(0.0) }
 }
 
-/// Acceleration (m/s²) at which full contact would take a held corner away from its support; without its rate.
+/// Returns the acceleration (m/s²) with which full contact would lift a held corner off its support; its rate is set to zero.
 pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
     let i = corner.index();
     let x = instant(at.block, Regime::FullContact, at.state.0, at.footing, at.forcing);
@@ -30,13 +31,13 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// `corner` is held on its support at this height (m).
-    pub(super) fn keep(&mut self, corner: Corner, height: T) {
+    /// Holds `corner` on its support at this height (m).
+    pub(super) fn hold_corner(&mut self, corner: Corner, height: T) {
         self.pose.contacts.set(corner, Contact::Held(self.creep_from(corner, height)));
     }
 
-    /// Neither corner bears anything, so that nothing holds the block horizontally. The paper's analysis ends here.
-    pub(super) fn bear_nothing(&mut self, x: &Instant<T>) -> Leaving {
+    /// Handles two corners without load, so that nothing holds the block horizontally. The paper's analysis ends here.
+    pub(super) fn lose_support(&mut self, x: &Instant<T>) -> Leaving {
         let placement = Placement::of(x);
         if self.system.flies && self.system.block.friction.value() == 0.0 {
             self.release(x);

@@ -1,4 +1,4 @@
-//! Landing on a support while the other corner stands and grips: the gap under a lifted corner closes.
+//! Landing on a support while the other corner stands and grips.
 
 use crate::block::{Block, Corner, Foot, Foundation};
 use crate::numerics::Scalar;
@@ -11,14 +11,14 @@ use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
-/// The gap `v_I − y_I` between a lifted corner and its support (m), whose heights and rates are `supports`.
+/// Returns the gap `v_I − y_I` between a lifted corner and its support (m), from the heights and rates of the `supports`.
 #[inline(always)]
 pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) -> Sample<R> {
     let i = corner.index();
     Sample { value: x.corner[i] - supports[i].value, rate: x.corner_dot[i] - supports[i].rate }
 }
 
-/// Size of the terms of a gap (m).
+/// Returns the size of the terms of a gap (m).
 #[inline]
 fn size<T: Elementary>(block: &Block<T>) -> f64 {
     match block.foundation {
@@ -27,7 +27,7 @@ fn size<T: Elementary>(block: &Block<T>) -> f64 {
     }
 }
 
-/// Round-off of a gap at zero (m).
+/// Returns the round-off of a gap at zero (m).
 #[inline]
 pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
@@ -42,12 +42,12 @@ where
         let block = &self.system.block;
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
-        self.put_down(corner, &mut placement);
+        self.set_down(corner, &mut placement);
         let rate = placement.corners[corner.index()].1;
         if rate.value() < 0.0 {
             let (v_dot, theta_dot) = impact::landing(block, corner, placement.theta, before.v_dot, before.theta_dot);
-            placement.strike(block, Velocities { v_dot, theta_dot, ..before });
-            // Exactly ε times the rate before, which the map gives only to rounding.
+            placement.set_velocities(block, Velocities { v_dot, theta_dot, ..before });
+            // The map gives ε times the rate before only to round-off.
             placement.corners[corner.index()].1 = block.epsilon * rate;
             self.counts.impacts += 1;
             self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate).value();
@@ -58,7 +58,7 @@ where
         self.settle(regime, placement);
     }
 
-    /// The same with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after the landing.
+    /// Lands `corner` with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after it.
     pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation<T>) {
         if self.is_level(corner.other(), now) && self.land_on_both(now).is_ok() {
             return;
@@ -67,24 +67,25 @@ where
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
         let support = self.support(corner).rate;
-        self.put_down(corner, &mut placement);
+        self.set_down(corner, &mut placement);
         let i = corner.index();
         let rate = placement.corners[i].1;
         if rate.value() < 0.0 {
             let foot = self.regime().foot().unwrap_or(Foot::Corner(corner));
-            let after = self.or_rest(block.epsilon * rate, support);
+            let after = self.rest_if_slow(block.epsilon * rate, support);
             let land = |rate: T| impact::landing_with_friction(block, corner, foot, placement.theta, before, rate);
             let (rate, velocities) = without_gain(block, before, after, land);
-            placement.strike(block, velocities);
+            placement.set_velocities(block, velocities);
             placement.corners[i].1 = rate;
             self.counts.impacts += 1;
         }
         self.settle(regime, placement);
     }
 
-    /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
-    /// of ever lower flights ends: each flight rises at least ten times as high as the round-off of a gap.
-    pub(super) fn or_rest(&self, rate: T, support_rate: T) -> T {
+    /// Returns a corner's rate after a landing (m/s), or that of its support if the corner would leave it hardly faster.
+    ///
+    /// A sequence of ever lower flights thus ends: each rises at least to ten times the round-off of a gap.
+    pub(super) fn rest_if_slow(&self, rate: T, support_rate: T) -> T {
         let block = &self.system.block;
         let slowest = (20.0 * block.gravity.value() * rounding(block)).sqrt();
         let faster = rate.value() - support_rate.value();
@@ -92,7 +93,7 @@ where
     }
 }
 
-/// Returns the velocities after a landing with this rate after it (m/s or rad/s), which is reduced if the landing would create energy.
+/// Returns the rate after a landing (m/s or rad/s) and the velocities; the rate is reduced if the landing would create energy.
 pub(super) fn without_gain<T: Elementary>(
     block: &Block<T>,
     before: Velocities<T>,
@@ -116,7 +117,7 @@ pub(super) fn without_gain<T: Elementary>(
             high = middle;
         }
     }
-    // A step by Newton's method brings the derivatives; the energy is a square of the rate, whose central difference is exact.
+    // A Newton step adds the derivatives. The central difference is exact, since the energy is quadratic in the rate.
     let slope = (value(1.001 * low) - value(0.999 * low)) / (0.002 * low);
     let left = surplus(T::from(low));
     let change = left - T::constant(left.value());

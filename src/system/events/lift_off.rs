@@ -1,6 +1,6 @@
 //! Lift-off: the reaction of a touching corner falls through zero.
 //!
-//! The corner lifts if its gap opens once it is let go. Otherwise it is held, or it slips if it is the last one.
+//! The corner lifts if its gap would open. Otherwise it is held, or slips if it is the last one.
 
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -13,7 +13,7 @@ use crate::system::events::placement::Placement;
 use crate::system::forces::support;
 use crate::system::instant::{Footing, Instant};
 
-/// The reaction N_I/M of a touching corner (m/s²).
+/// Returns the reaction N_I/M of a touching corner (m/s²).
 #[inline(always)]
 pub(super) fn reaction<T: Elementary>(foundation: Foundation, at: &Evaluation<T>, corner: Corner) -> Sample<T>
 where
@@ -21,7 +21,7 @@ where
 {
     match foundation {
         Foundation::Viscoelastic => on_support(at.block, &at.instant, corner),
-        // It follows from the accelerations, so that its rate takes those of the whole equations.
+        // The reaction follows from the accelerations, so that its rate needs all equations.
         Foundation::Rigid => {
             let i = corner.index();
             Sample { value: at.instant.reaction[i], rate: rates_on_rigid_base(at)[i] }
@@ -29,7 +29,7 @@ where
     }
 }
 
-/// Round-off of a reaction at zero (m/s²).
+/// Returns the round-off of a reaction at zero (m/s²).
 #[inline]
 pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * block.gravity.value()
@@ -43,7 +43,7 @@ where
     at.with_rates_of(at.forcing_rate(), |x| x.reaction.map(|n| n.eps))
 }
 
-/// The same of a support.
+/// Returns the reaction N_I/M of a support (m/s²).
 #[inline(always)]
 pub fn on_support<R: Scalar>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
 where
@@ -53,22 +53,22 @@ where
     Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
 }
 
-/// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one staying as it
-/// is: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the top of the support stands still,
-/// and the gap opens with the rate v̇_I: infinitely fast by this measure.
+/// Returns the acceleration (m/s²) with which the gap of a touching corner would open if only this corner left its support now.
 ///
-/// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
-/// corner on one corner), `v̈_I` jumps a little at lift-off. If full contact lifts the corner
-/// and the other regime presses it back, neither regime holds, and the true motion follows the boundary with `N_I ≈ 0`.
-/// The corner is then held in full contact until one of the two regimes lets it go. The last corner that touches
-/// slides in that case, since a support that bears nothing cannot hold it.
+/// It is `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the top of the support stands still, and the
+/// gap opens with the rate v̇_I, which makes this acceleration infinite.
+///
+/// The horizontal constraint changes with the regime: in full contact it holds the middle of the base, on one corner that corner. `v̈_I`
+/// therefore jumps a little at lift-off. If full contact lifts the corner and the other regime presses it back, neither regime is
+/// consistent, and the motion follows the boundary with `N_I ≈ 0`: the corner is held in full contact until one of the two regimes lets it
+/// go. A last corner slides in that case, since a support without load cannot hold it.
 pub fn gap_opening<T: Elementary>(at: &Evaluation<T>, corner: Corner, corner_dot: T) -> T {
-    // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
+    // Without damping K/C is infinite: the sign of a nonzero rate decides, otherwise the acceleration.
     let creep = if corner_dot.is_zero() { T::from(0.0) } else { at.block.creep_rate() * corner_dot };
     acceleration_if_let_go(at, corner) + creep
 }
 
-/// Vertical acceleration (m/s²) of a touching corner if it left now, the other one staying as it is.
+/// Returns the vertical acceleration (m/s²) of a touching corner if only this corner left now.
 fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> T {
     let &Evaluation { block, instant: ref x, .. } = at;
     let other = corner.other();
@@ -86,7 +86,7 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The reaction of `corner` fell through zero, or the corner, which `was_held`, would no longer be pressed on.
+    /// Handles a reaction of `corner` that fell through zero, or, if it `was_held`, a corner that would no longer be pressed on.
     pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
         match self.system.block.foundation {
             Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
@@ -102,10 +102,10 @@ where
                 let other_is_held = self.pose.contacts.held() == Some(corner.other());
                 self.pose.contacts.let_bear();
                 if !opens && other_is_held {
-                    return self.bear_nothing(x);
+                    return self.lose_support(x);
                 }
                 if !opens && !was_held {
-                    self.keep(corner, x.corner[corner.index()]);
+                    self.hold_corner(corner, x.corner[corner.index()]);
                     return Leaving::Held;
                 }
             }
@@ -123,21 +123,22 @@ where
         Leaving::Lifts
     }
 
-    /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. That of a foot without horizontal
-    /// force does, and the paper's analysis ends when the last corner bears nothing.
+    /// Whether the gap under `corner`, which no longer bears anything, would open.
+    ///
+    /// It always does for a foot without horizontal force, and for the last corner in the paper's analysis, which ends there.
     pub(super) fn lets_go(&self, corner: Corner, corner_dot: T, now: &Evaluation<T>) -> bool {
         let last = !now.regime.touches(corner.other());
         let is_free = matches!(self.pose.footing, Footing::Free { .. });
         is_free || (last && !self.system.flies) || gap_opening(now, corner, corner_dot).value() >= 0.0
     }
 
-    /// `corner` has left its support, which creeps back from here on.
+    /// Lifts `corner` off its support, which creeps back from now on.
     pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement<T>) {
         self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, placement.corners[corner.index()].0)));
         self.counts.liftoffs += 1;
     }
 
-    /// `corner` leaves the rigid base, and so does any other that would have to be pulled then.
+    /// Lets `corner` leave the rigid base, and then the other one if it would have to be pulled.
     pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
         let first = self.let_go(corner, now);
         match self.settle_on_rigid_base() {
@@ -146,8 +147,9 @@ where
         }
     }
 
-    /// `corner` lifts from the rigid base, or slides from here on if it is the last one and would be pressed on without being
-    /// held. The paper's analysis ends when the last corner bears nothing.
+    /// Lifts `corner` off the rigid base, or lets it slide if it is the last one and would be pressed on without a horizontal hold.
+    ///
+    /// The paper's analysis ends when the last corner bears nothing.
     pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
@@ -156,14 +158,14 @@ where
             self.release(x);
             return Leaving::Slides;
         }
-        self.raise(corner);
+        self.lift(corner);
         self.counts.liftoffs += 1;
-        self.go_on_from(&Placement::of(x));
+        self.continue_from(&Placement::of(x));
         Leaving::Lifts
     }
 
-    /// `corner` has left the rigid base.
-    pub(super) fn raise(&mut self, corner: Corner) {
+    /// Marks `corner` as lifted off the rigid base.
+    pub(super) fn lift(&mut self, corner: Corner) {
         self.pose.contacts.set(corner, Contact::Lifted(Creep::default()));
     }
 }

@@ -1,20 +1,20 @@
-//! Events, a file each: the function that is watched, its round-off, and the change of the pose when it falls through zero.
+//! Events, a file each: the watched function, its round-off, and the change of the pose when it falls through zero.
 //!
 //! | module | watched → change |
 //! | --- | --- |
-//! | [`lift_off`] | the reaction of a touching corner → it leaves its support, or slips, or is held |
-//! | `slip` | the last corner bears nothing but would come down again → it slides |
+//! | [`lift_off`] | the reaction of a touching corner → it leaves its support, slips, or is held |
+//! | `slip` | the last corner bears nothing but would be pressed on again → it slides |
 //! | `held` | whether a held corner would be pressed on, or lifted → it lifts, or bears again |
 //! | [`landing`] | the gap of a lifted corner while the other one stands → the impact map |
-//! | `pivot` | the same on a rigid base → Housner's change of the pivot |
-//! | `flight` | the same in flight, or while the other one slides → landing with or without grip |
-//! | [`grip`] | without a limit of friction: the pressure on a foot that slides, if it gripped → it grips |
-//! | `friction` | the distance of H from Coulomb's limit, the speed of a foot that slides → it slides, or grips |
-//! | `restraint` | a function of a restraint → its state changes |
+//! | `pivot` | the gap of a lifted corner on a rigid base → Housner's change of the pivot |
+//! | `flight` | the gap of a corner in flight, or while the other one slides → landing with or without grip |
+//! | [`grip`] | the pressure on a sliding foot without a limit of friction, if it gripped → it grips |
+//! | `friction` | the distance of H from Coulomb's limit, the speed of a sliding foot → it slides, or grips |
+//! | `restraint` | an event function of a restraint → its state changes |
 //! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
 //!
-//! [`watched`] is the table of the functions that are watched in each regime; the driver, Model Exchange's indicators and the
-//! lanes use it. After each event `settle` decides the regime again, in a `change` of the pose.
+//! [`watched`] is the table of the watched functions in each regime, for the driver, Model Exchange's indicators and the lanes. After
+//! each event `settle` decides the regime again, in a `change` of the pose.
 
 pub(in crate::system) mod change;
 mod event;
@@ -34,7 +34,7 @@ mod slip;
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints;
-use crate::block::{Block, Corner, Foundation, Place, Regime};
+use crate::block::{Block, Corner, Foundation, Kinematics, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -74,8 +74,9 @@ pub enum Surface {
     QuarterTurn,
 }
 
-/// The functions that are watched under a law, in the order of Model Exchange's indicators: of L, of R, of the quarter turn, and
-/// of a foot that slides or a corner that is held. Of two that fall at the same time the first one counts.
+/// Returns the watched surfaces under a law, in the order of Model Exchange's indicators.
+///
+/// They are those of L, of R, of the quarter turn, and of a sliding foot or a held corner. If two fall at the same time, the first counts.
 #[inline(always)]
 pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
     use Corner::{Left, Right};
@@ -95,7 +96,7 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
 }
 
-/// The further surfaces of a block with friction or restraints: two of the foot, then those of the restraints.
+/// Returns the further surfaces of a block with friction or restraints: two of the foot, then those of the restraints.
 #[inline(never)]
 pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
     let mut watched = [None; BEYOND];
@@ -108,22 +109,21 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
         }
     }
     if !block.restraints.is_empty() {
-        for (place, surface) in watched[2..].iter_mut().zip(restraints::watched(block, &law.restraints())) {
-            *place = surface.map(Surface::Restraint);
+        for (slot, surface) in watched[2..].iter_mut().zip(restraints::watched(block, &law.restraints())) {
+            *slot = surface.map(Surface::Restraint);
         }
     }
     watched
 }
 
-/// The number of surfaces of [`watched_beyond`].
+/// Number of surfaces of [`watched_beyond`].
 pub const BEYOND: usize = 2 + restraints::WATCHED;
 
-/// The number of Model Exchange's event indicators: the surfaces of [`watched`], and those of [`watched_beyond`] that belong to
-/// variables of the FMU.
+/// Number of Model Exchange's event indicators: the surfaces of [`watched`], and those of [`watched_beyond`] with variables of the FMU.
 pub const INDICATORS: usize = 4 + 2 + restraints::INDICATORS;
 
 impl Surface {
-    /// Value and rate at an instant.
+    /// Returns value and rate at an instant.
     #[inline(always)]
     pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Sample<T>
     where
@@ -132,7 +132,7 @@ impl Surface {
         self.sample_on(at.block.foundation, at)
     }
 
-    /// The same on a `foundation` that the compiler may know: that of the block.
+    /// Returns value and rate at an instant; `foundation` is that of the block, and may be a constant.
     #[inline(always)]
     pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Sample<T>
     where
@@ -144,14 +144,14 @@ impl Surface {
             Surface::Held(corner) => held::pressed_on(at, corner),
             Surface::Unloaded(corner) => held::unloading(at, corner),
             Surface::Slide => grip::slide(at),
-            Surface::Friction(push) => friction::rest_to_limit(at, push),
+            Surface::Friction(push) => friction::margin(at, push),
             Surface::Speed => friction::speed(at),
             Surface::Restraint(surface) => restraint::sample(surface, at),
             Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]),
         }
     }
 
-    /// Its value alone at an instant.
+    /// Returns the value at an instant.
     pub fn value<T: Elementary>(self, at: &Evaluation<T>) -> T {
         match self {
             Surface::Reaction(corner) => at.instant.reaction[corner.index()],
@@ -161,13 +161,12 @@ impl Surface {
             Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
             Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
             Surface::Speed => friction::speed(at).value,
-            Surface::Restraint(surface) => surface.value(at.block, &Place::of(&at.instant)),
+            Surface::Restraint(surface) => surface.value(at.block, &Kinematics::of(&at.instant)),
             Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]).value,
         }
     }
 
-    /// Whether its value follows from the state and its rate from that of the state, not from rates of the inputs; and an event may
-    /// leave it at zero.
+    /// Whether value and rate follow from the state and its rate, without the rates of the inputs, and an event may leave it at zero.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
             Surface::Gap(_) | Surface::Slide | Surface::Speed => true,
@@ -195,15 +194,15 @@ impl Surface {
         }
     }
 
-    /// Round-off of a zero of this surface.
+    /// Returns the round-off of a zero of this surface.
     #[inline]
     pub fn rounding<T: Elementary>(self, block: &Block<T>) -> f64 {
         match self {
             Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => lift_off::rounding(block),
             Surface::Gap(_) => landing::rounding(block),
             Surface::Slide => grip::rounding(block),
-            Surface::Friction(_) => friction::rounding_of_limit(block),
-            Surface::Speed => friction::rounding_of_speed(block),
+            Surface::Friction(_) => friction::margin_rounding(block),
+            Surface::Speed => friction::speed_rounding(block),
             Surface::Restraint(surface) => ROUNDING * surface.size(block),
             Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
@@ -215,11 +214,11 @@ impl Surface {
 pub struct Transition<T = f64> {
     /// The pose right after.
     pub pose: Pose<T>,
-    /// The event as it is reported; none where a corner is held from here on, or bears again.
+    /// The reported event; `None` if a corner becomes held or bears again.
     pub event: Option<EventKind>,
-    /// Its share of the counters and sums of a run.
+    /// Its contributions to the counters and sums of a run.
     pub counts: TransitionCounts,
-    /// The regimes that the block passed through.
+    /// The regimes passed in this instant.
     pub path: Path,
 }
 
@@ -227,7 +226,7 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The change of a pose at `now`, when the motion has fallen through a surface.
+    /// Returns the transition of a pose at `now`, when the motion has fallen through a surface.
     pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, surface: Surface) -> Transition<T> {
         let mut change = Change::begin(self, pose, now.excitation);
         let event = match surface {
@@ -270,13 +269,14 @@ where
         Transition { pose, event, counts, path }
     }
 
-    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the
-    /// distance of H from the limit of friction.
+    /// Returns the surface that a jump of the excitation has taken below zero, if any.
+    ///
+    /// It is a reaction on the rigid base, or the distance of H from the limit of friction.
     #[inline]
     pub fn fallen(&self, now: &Evaluation<T>) -> Option<Surface> {
         if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
             let slides = |surface: &Surface| surface.value(now).value() < -surface.rounding(&self.block);
-            // A foot that slides has other reactions.
+            // Friction first, since a sliding foot has other reactions.
             if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
                 return Some(surface);
             }
@@ -284,7 +284,7 @@ where
         self.leaving_rigid_base(now).map(Surface::Reaction)
     }
 
-    /// The pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides; otherwise nothing.
+    /// Returns the pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides.
     pub fn released(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
         Some(self.transition(pose, now, self.fallen(now)?).pose)
     }

@@ -14,7 +14,7 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
+    /// Changes the pivot to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
     pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation<T>) {
         let block = &self.system.block;
         let theta_dot = greatest(block.restitution_of(corner), T::from(0.0)) * now.state[1];
@@ -26,35 +26,37 @@ where
         } else if theta_dot.value().abs() < self.system.slowest * block.p.value() {
             self.pose.state = State::zeros();
         } else {
-            self.raise(corner.other());
+            self.lift(corner.other());
             self.pose.state = State::from([zero, theta_dot, zero, zero]);
             self.counts.liftoffs += 1;
         }
         self.settle_on_rigid_base();
     }
 
-    /// The same with friction: e determines the vertical rates after the impact and with them the vertical impulse, and a horizontal
-    /// impulse within its limit slows the new pivot. A block that slides may gain energy by this; e is then reduced.
+    /// Changes the pivot with friction.
+    ///
+    /// e determines the vertical rates after the impact and thus the vertical impulse; a horizontal impulse within its limit slows the new
+    /// pivot. e is reduced if a sliding block would gain energy.
     fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: T, now: &Evaluation<T>) {
         let block = &self.system.block;
         let zero = T::from(0.0);
         let mut placement = Placement { theta: zero, v: zero, ..Placement::of(&now.instant) };
         let before = placement.velocities;
         let ends = theta_dot.value().abs() < self.system.slowest * block.p.value();
-        let strike = |theta_dot: T| {
+        let land = |theta_dot: T| {
             let v_dot = -block.offset(corner) * theta_dot;
             let most = block.friction * greatest(v_dot - before.v_dot, zero);
             let u_dot = before.u_dot + least(greatest(block.h * theta_dot - before.u_dot, -most), most);
             Velocities { u_dot, v_dot, theta_dot }
         };
-        let (_, velocities) = without_gain(block, before, if ends { zero } else { theta_dot }, strike);
-        placement.strike(block, velocities);
+        let (_, velocities) = without_gain(block, before, if ends { zero } else { theta_dot }, land);
+        placement.set_velocities(block, velocities);
         for corner in Corner::BOTH {
             placement.corners[corner.index()].0 = zero;
         }
         placement.corners[corner.index()].1 = zero;
         if !ends {
-            self.raise(corner.other());
+            self.lift(corner.other());
             self.counts.liftoffs += 1;
         }
         self.stand(&mut placement);

@@ -1,21 +1,22 @@
-//! An instant → the block's place and velocities, in numbers that no change of regime alters.
+//! An instant → position and velocities of the block, in coordinates that do not depend on the regime.
 
 use crate::block::{Block, Corner, Foot, Regime};
 use crate::numerics::scalar::Elementary;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
-/// Position and velocities of the block while its regime is decided. It has those of the corners in addition to those of the centre
-/// of mass, because their exact values, such as a rate of zero, decide.
+/// Position and velocities of the block while its regime is decided.
+///
+/// Those of the corners are kept beside those of the centre of mass, because exact values, such as a rate of zero, decide.
 #[derive(Clone, Copy)]
 pub struct Placement<T = f64> {
     /// Height (m) and vertical rate (m/s) of each corner.
     pub corners: [(T, T); 2],
     /// θ (rad).
     pub theta: T,
-    /// Horizontal place of the centre of mass (m).
+    /// Horizontal displacement of the centre of mass (m).
     pub u: T,
-    /// Its height above its place at rest (m).
+    /// Its height above the position at rest (m).
     pub v: T,
     /// Velocities of the block.
     pub velocities: Velocities<T>,
@@ -32,7 +33,7 @@ impl<T: Elementary> Placement<T> {
         }
     }
 
-    /// The state `[θ, θ̇, w, ẇ]` by which the motion goes on in a regime.
+    /// Returns the state `[θ, θ̇, w, ẇ]` in a regime.
     pub fn state(&self, regime: Regime) -> [T; 4] {
         let [left, right] = self.corners;
         let (w, w_dot) = match regime {
@@ -45,7 +46,7 @@ impl<T: Elementary> Placement<T> {
     }
 
     /// Sets the velocities of the block and the matching rates of its corners.
-    pub fn strike(&mut self, block: &Block<T>, velocities: Velocities<T>) {
+    pub fn set_velocities(&mut self, block: &Block<T>, velocities: Velocities<T>) {
         let Velocities { v_dot, theta_dot, .. } = velocities;
         self.velocities = velocities;
         for corner in Corner::BOTH {
@@ -53,7 +54,7 @@ impl<T: Elementary> Placement<T> {
         }
     }
 
-    /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
+    /// Moves the horizontal constraint from the middle of the base to the `pivot`, after the other corner has left full contact.
     pub fn hold_pivot(&mut self, block: &Block<T>, pivot: Corner) {
         self.velocities.u_dot = impact::height_over(block, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
     }

@@ -1,6 +1,6 @@
-//! Restraints: each changes its state where a function of it falls through zero.
+//! A restraint changes its state when one of its event functions falls through zero.
 
-use crate::block::Place;
+use crate::block::Kinematics;
 use crate::block::restraints::{self, Surface};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
@@ -12,20 +12,20 @@ use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::event::EventKind;
 use crate::system::instant::Pose;
 
-/// Value and rate of a function at an instant.
+/// Returns value and rate of an event function at an instant.
 #[inline(never)]
 pub(super) fn sample<T: Elementary>(surface: Surface, at: &Evaluation<T>) -> Sample<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    surface.sample(at.block, || Place::of(&at.instant), || Place::of(&at.rates()))
+    surface.sample(at.block, || Kinematics::of(&at.instant), || Kinematics::of(&at.rates()))
 }
 
 impl<T: Elementary> Evaluation<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Pull of the restraint with this number (N) and its rate (N/s).
+    /// Returns the pull of the restraint with this number (N) and its rate (N/s).
     pub fn pull(&self, number: usize) -> Sample<T> {
         self.forcing.restraints.pull_of(number).map_or_else(Sample::default, |surface| sample(surface, self))
     }
@@ -35,10 +35,10 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// A restraint changes its state where a function of it has fallen through zero.
+    /// Changes the state of a restraint after `surface` has fallen through zero.
     pub(super) fn switch(&mut self, surface: Surface, now: &Evaluation<T>) -> Option<EventKind> {
-        let place = || Place::of(&now.instant);
-        surface.switch(&self.system.block, &mut self.pose.restraints, place).map(EventKind::Restraint)
+        let kinematics = || Kinematics::of(&now.instant);
+        surface.switch(&self.system.block, &mut self.pose.restraints, kinematics).map(EventKind::Restraint)
     }
 }
 
@@ -46,11 +46,11 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The pose at the beginning with its restraints in the states that follow from it.
+    /// Returns the pose at the beginning with the states of its restraints, which follow from it.
     pub(in crate::system) fn switched(&self, mut pose: Pose<T>, excitation: &Excitation<T>) -> Pose<T> {
         if !self.block.restraints.is_empty() {
-            let place = Place::of(&Change::begin(self, &pose, excitation).now().instant);
-            pose.restraints = restraints::at_beginning(&self.block, &place, ROUNDING);
+            let kinematics = Kinematics::of(&Change::begin(self, &pose, excitation).now().instant);
+            pose.restraints = restraints::at_beginning(&self.block, &kinematics, ROUNDING);
         }
         pose
     }

@@ -1,4 +1,4 @@
-//! The regime after an event: a corner leaves if its support, or the rigid base, would have to pull it.
+//! The regime after an event: a corner leaves if its support or the rigid base would have to pull it.
 
 use crate::block::{Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -18,8 +18,9 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
-    /// within the resolution of time, and repeats. `before` is the regime that the block comes from.
+    /// Decides the regime: drops touching corners one by one while a support would have to pull, now or within the resolution of time.
+    ///
+    /// `before` is the previous regime.
     pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) {
         let block = &self.system.block;
         let omega_v = block.omega_v.value();
@@ -38,7 +39,7 @@ where
                 self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
             }
             self.place(&placement);
-            self.rub(&mut placement);
+            self.apply_friction(&mut placement);
             self.place_foot(&placement);
             let mut now = self.now();
             let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction.value() == 0.0;
@@ -51,7 +52,7 @@ where
             for corner in Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner)) {
                 let (height, rate) = placement.corners[corner.index()];
                 let n = reaction(block, corner, height, rate).value();
-                // The round-off of a zero: the rate decides.
+                // For a reaction of zero the rate decides.
                 let n = if n.abs() <= lift_off::rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {
                     Some(Leaving::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
@@ -60,7 +61,7 @@ where
                     Some(Leaving::Lifts) | None => {}
                     Some(Leaving::Held) => {
                         self.pose.contacts.let_bear();
-                        self.keep(corner, height);
+                        self.hold_corner(corner, height);
                     }
                     Some(Leaving::Slides) => self.release(&now.instant),
                 }
@@ -70,7 +71,7 @@ where
         }
     }
 
-    /// [`Placement::hold_pivot`], and the energy that comes with it.
+    /// Applies [`Placement::hold_pivot`] and accounts for its energy.
     fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement<T>) {
         let block = &self.system.block;
         let before = placement.velocities;
@@ -78,23 +79,24 @@ where
         self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
     }
 
-    /// After the other corner has landed and lifted in the same instant an impulse stops the `pivot`, or with friction it slides;
-    /// unless the gap of the other corner, which this changes too, would close again at once. Returns whether it opens.
+    /// Handles a corner that landed and lifted in the same instant: an impulse stops the `pivot`, or with friction it slides.
+    ///
+    /// Returns false and changes nothing if the gap of that corner would close again at once.
     fn keep_momentum(&mut self, pivot: Corner, placement: &mut Placement<T>) -> bool {
         let (block, i) = (&self.system.block, pivot.other().index());
         let mut after = *placement;
         if block.friction.value() == 0.0 {
-            after.strike(block, impact::grip(block, Regime::on(pivot), after.theta, after.velocities));
+            after.set_velocities(block, impact::grip(block, Regime::on(pivot), after.theta, after.velocities));
         }
         let (pose, path) = (self.pose, self.path);
         self.place(&after);
-        self.rub(&mut after);
+        self.apply_friction(&mut after);
         self.place_foot(&after);
         let now = self.now();
         (self.pose, self.path) = (pose, path);
         let support = self.support(pivot.other()).rate;
         let rate = (after.corners[i].1 - support).value();
-        let opens = match rate.abs() > friction::rounding_of_speed(block) {
+        let opens = match rate.abs() > friction::speed_rounding(block) {
             true => rate > 0.0,
             false => (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0,
         };
@@ -104,8 +106,7 @@ where
         opens
     }
 
-    /// Whether and how a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its
-    /// support now.
+    /// Returns whether and how a touching corner with the reaction `n` per mass (m/s²) and the rate `corner_dot` (m/s) leaves its support.
     fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Leaving> {
         if n < 0.0 {
             return Some(Leaving::Lifts);
@@ -113,7 +114,7 @@ where
         let falling = {
             let corner_ddot = now.instant.corner_ddot[corner.index()];
             let rate = reaction_rate(&self.system.block, corner_dot, corner_ddot).value();
-            // Without damping and after a landing at ε = 0 the rate is zero, and the next derivative decides.
+            // If the rate is zero as well, as after a landing at ε = 0 without damping, the next derivative decides.
             n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot.value() > 0.0)))
         };
         if !falling {
@@ -133,13 +134,13 @@ where
         }
     }
 
-    /// Lets go of the corners that would have to be pulled, and returns the way in which the last of them left.
+    /// Lets corners leave the rigid base that it would have to pull, and returns how the last of them left.
     pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
-        self.rub_here();
+        self.apply_friction_here();
         self.settle_under_friction()
     }
 
-    /// The same once it is decided whether the foot slides.
+    /// Does the same as [`Change::settle_on_rigid_base`] after friction has been applied.
     pub(super) fn settle_under_friction(&mut self) -> Option<Leaving> {
         let mut leaving = None;
         loop {
@@ -147,7 +148,7 @@ where
             match self.system.leaving_rigid_base(&now) {
                 Some(corner) => {
                     leaving = Some(self.let_go(corner, &now));
-                    self.rub_here();
+                    self.apply_friction_here();
                 }
                 None => return leaving,
             }
@@ -159,8 +160,9 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// The corner that the rigid base would have to pull at this instant or right after it; of two, the one with the lower
-    /// reaction. None on supports, whose reactions follow from the motion.
+    /// Returns the corner that the rigid base would have to pull now or right after: of two, the one with the lower reaction.
+    ///
+    /// `None` on supports, whose reactions are continuous.
     pub fn leaving_rigid_base(&self, now: &Evaluation<T>) -> Option<Corner> {
         if self.block.foundation == Foundation::Viscoelastic {
             return None;
@@ -177,8 +179,7 @@ where
 }
 
 impl Evaluation<'_> {
-    /// Whether the block stands on both corners, and its accelerations and its motion are below the round-off of the reactions: it
-    /// is at rest.
+    /// Whether the block is at rest: it stands on both corners, and accelerations and motion are below the round-off of reactions.
     pub fn rests(&self) -> bool {
         let rounding = lift_off::rounding(self.block);
         self.regime == Regime::FullContact

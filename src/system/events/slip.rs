@@ -1,7 +1,7 @@
-//! Slip: the last corner bears nothing, but its gap would close again if it were let go. A support that bears nothing cannot hold
-//! it horizontally, so it slides without friction until it is pressed on again ([`super::grip`]).
+//! Slip: the last corner bears nothing, but its gap would close again if it lifted.
 //!
-//! Nothing is watched for it: it is one way in which [`super::lift_off`] and [`super::settle`] take a reaction that falls.
+//! A support without load cannot hold it horizontally, so it slides without friction until it is pressed on again ([`super::grip`]).
+//! [`super::lift_off`] and [`super::settle`] decide it when a reaction falls through zero.
 
 use crate::numerics::scalar::Elementary;
 use crate::system::events::change::Change;

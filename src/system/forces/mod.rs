@@ -5,10 +5,10 @@
 //! | [`support`] | height and rate of a corner → its vertical reaction; spring energy, dashpot power |
 //! | [`load`] | excitation → its power on the moving block |
 //! | [`weight`] | height of the centre of mass → potential energy |
-//! | [`friction`] | vertical reaction under a foot that slides → its horizontal reaction, its power |
+//! | [`friction`] | vertical reaction under a sliding foot → its horizontal reaction, its power |
 //!
-//! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). Forces between block
-//! and ground that switch are [restraints]: the functions here combine them with the others, and name none of them.
+//! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). The functions here combine them
+//! with [restraints], the forces between block and ground that switch, of any kind.
 
 pub mod friction;
 pub mod load;
@@ -16,13 +16,13 @@ pub mod support;
 pub mod weight;
 
 use crate::block::restraints::{self, MOST, States};
-use crate::block::{Block, Place, Regime};
+use crate::block::{Block, Kinematics, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::Instant;
 
 impl<T: Scalar> Instant<T> {
-    /// Powers of the excitation and of the dashpots (m²/s³); the second is positive when they take energy.
+    /// Returns the powers of the excitation and of the dashpots (m²/s³); the second is positive for dissipation.
     #[inline(always)]
     pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
     where
@@ -32,29 +32,33 @@ impl<T: Scalar> Instant<T> {
     }
 }
 
-/// The forcing with the pull of the restraints.
-pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
+/// Returns the forcing with the pull of the restraints.
+pub fn added_to<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    forcing: Forcing<T>,
+    kinematics: &Kinematics<T>,
+) -> Forcing<T> {
     let Forcing { x, z, moment, restraints } = forcing;
-    let [x, z, moment] = restraints::add_pull(block, &restraints, place, [x, z, moment]);
+    let [x, z, moment] = restraints::add_pull(block, &restraints, kinematics, [x, z, moment]);
     Forcing { x, z, moment, restraints }
 }
 
-/// Two arrays as one, `N + M = K`.
+/// Joins two arrays, `N + M = K`.
 #[inline(always)]
 pub fn joined<T: Copy, const N: usize, const M: usize, const K: usize>(first: [T; N], second: [T; M]) -> [T; K] {
     const { assert!(N + M == K) };
     let mut all = [first[0]; K];
-    // Number by number they stay in registers.
+    // Copied number by number, they stay in registers.
     for i in 0..K {
         all[i] = if i < N { first[i] } else { second[i - N] };
     }
     all
 }
 
-/// The number of dissipative forces besides the dashpots of the supports.
+/// Number of dissipative forces besides the dashpots of the supports.
 pub const DISSIPATIVE: usize = 1 + restraints::KINDS;
 
-/// Powers per mass (m²/s³) taken by friction and by each kind of restraint.
+/// Returns the powers per mass (m²/s³) dissipated by friction and by each kind of restraint.
 #[inline(always)]
 pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
@@ -65,7 +69,7 @@ pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     joined([friction], powers_of_restraints(block, &forcing.restraints, x).into_array())
 }
 
-/// Pulls of the restraints (N), by their numbers.
+/// Returns the pulls of the restraints (N), by their numbers.
 #[inline(always)]
 pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: &Instant<T>) -> [T; MOST] {
     if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MOST] }
@@ -73,10 +77,10 @@ pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x
 
 #[inline(never)]
 fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: Instant<T>) -> [T; MOST] {
-    restraints::pulls(block, states, &Place::of(&x))
+    restraints::pulls(block, states, &Kinematics::of(&x))
 }
 
-/// Powers per mass (m²/s³) taken by restraints.
+/// Returns the powers per mass (m²/s³) dissipated by restraints.
 #[inline(always)]
 pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
@@ -92,11 +96,12 @@ fn powers_called<P: Scalar, T: CombinesWith<P>>(
     states: &States,
     x: Instant<T>,
 ) -> restraints::Energies<T> {
-    restraints::powers(block, states, &Place::of(&x))
+    restraints::powers(block, states, &Kinematics::of(&x))
 }
 
-/// Kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²); their sum is zero at rest without
-/// restraints.
+/// Returns kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²).
+///
+/// Both are zero at rest without restraints.
 pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
     block: &Block<P>,
     regime: Regime,
@@ -106,12 +111,12 @@ pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
     let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
     let mut potential = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
     if !block.restraints.is_empty() {
-        potential = potential + restraints::energy(block, &forcing.restraints, &Place::of(x));
+        potential = potential + restraints::energy(block, &forcing.restraints, &Kinematics::of(x));
     }
     (kinetic, potential)
 }
 
-/// Whether forces of the block switch on and off: friction, and restraints.
+/// Whether the block has forces that switch on and off: friction or restraints.
 pub fn switch(block: &Block) -> bool {
     block.friction > 0.0 || !block.restraints.is_empty()
 }

@@ -6,24 +6,24 @@ use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-/// Reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
+/// Returns the reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
 #[inline(always)]
 pub fn reaction<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, height: T, rate: T) -> T {
     let Block { gravity, omega_v, xi_v, .. } = *block;
     -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * block.share[corner.index()]
 }
 
-/// Rate of change of the reaction (m/s³), from the corner's rate (m/s) and acceleration (m/s²).
+/// Returns the rate of the reaction (m/s³), from the corner's rate (m/s) and acceleration (m/s²).
 #[inline(always)]
 pub fn reaction_rate<R: Scalar>(block: &Block<R>, rate: R, acceleration: R) -> R
 where
     Dual<R>: CombinesWith<R>,
 {
-    // The static share does not change.
+    // The static share has no rate, so either corner will do.
     reaction(block, Corner::Left, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
 }
 
-/// Power per mass (m²/s³) that the dashpots under the touching corners take: `ξ_v ω_v Σ v̇_I²`.
+/// Returns the power per mass (m²/s³) dissipated by the dashpots under the touching corners: `ξ_v ω_v Σ v̇_I²`.
 #[inline(always)]
 pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, [left, right]: [T; 2]) -> T {
     let squares = match regime {
@@ -35,11 +35,12 @@ pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, [l
     squares * (block.xi_v * block.omega_v)
 }
 
-/// Energy of the springs per mass (m²/s²), less that at rest: `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` of a touching corner, with the
-/// second term alone where the support bears nothing. A rigid base stores none.
+/// Returns the energy of the springs per mass (m²/s²) less that at rest; zero on a rigid base.
+///
+/// It is `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` for a touching corner, and the second term alone for a lifted one.
 pub fn energy<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {
     let Block { gravity, omega_v, .. } = *block;
-    let of = |corner: Corner| match regime.touches(corner) {
+    let energy = |corner: Corner| match regime.touches(corner) {
         true => {
             let v = height[corner.index()];
             v * v * (omega_v * omega_v * 0.25) - v * (gravity * block.share[corner.index()])
@@ -48,6 +49,6 @@ pub fn energy<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regim
     };
     match block.foundation {
         Foundation::Rigid => T::from(0.0),
-        Foundation::Viscoelastic => of(Corner::Left) + of(Corner::Right),
+        Foundation::Viscoelastic => energy(Corner::Left) + energy(Corner::Right),
     }
 }

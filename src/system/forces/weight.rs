@@ -3,7 +3,7 @@
 use crate::block::Block;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
-/// Potential energy per mass (m²/s²) at the height `v` above rest (m).
+/// Returns the potential energy per mass (m²/s²) at the height `v` above rest (m).
 pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, v: T) -> T {
     v * block.gravity
 }

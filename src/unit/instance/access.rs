@@ -73,8 +73,8 @@ impl Unit {
             self.settable(known(reference, Kind::String)?)?;
         }
         for (&reference, &text) in references.iter().zip(texts) {
-            if let Role::Text(place) = known(reference, Kind::String)?.role {
-                self.values[place] = text.into();
+            if let Role::Text(text_variable) = known(reference, Kind::String)?.role {
+                self.values[text_variable] = text.into();
             }
         }
         self.forget_ground();
@@ -129,26 +129,26 @@ pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fau
     Ok(metadata)
 }
 
-/// Returns the Real output with this value reference. `what` completes "only an output …".
-pub(super) fn output(reference: u32, what: &str) -> Result<Output, Fault> {
+/// Returns the Real output with this value reference. `ability` completes "only an output …".
+pub(super) fn output(reference: u32, ability: &str) -> Result<Output, Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Output(output) => Ok(output),
         Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an output {what}", causality.one())))
+            Err(Fault::new(format!("{name} is {}; only an output {ability}", causality.one())))
         }
     }
 }
 
-/// Returns the input with this value reference. `what` completes "only an input …".
-pub(super) fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault> {
+/// Returns the input with this value reference. `ability` completes "only an input …".
+pub(super) fn input(reference: u32, ability: &str) -> Result<(Input, &'static Metadata), Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Input(input) => Ok((input, metadata)),
         Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an input {what}", causality.one())))
+            Err(Fault::new(format!("{name} is {}; only an input {ability}", causality.one())))
         }
     }
 }

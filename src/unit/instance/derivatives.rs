@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::block::Block;
 use crate::excitation::{Excitation, Inputs, Pulse, Ramp};
-use crate::ground::{Ground, Varied};
+use crate::ground::{Ground, VariedRecord};
 use crate::numerics::gradient::Along;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
@@ -73,7 +73,7 @@ impl Direction {
     }
 
     /// Returns the value of a variable with its component.
-    fn along(&self, values: &Values, variable: Variable) -> Along {
+    fn lifted(&self, values: &Values, variable: Variable) -> Along {
         Along::new(values[variable], [self.numbers[variable as usize]])
     }
 
@@ -105,7 +105,7 @@ enum Derivatives {
 }
 
 struct InitialSensitivities {
-    along: InitialDerivatives,
+    derivatives: InitialDerivatives,
     block: Block<Along>,
     /// Component of the start time.
     time: f64,
@@ -119,11 +119,11 @@ impl Derivatives {
             Derivatives::Present(observed, energies, slip) => {
                 Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
             }
-            Derivatives::Initial(beginning) => match unknown(reference)? {
-                Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
-                Unknown::Output(output) => Ok(source(output).initial_derivative(&beginning.along)),
-                Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps[0]),
-                Unknown::Derived(DerivedSource::Ground(of)) => Ok(beginning.ground[of as usize]),
+            Derivatives::Initial(initial) => match unknown(reference)? {
+                Unknown::Output(Output::EventsLastTime) => Ok(initial.time),
+                Unknown::Output(output) => Ok(source(output).initial_derivative(&initial.derivatives)),
+                Unknown::Derived(DerivedSource::Block(derive)) => Ok(derive(&initial.block).eps[0]),
+                Unknown::Derived(DerivedSource::Ground(quantity)) => Ok(initial.ground[quantity as usize]),
             },
         }
     }
@@ -162,9 +162,9 @@ impl Unit {
         time: f64,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
         let derivatives = if self.phase == Phase::InitializationMode {
-            let mut along = Direction { time, ..Direction::default() };
-            knowns.iter().zip(direction).try_for_each(|(&reference, &component)| along.add(reference, component))?;
-            self.initial_derivatives(unknowns, &along)?
+            let mut sum = Direction { time, ..Direction::default() };
+            knowns.iter().zip(direction).try_for_each(|(&reference, &component)| sum.add(reference, component))?;
+            self.initial_derivatives(unknowns, &sum)?
         } else {
             self.present_derivatives(unknowns, knowns, direction, time)?
         };
@@ -224,12 +224,12 @@ impl Unit {
         let (simulation, inputs) = self.preview()?;
         let simulation = simulation.clone();
         let values = &self.values;
-        let records = [(&ground.horizontal, 0), (&ground.vertical, 1)].map(|(record, place)| {
-            let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][place]);
-            record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), place))
+        let records = [(&ground.horizontal, 0), (&ground.vertical, 1)].map(|(record, i)| {
+            let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][i]);
+            record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), i))
         });
-        let of = |variable| direction.along(values, variable);
-        let block = values.varied_block(of);
+        let component = |variable| direction.lifted(values, variable);
+        let block = values.varied_block(component);
         let time = Along::new(simulation.time(), [direction.time]);
         let motion = records.each_ref().map(|record| record.as_ref().map_or(0.0, |record| record.at(time).eps[0]));
         let input = |input: Input, motion: f64| Ramp {
@@ -245,22 +245,24 @@ impl Unit {
             f_z: input(Input::FZ, 0.0),
             m_y: input(Input::MY, 0.0),
         };
-        let pulse = acting_pulse(values.pulse_of(of), time);
+        let pulse = acting_pulse(values.pulse_of(component), time);
         let excitation = Excitation::new(&acting, pulse.as_ref(), block.mass);
-        let along = simulation.initial_sensitivity(&Start { block, initial: values.initial_of(of), excitation, time });
+        let derivatives =
+            simulation.initial_sensitivity(&Start { block, initial: values.initial_of(component), excitation, time });
         let ground = if of_ground {
             let end = ground.end();
             let ends =
                 [&ground.horizontal, &ground.vertical].into_iter().zip(&records).filter_map(|(record, varied)| {
                     let record = record.as_ref()?;
-                    (Some(record.start_time + record.duration()) == end).then(|| varied.as_ref().map(Varied::end))?
+                    (Some(record.start_time + record.duration()) == end)
+                        .then(|| varied.as_ref().map(VariedRecord::end))?
                 });
-            let [peak, vertical] = records.each_ref().map(|record| record.as_ref().map_or(0.0, Varied::peak));
+            let [peak, vertical] = records.each_ref().map(|record| record.as_ref().map_or(0.0, VariedRecord::peak));
             [peak, vertical, ends.reduce(f64::max).unwrap_or(0.0)]
         } else {
             [0.0; 3]
         };
-        Ok(Derivatives::Initial(Box::new(InitialSensitivities { along, block, time: direction.time, ground })))
+        Ok(Derivatives::Initial(Box::new(InitialSensitivities { derivatives, block, time: direction.time, ground })))
     }
 
     /// Returns the records without scale if the scale is zero and the direction contains it.
@@ -270,16 +272,16 @@ impl Unit {
     }
 }
 
-/// Returns the derivatives of how far the foot has slid, in a direction of states.
+/// Returns the derivatives of the slip in a direction of states.
 ///
-/// While it slides, its place is that of the centre of mass less `h sin θ + e_x cos θ`, which changes with θ by the height Q of the centre
-/// of mass over the foot.
+/// The position of a sliding foot is that of the centre of mass less `h sin θ + e_x cos θ`, whose derivative with respect to θ is the height
+/// Q of the centre of mass over the foot.
 fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]: &States) -> Slip {
     let now = simulation.observe(inputs);
     let Some(foot) = simulation.regime().foot().filter(|_| simulation.slides()) else { return Slip::default() };
     let (sin, cos) = libm::sincos(now.theta);
-    let way = u - simulation.block().lever(foot, sin, cos).q * theta;
-    Slip { now: way, total: way * now.slip_rate.signum() }
+    let slip = u - simulation.block().lever(foot, sin, cos).q * theta;
+    Slip { now: slip, total: slip * now.slip_rate.signum() }
 }
 
 /// Returns the pulse if it acts at `time`.
@@ -300,25 +302,25 @@ fn varied<'a>(
     direction: &'a Direction,
     record: &'a Record,
     unscaled: Option<&'a Record>,
-    place: usize,
-) -> Varied<'a, impl Fn(usize) -> f64 + use<'a>> {
+    component: usize,
+) -> VariedRecord<'a, impl Fn(usize) -> f64 + use<'a>> {
     let (scale, gravity) = (values[Variable::RecordScale], values[Variable::G]);
     let scaled = direction.of(Variable::RecordScale);
-    // Only samples in units of g change with g.
-    let heavier = if record.unit == RecordUnit::G { direction.of(Variable::G) / gravity } else { 0.0 };
+    // Only samples in units of g depend on g.
+    let of_gravity = if record.unit == RecordUnit::G { direction.of(Variable::G) / gravity } else { 0.0 };
     let sample = move |i: usize| {
         let acceleration = record.acceleration[i];
         let raw = unscaled.map_or_else(|| acceleration / scale, |record| record.acceleration[i]);
-        let factor = if scaled == 0.0 { 0.0 } else { raw * scaled };
-        let moved = direction.samples[place].get(&i).map_or(0.0, |component| component * scale);
-        factor + acceleration * heavier + moved
+        let of_scale = if scaled == 0.0 { 0.0 } else { raw * scaled };
+        let of_samples = direction.samples[component].get(&i).map_or(0.0, |derivative| derivative * scale);
+        of_scale + acceleration * of_gravity + of_samples
     };
     // A file's own time step is not a parameter.
-    let given = values[Variable::RecordDt] != 0.0;
-    Varied {
+    let is_set = values[Variable::RecordDt] != 0.0;
+    VariedRecord {
         record,
         sample,
         start_time: direction.of(Variable::RecordStart),
-        time_step: if given { direction.of(Variable::RecordDt) } else { 0.0 },
+        time_step: if is_set { direction.of(Variable::RecordDt) } else { 0.0 },
     }
 }

@@ -24,7 +24,7 @@ pub struct AfterEvent {
 }
 
 impl Unit {
-    /// Enters Event Mode. The motion up to here was under the present inputs.
+    /// Enters Event Mode. The present inputs acted up to now.
     pub fn enter_event_mode(&mut self) {
         self.complete_step();
         self.phase = Phase::EventMode;
@@ -42,7 +42,7 @@ impl Unit {
         self.observed = ObservationCache::default();
         let before = simulation.clone();
         simulation.pass_events(&self.acting, end, observer).map_err(|error| {
-            // Transitions that lead nowhere may leave numbers that are not finite.
+            // A failed transition may leave numbers that are not finite.
             *simulation = before;
             self.phase = Phase::Error;
             Fault::new(error.to_string())
@@ -103,7 +103,7 @@ impl Unit {
         Ok(simulation.states(&inputs))
     }
 
-    /// Returns the derivatives of the states. Those of displacements are the rates among the states.
+    /// Returns the derivatives of the states. Those of displacements are the velocities among the states.
     pub fn derivatives(&mut self) -> Result<States, Fault> {
         let states = self.states()?;
         let (simulation, inputs) = self.preview()?;
@@ -135,7 +135,7 @@ impl Unit {
         Ok(simulation.indicators(&inputs))
     }
 
-    /// Takes in an accepted step of the importer's solver. Inputs count as linear in time over it.
+    /// Accepts a step of the importer's solver, over which inputs are taken as linear in time.
     pub fn complete_step(&mut self) {
         let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
             return;

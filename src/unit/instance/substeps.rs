@@ -100,9 +100,9 @@ impl Unit {
         })
     }
 
-    /// Begins or ends the importer's look at the outputs inside a step.
-    pub fn look_in(&mut self, begins: bool) {
-        self.phase = if begins { Phase::LookingIn } else { Phase::StepComplete };
+    /// Lets the importer begin or stop reading outputs inside a step.
+    pub fn set_reading_outputs(&mut self, begins: bool) {
+        self.phase = if begins { Phase::ReadingOutputs } else { Phase::StepComplete };
     }
 
     /// Continues with steps after an event.

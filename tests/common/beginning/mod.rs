@@ -53,7 +53,7 @@ pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
     declared.keys().map(String::as_str).filter(|name| !OTHERS.contains(name)).collect()
 }
 
-/// Magnitudes of the terms of unknowns, to which rounding is relative.
+/// Magnitudes of the terms of unknowns, to which round-off is relative.
 pub struct Sizes {
     mass: f64,
     r0: f64,
@@ -112,7 +112,7 @@ fn stretch(get: &mut impl FnMut(&str) -> f64, tie: u32) -> f64 {
     libm::hypot(x - ground[0], z - ground[1]) - rest
 }
 
-/// Values that tell whether a function is smooth between two points.
+/// Values that show whether a function is smooth between two points.
 struct Side {
     regime: [f64; 3],
     /// Whether the foot slides and to which side.
@@ -186,7 +186,7 @@ impl Side {
 pub struct Found {
     /// Number of comparisons of derivative and difference.
     pub compared: u32,
-    /// Number of derivatives above rounding.
+    /// Number of derivatives above round-off.
     pub nonzero: u32,
 }
 
@@ -196,7 +196,7 @@ pub type Pairs = BTreeMap<(String, String), Found>;
 /// Compares all derivatives in a random initial state with differences.
 ///
 /// The differences are central, over 1e-3 and 5e-4 of the scale of the known, and extrapolated. Relative to the magnitude of the
-/// unknown, rounding contributes 1e-16/1e-3 times some ten sums, about 1e-12, and the fifth derivative a similar amount. On stiff
+/// unknown, round-off contributes 1e-16/1e-3 times some ten sums, about 1e-12, and the fifth derivative a similar amount. On stiff
 /// supports both are up to 50 times greater, because reactions are differences of larger numbers.
 pub fn compare(host: &mut impl Host, draw: &Draw, declared: &Declared, pairs: &mut Pairs) {
     let unknowns = real_unknowns(declared);

@@ -53,7 +53,7 @@ fn a_settled_start_is_in_vertical_balance() {
     }
 }
 
-/// The initial height and its rate are those of the centre of mass; the foot stands at its place. In flight the middle of the base is
+/// The initial height and its rate are those of the centre of mass; the foot stands at its initial position. In flight the middle of the base is
 /// where it was.
 #[test]
 fn an_uneven_block_begins_at_its_height() {

@@ -129,7 +129,7 @@ fn mode(alpha: f64, friction: f64, a: f64) -> (bool, bool) {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// The boundaries between the four modes match Shenton's, to rounding.
+    /// The boundaries between the four modes match Shenton's, to round-off.
     #[test]
     fn shentons_boundaries(alpha in 0.1..0.6, friction in 0.05..1.2, over in 1.001..3.0) {
         const CLOSE: f64 = 1e-12;

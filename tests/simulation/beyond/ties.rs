@@ -1,4 +1,4 @@
-//! Ties: an elastic tendon through the middle of a rigid base, and ties that break together.
+//! Ties: an elastic tendon through the middle of a rigid base, and ties that break simultaneously.
 
 use rocking_block::block::restraints::{Event, Tie, TieState, tie::Event as TieEvent};
 use rocking_block::block::{Block, Common, Corner, Foundation};

@@ -144,7 +144,7 @@ fn block([alpha, p, eta, xi_v, epsilon, gamma]: [f64; 6]) -> Block {
 
 const STILL: Ramp = Ramp { value: 0.0, rate: 0.0 };
 
-/// Flights that together need every rule.
+/// Flights that exercise every rule.
 fn flights() -> Vec<(&'static str, Flight)> {
     let thrown = |numbers, thrown, pulse, until| Flight {
         block: block(numbers),
@@ -259,8 +259,8 @@ fn flights_agree_with_the_independent_computation() {
 
 /// Random blocks with random throws agree with the independent computation.
 ///
-/// If two events coincide to rounding, their order may differ, and only the motion is compared. If a corner lifts just as it
-/// would start to slide, rounding decides, and deviations up to those of a pulse stronger by 10⁻⁹ are accepted. Both are rare.
+/// If two events coincide to round-off, their order may differ, and only the motion is compared. If a corner lifts just as it
+/// would start to slide, round-off decides, and deviations up to those of a pulse stronger by 10⁻⁹ are accepted. Both are rare.
 #[test]
 fn random_flights_agree_with_the_independent_computation() {
     let (flown, decided_by_rounding) = (Cell::new(0), Cell::new(0));

@@ -48,7 +48,7 @@ fn a_block_at_rest_leaves_ground_that_falls_faster() {
     assert!(energies.residual.abs() < 1e-12 * energies.impacts, "{energies:?}");
 }
 
-/// Each rebound has ε times the landing rate, so all flights together last `2 v/g (ε + ε² + …)`.
+/// Each rebound has ε times the landing rate, so all flights last in total `2 v/g (ε + ε² + …)`.
 #[test]
 fn a_block_bounces_with_epsilon() {
     let (_, _, landing, landing_rate) = first_landing();
@@ -68,7 +68,7 @@ fn a_block_bounces_with_epsilon() {
     let flights = events.len() as i32;
     let least = 1e-12 * simulation.block().r0;
     assert!(rises(flights) < least && least <= rises(flights - 1), "{flights} flights");
-    // Both corners land together, and lift together when the ground falls and after each landing except the last.
+    // Both corners land at once, and lift at once when the ground falls and after each landing except the last.
     let counts = simulation.counts();
     assert_eq!([counts.impacts, counts.liftoffs], [2 * flights as u32; 2]);
     close(simulation.energies().impacts, 0.5 * simulation.block().mass * landing_rate * landing_rate, 1e4);

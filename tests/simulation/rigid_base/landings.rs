@@ -136,7 +136,7 @@ fn landings_of_a_corner_match_the_impulses() {
                     let flies = after.regime == Regime::Separated;
                     assert_eq!([counts.impacts, counts.liftoffs], [1, 2 + u32::from(flies)], "{rule:?}, {event}");
                     if rule == Rule::Epsilon && epsilon == 0.0 {
-                        // The corner stands on the base, and rounding does not lift it.
+                        // The corner stands on the base, and round-off does not lift it.
                         assert_eq!((after.regime, after.corner[corner.index()]), (Regime::on(corner), 0.0));
                     } else if rule == Rule::Epsilon {
                         assert_eq!(after.regime, Regime::Separated);

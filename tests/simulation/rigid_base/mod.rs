@@ -47,7 +47,7 @@ pub fn seen(simulation: &Simulation) -> Observation<f64> {
     simulation.observe(&Inputs::default())
 }
 
-/// Checks that two numbers agree to rounding, relative to a size.
+/// Checks that two numbers agree to round-off, relative to a size.
 #[track_caller]
 pub fn close(found: f64, exact: f64, relative_to: f64) {
     assert!((found - exact).abs() <= 1e-12 * relative_to.abs(), "{found} instead of {exact}");

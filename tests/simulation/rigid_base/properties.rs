@@ -146,7 +146,7 @@ proptest! {
         }
     }
 
-    /// Twice the frequency parameter halves all times; powers of two avoid rounding.
+    /// Twice the frequency parameter halves all times; powers of two avoid round-off.
     #[test]
     fn a_run_of_a_block_of_another_size_is_similar(shaken in shaken()) {
         let images = [shaken.clone(), shaken.smaller(2.0)].map(|shaken| {
@@ -184,7 +184,7 @@ proptest! {
     }
 }
 
-/// The uplift peaks with the rotation, even in a step that ends with a landing up to rounding.
+/// The uplift peaks with the rotation, even in a step that ends with a landing up to round-off.
 #[test]
 fn the_greatest_uplift_is_that_of_the_greatest_rotation() {
     let pulse = Pulse { shape: PulseShape::C1, amplitude: 2.645, period: 1.154, start: 0.0, ..Pulse::NONE };

@@ -12,7 +12,7 @@ use super::{G, block, go, seen, start};
 const P: f64 = 2.0;
 const PERIOD: f64 = 0.9;
 
-/// Rotation and velocity `(q, q̇)` a time `t` (s) after `from`, while nothing pushes.
+/// Rotation and velocity `(q, q̇)` a time `t` (s) after `from`, without excitation.
 fn free((q, q_dot): (f64, f64), t: f64) -> (f64, f64) {
     let (sinh, cosh) = ((P * t).sinh(), (P * t).cosh());
     (1.0 + (q - 1.0) * cosh + q_dot / P * sinh, P * (q - 1.0) * sinh + q_dot * cosh)

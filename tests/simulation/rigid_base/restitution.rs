@@ -47,7 +47,7 @@ fn a_factor_that_gains_energy_is_refused() {
         assert!(made(0.25, epsilon, Foundation::Rigid, most).is_ok());
     }
     assert!(made(0.25, 1.0, Foundation::Rigid, 1.0).is_ok());
-    // A factor of 1/e up to rounding counts as elastic; anything beyond is refused.
+    // A factor of 1/e up to round-off counts as elastic; anything beyond is refused.
     let rounded = made(0.25, 1.0, Foundation::Rigid, 1.0 + f64::EPSILON).unwrap();
     assert_eq!(rounded.restitution(), 1.0);
     assert!(made(0.25, 1.0, Foundation::Rigid, 1.0 + 2e-12).is_err());

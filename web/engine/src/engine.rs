@@ -269,13 +269,16 @@ impl Engine {
 }
 
 fn events(history: &History) -> Vec<EventSummary> {
-    let of = |event: &Event| EventSummary {
+    let summary = |event: &Event| EventSummary {
         t: event.time,
-        text: event.kind.place().map_or(event.kind.word().into(), |place| format!("{} {place}", event.kind.word())),
+        text: event
+            .kind
+            .location()
+            .map_or(event.kind.word().into(), |location| format!("{} {location}", event.kind.word())),
         before: event.before.number(),
         after: event.after.number(),
     };
-    history.events.iter().map(of).collect()
+    history.events.iter().map(summary).collect()
 }
 
 /// The time at which each tie breaks (s), if it does.

@@ -1,6 +1,6 @@
 //! Bytes in the memory of WebAssembly ↔ requests and replies.
 //!
-//! The host asks for room with [`rocking_input`], writes a request there, and calls [`rocking_call`]. The reply is then at
+//! The host requests memory with [`rocking_input`], writes a request there, and calls [`rocking_call`]. The reply is then at
 //! [`rocking_output`]. Both are four bytes with the length of the JSON (little endian), the JSON, and further bytes.
 
 use std::cell::RefCell;
@@ -20,7 +20,7 @@ thread_local! {
     static EXCHANGE: RefCell<Exchange> = RefCell::default();
 }
 
-/// Returns the address of room for a request of this length (bytes).
+/// Returns the address of memory for a request of this length (bytes).
 #[unsafe(no_mangle)]
 pub extern "C" fn rocking_input(length: usize) -> *mut u8 {
     EXCHANGE.with_borrow_mut(|exchange| {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use rocking_block::words::Words;
 use serde::Serialize;
 
-/// A message, and the field beside which it appears.
+/// A message and its field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldError {
     /// Name of the field.
@@ -16,7 +16,7 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    /// Creates a message beside a field.
+    /// Creates a message for a field.
     pub fn new(field: impl Into<String>, message: impl Into<String>) -> FieldError {
         FieldError { field: field.into(), message: message.into() }
     }
@@ -57,7 +57,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A number as [`Fields::number`] reads it, or nothing from an empty field.
+    /// A number as [`Fields::number`] reads it; `None` for an empty field.
     pub fn optional(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Option<f64> {
         (!self.text(field).is_empty()).then(|| self.number(field, fits, expected))
     }
@@ -84,7 +84,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A value with its own parser, or nothing from an empty field.
+    /// A value read by the parser of its type; `None` for an empty field.
     pub fn parsed<T: FromStr<Err: ToString>>(&mut self, field: &str) -> Option<T> {
         let text = self.text(field);
         if text.is_empty() {

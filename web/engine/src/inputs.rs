@@ -13,7 +13,7 @@ use rocking_studies::run::Run;
 use crate::fields::{FieldError, Fields};
 use crate::records::{self, Direction, DroppedFile};
 
-/// Everything that the fields describe.
+/// The run and its inputs, as described by the fields.
 #[derive(Debug)]
 pub struct Inputs {
     /// The run.
@@ -22,7 +22,7 @@ pub struct Inputs {
     pub unscaled: Ground,
     /// Factor on the records.
     pub scale: f64,
-    /// How the block is given.
+    /// The parameters that define the block.
     pub parameters: Parameters,
     /// Height of the body (m): twice that of its centre of mass, unless both are given.
     pub body_height: f64,
@@ -32,7 +32,7 @@ pub struct Inputs {
     pub step: Option<f64>,
     /// The excitation in words, as in the program's pictures.
     pub description: String,
-    /// Doubts about the block and its records, a line each.
+    /// Warnings about the block and its records, a line each.
     pub warnings: Vec<String>,
 }
 
@@ -46,13 +46,13 @@ pub enum Parameters {
 }
 
 impl Parameters {
-    /// Whether the moment of inertia is given in place of γ.
+    /// Whether the moment of inertia replaces γ.
     pub fn has_inertia(&self) -> bool {
         matches!(self, Parameters::Physical(Physical { inertia: Some(_), .. }))
     }
 }
 
-/// The kind of excitation, with names and settings of files.
+/// Kind of excitation, with the names and settings of its files.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Excitation {
     /// The embedded record, and perhaps a vertical file.
@@ -236,11 +236,11 @@ fn supports_in_ratios(fields: &mut Fields, foundation: Foundation) -> (f64, f64)
 }
 
 fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Option<Block> {
-    let made = match parameters {
+    let block = match parameters {
         Parameters::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
         Parameters::Physical(physical) => Block::from_physical(physical, common),
     };
-    made.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
+    block.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
 }
 
 /// The block with its ties.
@@ -266,10 +266,10 @@ fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
 fn tie(fields: &mut Fields, number: usize) -> Tie {
     let mut value =
         |key: &str, fits: fn(f64) -> bool, expected| fields.number(&format!("tie_{number}_{key}"), fits, expected);
-    let mut place = |key| value(key, |_| true, "a length in m");
+    let mut length = |key| value(key, |_| true, "a length in m");
     Tie {
-        block: [place("block_x"), place("block_z")],
-        ground: [place("ground_x"), place("ground_z")],
+        block: [length("block_x"), length("block_z")],
+        ground: [length("ground_x"), length("ground_z")],
         stiffness: value("stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
         pretension: value("pretension", |x| x >= 0.0, "a force of at least 0 N"),
         slack: value("slack", |x| x >= 0.0, "a length of at least 0 m"),

@@ -8,7 +8,7 @@ use rocking_charts::numerals::significant;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 
-/// Describes the outcome in a sentence for everyone.
+/// Describes the outcome in a sentence for laymen.
 pub fn sentence(run: &Run, history: &History) -> String {
     let History { peaks, counts, end, ending, .. } = history;
     let last = history.rows.last();
@@ -38,7 +38,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
         }
         End::Failed => "The integration failed.".into(),
     };
-    // Without a limit of friction the foot slips only where nothing presses it down.
+    // Without a limit of friction the foot slips only where no force presses it down.
     let slip = (run.block.friction > 0.0).then(|| slip(peaks.slip)).flatten();
     [outcome].into_iter().chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
 }

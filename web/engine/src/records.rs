@@ -65,7 +65,7 @@ impl Direction {
 /// The settings of a direction, as read from the fields.
 fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptions {
     let field = |setting| direction.setting_field(setting);
-    let own = ReadOptions {
+    let settings = ReadOptions {
         format: fields.parsed(field(Setting::Format)),
         unit: fields.parsed(field(Setting::Unit)),
         time_step: fields.optional(field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
@@ -75,16 +75,16 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         channel: fields.parsed(field(Setting::Channel)),
         processing: Processing::default(),
     };
-    // As in the program, settings of the horizontal file hold for the vertical one too unless it has its own.
+    // As in the program, settings of the horizontal file apply to the vertical one too unless it has its own.
     match direction {
         Direction::Vertical if fields.text("excitation") == "file" => {
-            own.or(&options(fields, Direction::Horizontal, gravity))
+            settings.or(&options(fields, Direction::Horizontal, gravity))
         }
-        Direction::Horizontal | Direction::Vertical => own,
+        Direction::Horizontal | Direction::Vertical => settings,
     }
 }
 
-/// The settings that are given for a direction, by the names of their fields.
+/// The settings of a direction that have a value, by the names of their fields.
 pub fn settings(fields: &Fields, direction: Direction) -> Settings {
     let all = [
         Setting::Unit,
@@ -94,9 +94,8 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
         Setting::AccelerationColumn,
         Setting::TimeColumn,
     ];
-    let given = all.map(|setting| direction.setting_field(setting));
-    given
-        .into_iter()
+    all.into_iter()
+        .map(|setting| direction.setting_field(setting))
         .map(|field| (field, fields.text(field).to_string()))
         .filter(|(_, text)| !text.is_empty())
         .collect()

@@ -58,8 +58,8 @@ pub fn tasks(detail: &Detail) -> u64 {
 /// Returns ε, η and α of a search.
 fn parameters(task: u64, detail: &Detail) -> (f64, f64, f64) {
     let (curve, i) = ((task / detail.slendernesses) as usize, task % detail.slendernesses);
-    let part = i as f64 / (detail.slendernesses - 1) as f64;
-    let alpha = DAMPING_ALPHA[0] + part * (DAMPING_ALPHA[1] - DAMPING_ALPHA[0]);
+    let fraction = i as f64 / (detail.slendernesses - 1) as f64;
+    let alpha = DAMPING_ALPHA[0] + fraction * (DAMPING_ALPHA[1] - DAMPING_ALPHA[0]);
     (EPSILON[curve / ETA.len()], ETA[curve % ETA.len()], alpha)
 }
 

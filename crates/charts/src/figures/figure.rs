@@ -25,7 +25,7 @@ pub enum FigureError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// The table failed.
-    #[error("the table cannot be made: {0}")]
+    #[error("the table cannot be written: {0}")]
     Table(#[from] csv::Error),
 }
 

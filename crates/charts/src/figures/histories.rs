@@ -113,8 +113,8 @@ pub fn figure(number: u8, detail: &Detail, workers: &mut Workers) -> Result<Figu
     let pairs: Vec<Pair> = comparisons(number)
         .into_iter()
         .filter_map(|Comparison { title, solid, dashed }| {
-            let of = |base| computed.iter().find(|computed| computed.base == base);
-            Some(Pair { title, solid: of(solid)?, dashed: of(dashed)? })
+            let find = |base| computed.iter().find(|computed| computed.base == base);
+            Some(Pair { title, solid: find(solid)?, dashed: find(dashed)? })
         })
         .collect();
     let svg = if number == 8 { energies(&pairs)? } else { rotations(number, &pairs)? };

@@ -76,7 +76,7 @@ pub const TOWER_P: f64 = 0.38;
 pub const TOWER_ALPHA: f64 = 0.15;
 /// Stiffness ratios of the bridge tower (1). The paper's.
 pub const TOWER_ETA: [f64; 3] = [40.0, 60.0, 100.0];
-/// Stiffness ratios of the bridge tower on pads with S = 5 and 10 (1), in the table alone. The paper's.
+/// Stiffness ratios of the bridge tower on pads with S = 5 and 10 (1), only in the table (values of the paper).
 pub const PAD_ETA: [f64; 2] = [305.0, 863.0];
 /// Damping ratio and restitution of the bridge tower (1). Chosen.
 pub const TOWER_SUPPORT: [f64; 2] = [0.1, 0.0];

@@ -1,4 +1,4 @@
-//! Block and ties → a scale, and the places of body, supports and dimensions in units of the drawing.
+//! Block and ties → a scale, and the positions of body, supports and dimensions in units of the drawing.
 
 use super::{COLUMN, Sketch};
 use crate::sketch::symbols::{End, Point};
@@ -69,13 +69,13 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Places a sketch, as large as it can be.
+    /// Lays out a sketch at the largest scale that fits.
     pub fn new(sketch: &Sketch) -> Layout {
         let b = sketch.block.b;
         let body = sketch.height.unwrap_or(2.0 * sketch.block.h);
         let reaches: Vec<Reach> = sketch.block.ties().iter().map(|tie| Reach::new(tie, b, body)).collect();
-        let furthest = |of: fn([f64; 2]) -> f64| {
-            reaches.iter().flat_map(|reach| [of(reach.block), of(reach.end)]).fold(0.0, f64::max)
+        let furthest = |coordinate: fn([f64; 2]) -> f64| {
+            reaches.iter().flat_map(|reach| [coordinate(reach.block), coordinate(reach.end)]).fold(0.0, f64::max)
         };
         // How far ties reach beyond the body (m), by 0 if they do not.
         let aside = [furthest(|[x, _]| -x), furthest(|[x, _]| x)].map(|x| (x - b).max(0.0));
@@ -92,7 +92,7 @@ impl Layout {
             let high = above + scale * (up + body) + deep(scale) + ROW + FOOT;
             wide <= COLUMN[0] && high <= HEIGHT
         };
-        // The largest scale that fits, in units per metre: everything grows with it.
+        // The largest scale that fits, in units per metre: every dimension grows with it.
         let (mut scale, mut too_large) = (0.0, HEIGHT / body);
         for _ in 0..60 {
             let middle = 0.5 * (scale + too_large);
@@ -159,15 +159,15 @@ impl Reach {
         let around = (2.0 * b).max(body);
         let limits = [[-b - 0.9 * around, b + 0.9 * around], [-0.4 * around, body + 0.4 * around]];
         let block = [0, 1].map(|axis| tie.block[axis].clamp(limits[axis][0], limits[axis][1]));
-        let mut part: f64 = 1.0;
+        let mut fraction: f64 = 1.0;
         for axis in [0, 1] {
-            let way = tie.ground[axis] - block[axis];
-            let limit = limits[axis][usize::from(way > 0.0)];
-            if way != 0.0 {
-                part = part.min(((limit - block[axis]) / way).max(0.0));
+            let distance = tie.ground[axis] - block[axis];
+            let limit = limits[axis][usize::from(distance > 0.0)];
+            if distance != 0.0 {
+                fraction = fraction.min(((limit - block[axis]) / distance).max(0.0));
             }
         }
-        let end = [0, 1].map(|axis| block[axis] + part * (tie.ground[axis] - block[axis]));
-        Reach { block, end, is_anchor: part == 1.0 }
+        let end = [0, 1].map(|axis| block[axis] + fraction * (tie.ground[axis] - block[axis]));
+        Reach { block, end, is_anchor: fraction == 1.0 }
     }
 }

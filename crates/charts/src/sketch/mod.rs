@@ -3,7 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | `symbols` | points → springs, dashpots, ground, anchors, dimensions |
-//! | `layout` | block and ties → a scale and the places of the dimensions |
+//! | `layout` | block and ties → a scale and the positions of the dimensions |
 
 mod layout;
 mod symbols;

@@ -209,7 +209,7 @@ pub fn write(area: &Area, label: &str, at: Point, horizontal: HPos, vertical: VP
 pub enum End {
     /// An anchor in a surface that is drawn anyway.
     OnGround,
-    /// An anchor by itself.
+    /// An anchor with its own piece of ground.
     Anchor,
     /// The anchor is farther away.
     Broken,

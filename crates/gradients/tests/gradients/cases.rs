@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Initial;
@@ -59,7 +59,7 @@ pub fn reference(folder: &str, name: &str) -> Run {
     Run {
         name: name.into(),
         parameters: Parameters {
-            given: Given::Dimensionless(Dimensionless {
+            parameterization: Parameterization::Dimensionless(Dimensionless {
                 alpha: of("alpha", 0.0),
                 p: of("p", 1.0),
                 eta: of("eta", 40.0),

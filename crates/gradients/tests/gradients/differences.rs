@@ -98,7 +98,7 @@ fn check_batch(run: &Run, names: &[&str]) {
                 })
                 .collect();
             let greatest = theirs.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            // Of what does not vary the differences are round-off.
+            // Differences of constant quantities are round-off.
             let value = groups(&plain, &passed)[group].1.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             let allowed = TOLERANCE * greatest + 1e-9 * value / size * run.difference;
             for (place, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {

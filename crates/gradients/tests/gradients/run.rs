@@ -47,8 +47,8 @@ impl Run {
     }
 
     pub fn block(&self) -> Block {
-        let Parameters { given, common, ties, .. } = &self.parameters;
-        Block::from_given(given, common).unwrap().with_ties(ties).unwrap()
+        let Parameters { parameterization, common, ties, .. } = &self.parameters;
+        Block::from_parameters(parameterization, common).unwrap().with_ties(ties).unwrap()
     }
 
     pub fn begin(&self) -> (Simulation, Ground) {

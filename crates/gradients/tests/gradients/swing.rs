@@ -9,7 +9,7 @@ use rocking_block::system::instant::{Footing, Pose};
 use rocking_block::system::swing::Swing;
 use rocking_gradients::{BATCH, Number};
 
-/// A block on the rigid base and its excitation; `number` gives the numbers, each with an index of its own.
+/// A block on the rigid base and its excitation; `number` gives the numbers, each with its own index.
 fn setting<T: Elementary>(shape: PulseShape, number: impl Fn(f64, u32) -> T) -> (Block<T>, Excitation<T>) {
     let dimensionless =
         Dimensionless { alpha: number(0.25, 1), p: number(1.5, 2), eta: T::from(40.0), xi_v: T::from(0.1) };

@@ -1,4 +1,4 @@
-//! Made-up columns of numbers: valid tables, and ambiguous ones.
+//! Synthetic columns of numbers: valid tables, and ambiguous ones.
 
 use rocking_records::{Column, Format, ReadOptions, Unit, implausibility};
 

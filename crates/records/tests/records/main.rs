@@ -1,4 +1,4 @@
-//! Accelerogram files: real ones of every format, made-up ones, and random ones.
+//! Accelerogram files: real ones of every format, synthetic ones, and random ones.
 
 #[path = "../../../../tests/common/cases.rs"]
 mod cases;

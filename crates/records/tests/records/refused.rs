@@ -212,7 +212,7 @@ fn interpolation() {
         assert_eq!(record.at(t), expected, "at {t} s");
     }
     assert_eq!((record.duration(), record.peak().acceleration, record.peak().time), (1.0, -4.0, 3.0));
-    // The end of a long record is not lost to rounding.
+    // The end of a long record is not lost to round-off.
     let text: String = (0..1000).map(|i| format!("{}\n", 0.001 * f64::from(i))).collect();
     let long = accelerations(&text, &unit_and_step(Unit::MetrePerSecondSquared, 0.005));
     assert_eq!(long.at(long.start_time + long.duration()), 0.999);

@@ -1,4 +1,4 @@
-//! Reports on an object: their numbers beside those of the single commands, their bytes, and refusals.
+//! Reports on an object: their numbers equal those of the single commands, their bytes, and refusals.
 
 use std::fs;
 use std::path::Path;

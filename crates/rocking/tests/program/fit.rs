@@ -36,8 +36,8 @@ fn folder(study: &str) -> tempfile::TempDir {
 fn a_run_of_the_program_is_a_test() {
     let folder = folder(STUDY);
     let outputs = ["--csv", "estimates.csv", "--residuals", "residuals.csv", "--plot", "fit.svg", "--json"];
-    let told = stdout(folder.path(), &[&["fit", "study.toml"], &outputs[..]].concat());
-    let json: Value = serde_json::from_str(&told).unwrap();
+    let summary = stdout(folder.path(), &[&["fit", "study.toml"], &outputs[..]].concat());
+    let json: Value = serde_json::from_str(&summary).unwrap();
     for (i, (name, planted)) in [("p", 2.5), ("restitution_factor", 0.95)].into_iter().enumerate() {
         let estimate = &json["estimates"][i];
         assert_eq!(estimate["name"].as_str(), Some(name));
@@ -64,9 +64,9 @@ fn a_drifted_delayed_table_in_degrees_is_read() {
     let of_test = "data = \"camera.csv\"\ntime = 1\ncolumn = \"tilt\"\nfactor = 0.017453292519943295\nzero = 0.01\ndelay = 0.25\n\
                    free = [\"zero\", \"delay\"]";
     fs::write(folder.path().join("study.toml"), STUDY.replace("data = \"run.csv\"", of_test)).unwrap();
-    let told = stdout(folder.path(), &["fit", "study.toml"]);
+    let summary = stdout(folder.path(), &["fit", "study.toml"]);
     for line in ["p                  2.5", "test_1.zero        0.00872", "test_1.delay       0.3"] {
-        assert!(told.contains(line), "{told}");
+        assert!(summary.contains(line), "{summary}");
     }
 }
 

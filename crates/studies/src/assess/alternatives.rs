@@ -1,6 +1,7 @@
 //! The object → its usual variants and the ranges of its assumptions.
 
 use crate::input::parameters::Parameter;
+use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::parameters::ParameterValues;
@@ -30,7 +31,7 @@ pub struct Alternative {
     pub changes: Vec<Change>,
 }
 
-/// A quantity that is not known exactly.
+/// An uncertain quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumption {
     /// Name and unit.
@@ -41,7 +42,7 @@ pub struct Assumption {
     pub values: [f64; 2],
     /// Its value in the middle of the study.
     pub middle: f64,
-    /// Whether the study has this range; else it is the usual one.
+    /// Whether the range is that of the study instead of the usual one.
     pub is_given: bool,
 }
 
@@ -49,14 +50,14 @@ pub struct Assumption {
 pub(super) struct Usual {
     pub variants: Vec<Alternative>,
     pub assumptions: Vec<Assumption>,
-    /// The ones that do not fit the object, with the reason.
+    /// Variants and assumptions that do not fit the object, with the reason.
     pub left_out: Vec<String>,
 }
 
-/// The usual variants and assumptions of the object in the middle of a study.
+/// Returns the usual variants and assumptions of the object in the middle of a study.
 ///
-/// Ranges are those of the study's parameters. The quantities of the foundation that it leaves at one value get a usual range.
-pub(super) fn of(sweep: &Sweep, block: &Block) -> Usual {
+/// Ranges are those of the study's parameters. Quantities of the foundation with a single value get a usual range.
+pub(super) fn usual(sweep: &Sweep, block: &Block) -> Usual {
     let mut left_out = Vec::new();
     let mut fits = |name: &str, changes: &[Change]| match sweep.check_changes(changes) {
         Ok(()) => true,
@@ -72,8 +73,8 @@ pub(super) fn of(sweep: &Sweep, block: &Block) -> Usual {
     ];
     let variants = variants.into_iter().filter(|(name, change)| fits(name, &[*change]));
     let variants = variants.map(|(name, change)| Alternative { name: name.into(), changes: vec![change] }).collect();
-    let mut assumptions = given(sweep);
-    for assumption in of_foundation(sweep, block) {
+    let mut assumptions = study_ranges(sweep);
+    for assumption in foundation_ranges(sweep, block) {
         if assumption.changes.iter().all(|change| fits(&assumption.name, &[*change])) {
             assumptions.push(assumption);
         }
@@ -81,18 +82,15 @@ pub(super) fn of(sweep: &Sweep, block: &Block) -> Usual {
     Usual { variants, assumptions, left_out }
 }
 
-/// The ranges of the study's parameters.
-fn given(sweep: &Sweep) -> Vec<Assumption> {
-    let range = |values: &ParameterValues| match values {
+/// Returns the ranges of the study's parameters.
+fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
+    let ends = |values: &ParameterValues| match values {
         ParameterValues::Range { from, to, .. } => Some([*from, *to]),
-        ParameterValues::List(values) => {
-            let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
-            low.zip(high).filter(|(low, high)| low < high).map(|(low, high)| [low, high])
-        }
+        ParameterValues::List(values) => range(values.iter().copied()).filter(|[low, high]| low < high),
     };
     let real = sweep.parameters.iter().filter(|swept| swept.parameter.metadata.kind == Kind::Real);
     let assumption = real.filter_map(|swept| {
-        let values = range(&swept.values)?;
+        let values = ends(&swept.values)?;
         let changes = values.map(|value| Change::Parameter(swept.parameter.metadata.variable, value));
         let name = swept.parameter.heading();
         Some(Assumption { name, changes, values, middle: swept.values.at(0.5), is_given: true })
@@ -100,8 +98,8 @@ fn given(sweep: &Sweep) -> Vec<Assumption> {
     assumption.collect()
 }
 
-/// Usual ranges of η, ξ_v, ε, the factor on e, and friction, where the study has a single value.
-fn of_foundation(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
+/// Returns usual ranges of η, ξ_v, ε, the factor on e, and friction, if the study has a single value.
+fn foundation_ranges(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
     let varies = |variable: Variable| {
         let found = sweep.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
         found.is_some_and(|swept| swept.values.at(0.0) != swept.values.at(1.0))

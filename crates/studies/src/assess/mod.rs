@@ -29,4 +29,4 @@ pub use results::{
 };
 pub use spectrum::SizeSpectrum;
 pub use states::StateCurve;
-pub use work::{AssessError, Found, assess};
+pub use work::{AssessError, Results, assess};

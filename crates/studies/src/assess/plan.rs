@@ -118,15 +118,15 @@ impl Plan {
                 inputs.push(Input::of(name, &bytes));
             }
         }
-        let usual = alternatives::of(&sweep, &block);
-        let given = assess.get("variants").map(|value| variants(source, &assess, value, &sweep)).transpose()?;
+        let usual = alternatives::usual(&sweep, &block);
+        let chosen = assess.get("variants").map(|value| variants(source, &assess, value, &sweep)).transpose()?;
         let ranges = assess.get("sensitivity").map(|value| sensitivity(source, &assess, value, &sweep)).transpose()?;
         let (mut variants, mut assumptions) = (usual.variants, usual.assumptions);
-        if let Some(given) = given {
-            variants = given;
+        if let Some(chosen) = chosen {
+            variants = chosen;
         }
-        if let Some(given) = ranges {
-            assumptions = given;
+        if let Some(chosen) = ranges {
+            assumptions = chosen;
         }
         let pulse = match (assess.text("pulse")?, assess.get("pulse")) {
             (Some(word), Some(value)) => {
@@ -162,11 +162,11 @@ impl Plan {
 }
 
 fn assess_error(root: &Section, source: StudyText, message: &str) -> StudyFileError {
-    let place = root.get("assess").map_or(0..0, |value| value.span());
-    source.wrong(&place, format!("the object in the middle of the study: {message}"))
+    let span = root.get("assess").map_or(0..0, |value| value.span());
+    source.wrong(&span, format!("the object in the middle of the study: {message}"))
 }
 
-/// Refuses a study from which no curve can come.
+/// Refuses a study whose runs cannot give a curve.
 fn check_runs(sweep: &Sweep, root: &Section) -> Result<(), StudyFileError> {
     let expected = match (&sweep.strengths, &sweep.ensemble) {
         _ if !sweep.motions.iter().all(|motion| motion.ground.horizontal.is_some()) => {
@@ -181,8 +181,8 @@ fn check_runs(sweep: &Sweep, root: &Section) -> Result<(), StudyFileError> {
 
 /// Reads the measure; by default that of the levels, else PGV.
 fn measure(assess: &Section, sweep: &Sweep) -> Result<Measure, StudyFileError> {
-    let given: Option<Measure> = assess.parsed("im")?;
-    let measure = given.or(sweep.strengths.measure()).unwrap_or(Measure::Pgv);
+    let chosen: Option<Measure> = assess.parsed("im")?;
+    let measure = chosen.or(sweep.strengths.measure()).unwrap_or(Measure::Pgv);
     match assess.get("im") {
         Some(value) if !sweep.measures.contains(&measure) => {
             let known: Vec<String> = sweep.measures.iter().map(ToString::to_string).collect();
@@ -240,7 +240,7 @@ fn states(source: StudyText, assess: &Section) -> Result<Vec<State>, StudyFileEr
         ];
         return Ok(usual.map(|(name, limit)| State { name: name.into(), limit, source: None }).to_vec());
     };
-    each(source, assess, "states", value, &["name", "limit", "source"], |section| {
+    read_tables(source, assess, "states", value, &["name", "limit", "source"], |section| {
         let limit = match (section.get("limit"), section.text("limit")) {
             (Some(value), _) if number(value).is_some() => {
                 section.number("limit", |x| x > 0.0, "a number > 0 for |theta|/alpha")?.map(Limit::Rotation)
@@ -257,7 +257,7 @@ fn states(source: StudyText, assess: &Section) -> Result<Vec<State>, StudyFileEr
 }
 
 /// Reads the tables of a list.
-fn each<T>(
+fn read_tables<T>(
     source: StudyText,
     assess: &Section,
     key: &str,
@@ -283,7 +283,7 @@ fn variants(
     sweep: &Sweep,
 ) -> Result<Vec<Alternative>, StudyFileError> {
     let keys = ["name", "width", "friction_over_threshold", "ties", "parameters"];
-    each(source, assess, "variants", value, &keys, |section| {
+    read_tables(source, assess, "variants", value, &keys, |section| {
         let name = section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the variant"))?;
         let number = |key: &str| section.number(key, |x| x > 0.0, "a number > 0");
         let mut changes = Vec::new();
@@ -291,7 +291,7 @@ fn variants(
             let table = value.get_ref().as_table().ok_or_else(|| section.wrong("parameters", value, "a table"))?;
             for (key, value) in table {
                 let parameter = parameter(section, key.get_ref(), value)?;
-                let found = number_of(section, &parameter, value)?;
+                let found = read_number(section, &parameter, value)?;
                 changes.push(Change::Parameter(parameter.metadata.variable, found));
             }
         }
@@ -301,8 +301,8 @@ fn variants(
         if changes.is_empty() {
             return Err(section.lacks("change", "one of width, friction_over_threshold, ties and parameters"));
         }
-        let place = section.get("name").unwrap_or(value);
-        sweep.check_changes(&changes).map_err(|message| section.refused(place, format!("{name}: {message}")))?;
+        let position = section.get("name").unwrap_or(value);
+        sweep.check_changes(&changes).map_err(|message| section.refused(position, format!("{name}: {message}")))?;
         Ok(Alternative { name: name.into(), changes })
     })
 }
@@ -316,15 +316,15 @@ fn sensitivity(
 ) -> Result<Vec<Assumption>, StudyFileError> {
     let table = value.get_ref().as_table();
     let table = table.ok_or_else(|| assess.wrong("sensitivity", value, "a table, as in { eta = [20, 80] }"))?;
-    let mut given: Vec<_> = table.iter().collect();
-    given.sort_by_key(|(key, _)| key.span().start);
+    let mut ranges: Vec<_> = table.iter().collect();
+    ranges.sort_by_key(|(key, _)| key.span().start);
     let middle = sweep.middle();
     let read = |(key, value): (&toml::Spanned<_>, SpannedValue)| {
         let name: &std::borrow::Cow<str> = key.get_ref();
         let parameter = parameter(assess, name, value)?;
         let ends = value.get_ref().as_array().filter(|list| list.len() == 2);
         let ends = ends.ok_or_else(|| assess.wrong(name, value, "both ends of a range, as in [20, 80]"))?;
-        let values = [number_of(assess, &parameter, &ends[0])?, number_of(assess, &parameter, &ends[1])?];
+        let values = [read_number(assess, &parameter, &ends[0])?, read_number(assess, &parameter, &ends[1])?];
         let variable = parameter.metadata.variable;
         let changes = values.map(|value| Change::Parameter(variable, value));
         for change in changes {
@@ -333,21 +333,21 @@ fn sensitivity(
         }
         Ok(Assumption { name: parameter.heading(), changes, values, middle: middle[variable], is_given: true })
     };
-    given.into_iter().map(read).collect()
+    ranges.into_iter().map(read).collect()
 }
 
-/// A real parameter by its name.
+/// Finds a real parameter by its name.
 fn parameter(section: &Section, name: &str, value: SpannedValue) -> Result<Parameter, StudyFileError> {
     let parameter = Parameter::named(name).map_err(|message| section.refused(value, message))?;
     match parameter.metadata.kind {
         Kind::Real => Ok(parameter),
         Kind::Integer | Kind::Enumeration | Kind::Boolean | Kind::String => {
-            Err(section.refused(value, format!("{name} is no number; expected a parameter with a unit")))
+            Err(section.refused(value, format!("{name} is not a number; expected a parameter with a unit")))
         }
     }
 }
 
-fn number_of(section: &Section, parameter: &Parameter, value: SpannedValue) -> Result<f64, StudyFileError> {
+fn read_number(section: &Section, parameter: &Parameter, value: SpannedValue) -> Result<f64, StudyFileError> {
     let found = number(value).ok_or_else(|| section.wrong(parameter.name(), value, parameter.expected()))?;
     parameter.metadata.admits(found).map_err(|message| section.refused(value, message))?;
     Ok(found)

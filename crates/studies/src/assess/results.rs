@@ -96,7 +96,7 @@ pub struct ObjectResult {
     pub eccentricity: f64,
     /// Number of ties.
     pub ties: usize,
-    /// Horizontal acceleration (m/s²) that lifts a corner of the block if it acts slowly; nothing for a block with ties.
+    /// Horizontal acceleration (m/s²) that lifts a corner of the block if it acts slowly; `None` for a block with ties.
     pub static_threshold: Option<f64>,
 }
 
@@ -135,7 +135,7 @@ pub struct MotionResult {
 pub struct LeastPulse {
     /// T_p (s).
     pub period: f64,
-    /// Least amplitude a_p (m/s²); nothing if none overturns it.
+    /// Least amplitude a_p (m/s²); `None` if none overturns it.
     pub amplitude: Option<f64>,
     /// `none`; or `upper` or `lower`, if the range of the search only bounds the value.
     pub bound: &'static str,
@@ -246,7 +246,7 @@ pub struct Comparison {
     pub name: String,
     /// Slenderness α (rad).
     pub alpha: f64,
-    /// m/s²; nothing for a block with ties.
+    /// m/s²; `None` for a block with ties.
     pub static_threshold: Option<f64>,
     /// Coefficient of friction; 0 for no limit.
     pub friction: f64,

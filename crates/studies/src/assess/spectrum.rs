@@ -61,7 +61,7 @@ pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
 }
 
 impl SizeSpectrum {
-    /// The outcomes of each size; nothing for a single ground motion, which has no statistics.
+    /// The outcomes of each size; empty for a single ground motion, which has no statistics.
     pub(super) fn results(&self) -> Vec<SizeResult> {
         let cells = self.statistics.groups.first().map(|group| group.cells.as_slice()).unwrap_or_default();
         let size = |(number, cell): (u64, &crate::spectrum::statistics::SizeStatistics)| SizeResult {

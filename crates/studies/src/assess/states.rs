@@ -5,6 +5,7 @@ use crate::assess::results::{Counts, CurveResult, RateResult, StateResult, ends}
 use crate::fragility::{Assessment, Cases, Limit, Link, SweepTable, SweepTableError, Uncertainty};
 use crate::intensity::Measure;
 use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in};
+use crate::statistics::range;
 
 /// Confidence level of all intervals.
 pub(super) const CONFIDENCE: f64 = 0.95;
@@ -35,8 +36,7 @@ impl StateCurve {
         let Cases { cases, .. } = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-        let known = || values.iter().flatten().copied();
-        let range = [f64::min, f64::max].map(|of| known().reduce(of).unwrap_or(f64::NAN));
+        let range = range(values.iter().flatten().copied()).unwrap_or([f64::NAN; 2]);
         let counts = Counts {
             known: cases.len(),
             exceeded: cases.iter().filter(|case| case.fraction == 1.0).count(),

@@ -19,6 +19,7 @@ use crate::output::fields::lines;
 use crate::output::runner::{self, Study};
 use crate::risk::HazardCurve;
 use crate::spectrum::statistics::Statistics;
+use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::strength::Strengths;
@@ -34,13 +35,13 @@ const SLID: f64 = 1e-3;
 /// Share of an annual rate beyond the runs or the hazard that draws a remark.
 const NOTABLE: f64 = 0.01;
 
-/// The results of an assessment: numbers, and what pictures need.
-pub struct Found {
+/// The results of an assessment: the numbers, and the data of its pictures.
+pub struct Results {
     /// The numbers.
     pub report: Report,
     /// The table of the runs, with the bytes of `rocking sweep`.
     pub runs: String,
-    /// The same, read.
+    /// The rows of that table.
     pub table: SweepTable,
     /// The curve of each state.
     pub states: Vec<StateCurve>,
@@ -61,7 +62,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn ran(&self) {
+    fn count_run(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         (self.progress)(done, self.all.fetch_max(done, Ordering::Relaxed).max(done));
     }
@@ -70,12 +71,12 @@ impl Work<'_> {
     fn table(&self, study: &impl Study) -> Result<String, AssessError> {
         let mut rows = Vec::new();
         let make = |numbers| study.make(numbers, self.width);
-        let made = runner::in_batches(self.pool, 0..study.rows(), self.width, 1, make, |batch| {
-            batch.iter().for_each(|_| self.ran());
+        let completed = runner::in_batches(self.pool, 0..study.rows(), self.width, 1, make, |batch| {
+            batch.iter().for_each(|_| self.count_run());
             rows.extend(batch);
             Ok::<(), Infallible>(())
         });
-        made.map_or_else(|never| match never {}, |()| ());
+        completed.map_or_else(|never| match never {}, |()| ());
         Ok(study.header().text()? + &lines(0, rows.iter().map(|row| &row.fields))?)
     }
 
@@ -99,7 +100,7 @@ pub fn assess(
     pool: &ThreadPool,
     width: Option<VectorWidth>,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Found, AssessError> {
+) -> Result<Results, AssessError> {
     let Plan { sweep, measure, states, years, .. } = plan;
     let frictions = frictions(plan);
     let (of_sizes, strength) = spectrum::of(plan)?;
@@ -124,10 +125,10 @@ pub fn assess(
     for &friction in &frictions {
         let changes = [Change::Parameter(Variable::Friction, friction)];
         let (_, table) = work.sweep("friction", &sweep.with(&changes))?;
-        sliding.push(slid(plan, compared, friction, &table)?);
+        sliding.push(sliding_result(plan, compared, friction, &table)?);
     }
     if sweep.holds().friction {
-        sliding.push(slid(plan, compared, plan.block.friction, &table)?);
+        sliding.push(sliding_result(plan, compared, plan.block.friction, &table)?);
     }
     let mut sensitivity = Vec::new();
     for Assumption { name, changes, values, middle, is_given } in &plan.assumptions {
@@ -143,7 +144,7 @@ pub fn assess(
     let text = work.table(&of_sizes)?;
     let statistics = Statistics::of(&of_sizes, text.as_bytes())?;
     let sizes = SizeSpectrum { spectrum: of_sizes, table: text, statistics, strength };
-    let pulses = pool.install(|| pulses::least(plan, width, || work.ran()));
+    let pulses = pool.install(|| pulses::least(plan, width, || work.count_run()));
     let results: Vec<_> =
         states.iter().zip(&curves).map(|(state, curve)| curve.result(state, hazard, *years)).collect();
     let intervals = curves.iter().find_map(|curve| curve.assessment.as_ref().ok());
@@ -173,10 +174,10 @@ pub fn assess(
         inputs: plan.inputs.clone(),
     };
     report.remarks = remarks(plan, &report);
-    Ok(Found { report, runs, table, states: curves, sizes })
+    Ok(Results { report, runs, table, states: curves, sizes })
 }
 
-/// The coefficients of friction to try: none for a study that has one, or where a corner could jam.
+/// Returns the coefficients of friction to try: none for a study with friction, or if a corner could jam.
 fn frictions(plan: &Plan) -> Vec<f64> {
     let fits = |friction: &f64| {
         let change = Change::Parameter(Variable::Friction, *friction);
@@ -185,7 +186,7 @@ fn frictions(plan: &Plan) -> Vec<f64> {
     FRICTIONS.into_iter().filter(fits).collect()
 }
 
-/// The horizontal acceleration (m/s²) that lifts a corner of a block if it acts slowly; nothing with ties, which hold it.
+/// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner; `None` for a block with ties.
 fn static_threshold(block: &Block) -> Option<f64> {
     block.ties().is_empty().then(|| block.gravity * (block.b - block.eccentricity.abs()) / block.h)
 }
@@ -196,9 +197,7 @@ fn object(plan: &Plan) -> ObjectResult {
         (0..sweep.combinations().unwrap_or(0))
             .filter_map(|number| sweep.values(&sweep.combination(number)).block().ok())
     };
-    let range = |of: fn(&Block) -> f64| {
-        [f64::min, f64::max].map(|end| blocks().map(|block| of(&block)).reduce(end).unwrap_or(of(block)))
-    };
+    let range = |value: fn(&Block) -> f64| range(blocks().map(|block| value(&block))).unwrap_or([value(block); 2]);
     let (supports, e) = match block.foundation {
         Foundation::Viscoelastic => {
             let supports = SupportsResult {
@@ -246,7 +245,7 @@ fn motions(plan: &Plan) -> Vec<MotionResult> {
             name: names.join(" + ") + &floor,
             pga: motion.intensity(Measure::Pga, 1.0, block),
             pgv: motion.intensity(Measure::Pgv, 1.0, block),
-            scales: [f64::min, f64::max].map(|of| scales.iter().copied().reduce(of).unwrap_or(1.0)),
+            scales: range(scales.into_iter()).unwrap_or([1.0; 2]),
         }
     };
     (0..sweep.motions.len()).map(motion).collect()
@@ -267,7 +266,7 @@ fn hazard_result(file: &str, curve: &HazardCurve) -> HazardResult {
     HazardResult { file: file.into(), levels: levels.len(), range: [levels[0], levels[levels.len() - 1]] }
 }
 
-/// A variant relative to the compared state.
+/// Returns a variant relative to the compared state.
 fn comparison(
     plan: &Plan,
     compared: usize,
@@ -303,7 +302,12 @@ fn comparison(
     })
 }
 
-fn slid(plan: &Plan, compared: usize, friction: f64, table: &SweepTable) -> Result<SlidingResult, AssessError> {
+fn sliding_result(
+    plan: &Plan,
+    compared: usize,
+    friction: f64,
+    table: &SweepTable,
+) -> Result<SlidingResult, AssessError> {
     let limit = plan.states[compared].limit;
     let cases = table.cases(limit)?.cases;
     let exceeded = cases.iter().filter(|case| case.fraction == 1.0).count();
@@ -323,7 +327,7 @@ fn slid(plan: &Plan, compared: usize, friction: f64, table: &SweepTable) -> Resu
     })
 }
 
-/// Remarks on results that are missing or extrapolated.
+/// Returns remarks on missing or extrapolated results.
 fn remarks(plan: &Plan, report: &Report) -> Vec<String> {
     let mut remarks = plan.left_out.iter().map(|left_out| format!("Not tried: {left_out}.")).collect::<Vec<_>>();
     remarks.extend(
@@ -332,12 +336,12 @@ fn remarks(plan: &Plan, report: &Report) -> Vec<String> {
     for state in &report.states {
         if let Some(rate) = state.rate {
             let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-            let parts = [
+            let shares = [
                 (rate.above_runs, "ground motions stronger than any in the runs; add greater levels to the study"),
                 (rate.below_runs, "ground motions weaker than any in the runs; add smaller levels to the study"),
                 (rate.outside_hazard, "levels beyond the hazard curve, which was continued"),
             ];
-            let notable = parts.into_iter().filter(|(share, _)| *share >= NOTABLE);
+            let notable = shares.into_iter().filter(|(share, _)| *share >= NOTABLE);
             remarks.extend(notable.map(|(share, from)| {
                 format!("{} of the annual rate of the state “{}” comes from {from}.", percent(share), state.name)
             }));

@@ -32,13 +32,13 @@ impl Building {
         let weights: Vec<Vec<f64>> = (0..self.floors())
             .map(|floor| self.modes().iter().map(|mode| mode.participation * mode.shape[floor]).collect())
             .collect();
-        let of_ground: Vec<f64> = weights.iter().map(|of| 1.0 - of.iter().sum::<f64>()).collect();
+        let ground_weights: Vec<f64> = weights.iter().map(|weights| 1.0 - weights.iter().sum::<f64>()).collect();
         let mut states = vec![[0.0; 2]; self.modes().len()];
         let mut histories = vec![History::default(); self.floors()];
         let mut velocity = 0.0;
         let mut observe = |states: &[[f64; 2]], a: f64, velocity: f64| {
-            for ((history, weights), of_ground) in histories.iter_mut().zip(&weights).zip(&of_ground) {
-                let mut sum = [of_ground * a, velocity];
+            for ((history, weights), ground_weight) in histories.iter_mut().zip(&weights).zip(&ground_weights) {
+                let mut sum = [ground_weight * a, velocity];
                 for ((mode, state), weight) in self.modes().iter().zip(states).zip(weights) {
                     sum[0] += weight * acceleration(mode, *state);
                     sum[1] += weight * state[1];
@@ -50,14 +50,14 @@ impl Building {
         for pair in ground.acceleration.windows(2) {
             let slope = (pair[1] - pair[0]) / step;
             for (state, step) in states.iter_mut().zip(&steps) {
-                *state = step.take(*state, pair[0], slope);
+                *state = step.advance(*state, pair[0], slope);
             }
             velocity += 0.5 * (pair[0] + pair[1]) * step;
             observe(&states, pair[1], velocity);
         }
         let envelope = |states: &[[f64; 2]]| -> f64 {
             let bound = |(number, (mode, [u, u_dot])): (usize, (&Mode, &[f64; 2]))| {
-                let weight = weights.iter().map(|of| of[number].abs()).fold(0.0, f64::max);
+                let weight = weights.iter().map(|weights| weights[number].abs()).fold(0.0, f64::max);
                 weight * mode.omega() * libm::hypot(mode.omega() * u, *u_dot)
             };
             self.modes().iter().zip(states).enumerate().map(bound).sum()
@@ -65,18 +65,18 @@ impl Building {
         let largest = ground.acceleration.iter().fold(0.0, |largest: f64, a| largest.max(a.abs()));
         while envelope(&states) > REST * largest {
             for (state, step) in states.iter_mut().zip(&steps) {
-                *state = step.take(*state, 0.0, 0.0);
+                *state = step.advance(*state, 0.0, 0.0);
             }
             observe(&states, 0.0, velocity);
         }
-        let of_ground =
+        let ground_weight =
             FloorMotion { floor: 0, record: ground.clone(), pfa: pga(ground), pfv: crate::intensity::pgv(ground) };
         let floors = histories.into_iter().zip(1..).map(|(History { acceleration, pfv, .. }, floor)| {
             let title = format!("{}, floor {floor}", ground.title);
             let record = Record { title, acceleration, ..ground.clone() };
             FloorMotion { floor, pfa: pga(&record), pfv, record }
         });
-        std::iter::once(of_ground).chain(floors).collect()
+        std::iter::once(ground_weight).chain(floors).collect()
     }
 }
 
@@ -143,9 +143,9 @@ mod tests {
         for floor in 0..4 {
             near(building.modes().iter().map(|mode| mode.participation * mode.shape[floor]).sum(), 1.0, 1e-13);
         }
-        let of =
+        let effective_mass =
             |mode: &Mode| mode.participation * mode.shape.iter().zip(masses).map(|(x, mass)| x * mass).sum::<f64>();
-        near(building.modes().iter().map(of).sum(), 8e5, 1e-13);
+        near(building.modes().iter().map(effective_mass).sum(), 8e5, 1e-13);
         let frequencies: Vec<f64> = building.modes().iter().map(|mode| mode.frequency).collect();
         assert!(frequencies.is_sorted(), "{frequencies:?}");
     }

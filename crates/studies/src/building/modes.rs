@@ -173,9 +173,10 @@ impl Building {
                     );
                 }
                 let (low, high) = (self.modes[i - 1].omega(), self.modes[j - 1].omega());
-                let (of_mass, of_stiffness) = (2.0 * ratio * low * high / (low + high), 2.0 * ratio / (low + high));
-                let of = |mode: &Mode| 0.5 * (of_mass / mode.omega() + of_stiffness * mode.omega());
-                self.modes.iter().map(of).collect()
+                let (mass_factor, stiffness_factor) =
+                    (2.0 * ratio * low * high / (low + high), 2.0 * ratio / (low + high));
+                let damping = |mode: &Mode| 0.5 * (mass_factor / mode.omega() + stiffness_factor * mode.omega());
+                self.modes.iter().map(damping).collect()
             }
         };
         for (number, (mode, ratio)) in self.modes.iter_mut().zip(ratios).enumerate() {

@@ -5,10 +5,10 @@ use serde::Serialize;
 use crate::fit::least_squares::Triangle;
 use crate::fit::unknowns::Unknown;
 
-/// Standard deviation of a combination from which on the data do not determine it.
+/// Standard deviation above which the data do not determine a combination.
 const UNDETERMINED: f64 = 0.5;
 
-/// Parts of a combination below this one are left out of its words.
+/// Weights below this one, relative to the largest, are left out of the words.
 const SMALL: f64 = 0.15;
 
 /// A direction of the parameters: a right singular vector of the Jacobian over the noise.
@@ -22,11 +22,11 @@ pub struct Combination {
     pub weights: Vec<f64>,
     /// Whether the data determine it.
     pub is_determined: bool,
-    /// What the data tell about it.
+    /// Its determination by the data, in words.
     pub meaning: String,
 }
 
-/// The combinations, the best determined first; `triangle` is that of the data for residuals of this variance.
+/// Returns the combinations, the best determined first; `triangle` is that of the data for residuals of this variance.
 pub fn combinations(triangle: &Triangle, unknowns: &[Unknown], variance: f64) -> Vec<Combination> {
     let mut r = triangle.r.clone();
     for (mut column, unknown) in r.column_iter_mut().zip(unknowns) {
@@ -36,7 +36,7 @@ pub fn combinations(triangle: &Triangle, unknowns: &[Unknown], variance: f64) ->
     let Some(v) = svd.v_t else { return Vec::new() };
     let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
     order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
-    let of = |i: usize| {
+    let combination = |i: usize| {
         let row = v.row(i);
         let largest = row.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         // The largest component is positive: the sign of a singular vector is free.
@@ -46,38 +46,38 @@ pub fn combinations(triangle: &Triangle, unknowns: &[Unknown], variance: f64) ->
         let meaning = meaning(&weights, unknowns, standard_deviation, is_determined);
         Combination { standard_deviation, weights, is_determined, meaning }
     };
-    order.into_iter().map(of).collect()
+    order.into_iter().map(combination).collect()
 }
 
 fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined: bool) -> String {
     let largest = weights.iter().copied().fold(0.0, f64::max);
-    let parts: Vec<(String, f64, bool)> = unknowns
+    let terms: Vec<(String, f64, bool)> = unknowns
         .iter()
         .zip(weights)
         .filter(|(_, weight)| weight.abs() >= SMALL * largest)
         .map(|(unknown, weight)| (unknown.full_name(), weight / largest, unknown.is_logarithmic))
         .collect();
-    let logarithmic = parts.iter().all(|part| part.2);
+    let logarithmic = terms.iter().all(|term| term.2);
     let to = match logarithmic {
         true => format!("{:.2} %", 100.0 * deviation),
         false => format!("{:.2} % of half a range", 100.0 * deviation),
     };
-    let product = parts.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
-    let changes = parts.iter().map(|(name, part, _)| format!("{part:+.2} {name}")).collect::<Vec<_>>().join(" ");
-    match (is_determined, &parts[..]) {
-        (true, [(name, ..)]) => format!("the data tell {name} to {to}"),
-        (true, _) if logarithmic => format!("the data tell {product} to {to}"),
-        (true, _) => format!("the data tell {changes} to {to}"),
-        (false, [(name, ..)]) => format!("the data do not tell {name}"),
-        // The product that stays the same along the direction.
+    let product = terms.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
+    let changes = terms.iter().map(|(name, weight, _)| format!("{weight:+.2} {name}")).collect::<Vec<_>>().join(" ");
+    match (is_determined, &terms[..]) {
+        (true, [(name, ..)]) => format!("the data determine {name} to {to}"),
+        (true, _) if logarithmic => format!("the data determine {product} to {to}"),
+        (true, _) => format!("the data determine {changes} to {to}"),
+        (false, [(name, ..)]) => format!("the data do not determine {name}"),
+        // The product that is constant along the direction.
         (false, [(a, one, true), (b, two, true)]) => {
-            let kept = match one.abs() > two.abs() {
+            let product = match one.abs() > two.abs() {
                 true => format!("{}·{b}", powered(a, -two / one)),
                 false => format!("{a}·{}", powered(b, -one / two)),
             };
-            format!("the data tell {kept} at best, but neither {a} nor {b} alone")
+            format!("the data determine {product} at best, but neither {a} nor {b} alone")
         }
-        (false, _) => format!("the data do not tell changes in the proportion {changes}"),
+        (false, _) => format!("the data do not determine changes in the proportion {changes}"),
     }
 }
 
@@ -108,16 +108,16 @@ mod tests {
 
     /// Residuals that depend on the product eta·xi_v alone.
     #[test]
-    fn a_product_that_alone_is_told_is_named() {
+    fn a_product_that_the_data_determine_is_named() {
         let r = DMatrix::from_row_slice(2, 2, &[100.0, 100.0, 0.0, 1e-6]);
         let triangle = Triangle { r, projected: DVector::zeros(2) };
         let found = combinations(&triangle, &[logarithmic("eta"), logarithmic("xi_v")], 1.0);
         assert!((found[0].standard_deviation - 1.0 / (100.0 * 2.0_f64.sqrt())).abs() < 1e-9);
-        assert_eq!(found[0].meaning, "the data tell eta·xi_v to 0.71 %");
+        assert_eq!(found[0].meaning, "the data determine eta·xi_v to 0.71 %");
         assert!(found[0].is_determined && !found[1].is_determined);
-        let kept = ["eta·xi_v", "xi_v·eta"]
-            .map(|kept| format!("the data tell {kept} at best, but neither eta nor xi_v alone"));
-        assert!(kept.contains(&found[1].meaning), "{}", found[1].meaning);
+        let expected = ["eta·xi_v", "xi_v·eta"]
+            .map(|product| format!("the data determine {product} at best, but neither eta nor xi_v alone"));
+        assert!(expected.contains(&found[1].meaning), "{}", found[1].meaning);
     }
 
     #[test]
@@ -125,7 +125,7 @@ mod tests {
         let triangle =
             Triangle { r: DMatrix::from_row_slice(2, 2, &[50.0, 0.0, 0.0, 1e-3]), projected: DVector::zeros(2) };
         let found = combinations(&triangle, &[logarithmic("p"), logarithmic("epsilon")], 1.0);
-        assert_eq!(found[0].meaning, "the data tell p to 2.00 %");
-        assert_eq!(found[1].meaning, "the data do not tell epsilon");
+        assert_eq!(found[0].meaning, "the data determine p to 2.00 %");
+        assert_eq!(found[1].meaning, "the data do not determine epsilon");
     }
 }

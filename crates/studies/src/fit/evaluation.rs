@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::fit::least_squares::Linearization;
 use crate::fit::model::{Course, course};
 use crate::fit::problem::{FitError, Problem, Test};
-use crate::fit::unknowns::{OF_MEASUREMENT, Unknown, set};
+use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
 
 /// Numbers of runs of a fit.
 #[derive(Debug, Default)]
@@ -30,29 +30,30 @@ pub struct Evaluator<'a> {
 }
 
 impl Evaluator<'_> {
-    /// The values of the unknowns at a point.
+    /// Returns the values of the unknowns at a point.
     pub fn values(&self, point: &DVector<f64>) -> Vec<f64> {
         self.unknowns.iter().zip(point).map(|(unknown, &coordinate)| unknown.value(coordinate)).collect()
     }
 
-    /// The number of unknowns that a test has, and their places.
+    /// Returns the unknowns of a test with their indices.
     fn of_test(&self, number: usize) -> impl Iterator<Item = (usize, &Unknown)> {
         self.unknowns.iter().enumerate().filter(move |(_, unknown)| unknown.test.is_none_or(|test| test == number))
     }
 
-    /// Zero and delay of a test.
+    /// Returns zero and delay of a test.
     fn zero_and_delay(&self, number: usize, values: &[f64]) -> [f64; 2] {
         let test = &self.problem.tests[number];
-        let own = |name: &str, given: f64| {
+        let value = |name: &str, default: f64| {
             let found = self.of_test(number).find(|(_, unknown)| unknown.name == name);
-            found.map_or(given, |(i, _)| values[i])
+            found.map_or(default, |(i, _)| values[i])
         };
-        [own("zero", test.zero), own("delay", test.delay)]
+        [value("zero", test.zero), value("delay", test.delay)]
     }
 
-    /// The course of a test at these times of its clock, with derivatives with respect to its unknowns.
+    /// Returns the course of a test at these times of its clock, with derivatives with respect to its unknowns.
     ///
-    /// None if the block is not valid or its run fails.
+    /// # Errors
+    /// An invalid block, or a failed run with its reason.
     pub fn course(
         &self,
         number: usize,
@@ -65,7 +66,7 @@ impl Evaluator<'_> {
         for (i, unknown) in self.of_test(number) {
             set(&mut parameters, &unknown.name, values[i]);
         }
-        let is_of_run = |(_, unknown): &(usize, &Unknown)| !OF_MEASUREMENT.contains(&unknown.name.as_str());
+        let is_of_run = |(_, unknown): &(usize, &Unknown)| !MEASUREMENT_PARAMETERS.contains(&unknown.name.as_str());
         let names: Option<Vec<String>> = with_gradients
             .then(|| self.of_test(number).filter(is_of_run).map(|(_, unknown)| unknown.name.clone()).collect());
         let with_rate = with_gradients && self.of_test(number).any(|(_, unknown)| unknown.name == "delay");
@@ -78,14 +79,14 @@ impl Evaluator<'_> {
             .map_err(|error| Some(FitError::Runs(error)))
     }
 
-    /// The sum of squares of the first `counts` values of the tests, by a part of them, and of the priors.
+    /// Estimates the sum of squares of the first `counts` values of the tests from a sample of them, plus that of the priors.
     pub fn rough_cost(&self, point: &DVector<f64>, counts: &[usize]) -> Result<f64, Option<FitError>> {
-        /// Number of values of a test that tell starts apart.
-        const ENOUGH: usize = 100;
+        /// Number of values of a test that suffice to rank starts.
+        const SAMPLE: usize = 100;
         let values = self.values(point);
-        let of_test = |number: usize| -> Result<f64, Option<FitError>> {
+        let cost_of_test = |number: usize| -> Result<f64, Option<FitError>> {
             let test = &self.problem.tests[number];
-            let stride = counts[number].div_ceil(ENOUGH);
+            let stride = counts[number].div_ceil(SAMPLE);
             let times = test.times[..counts[number]].iter().step_by(stride).copied();
             let course = self.course(number, &values, times, false)?;
             let [zero, _] = self.zero_and_delay(number, &values);
@@ -93,18 +94,18 @@ impl Evaluator<'_> {
             let residuals = pairs.map(|(measured, found)| (found.value + zero - measured) / test.noise.unwrap_or(1.0));
             Ok(residuals.map(|residual| residual * residual).sum::<f64>() * stride as f64)
         };
-        let tests: Vec<f64> = (0..counts.len()).into_par_iter().map(of_test).collect::<Result<_, _>>()?;
+        let tests: Vec<f64> = (0..counts.len()).into_par_iter().map(cost_of_test).collect::<Result<_, _>>()?;
         let priors = self.priors().map(|(i, [mean, deviation])| (values[i] - mean) / deviation);
         let cost = tests.into_iter().sum::<f64>() + priors.map(|residual| residual * residual).sum::<f64>();
         if cost.is_finite() { Ok(cost) } else { Err(None) }
     }
 
-    /// The unknowns with priors.
+    /// Returns the unknowns with priors, by their indices.
     fn priors(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         self.unknowns.iter().enumerate().filter_map(|(i, unknown)| Some((i, unknown.prior?)))
     }
 
-    /// The residuals of the first `counts` values of the tests, and of the priors, with their Jacobian.
+    /// Returns the residuals of the first `counts` values of the tests, then of the priors, with their Jacobian.
     pub fn linearize(&self, point: &DVector<f64>, counts: &[usize]) -> Result<Linearization, Option<FitError>> {
         let values = self.values(point);
         let slopes: Vec<f64> = self.unknowns.iter().zip(point).map(|(unknown, &at)| unknown.slope(at)).collect();
@@ -145,7 +146,7 @@ impl Evaluator<'_> {
         if found.cost().is_finite() { Ok(found) } else { Err(None) }
     }
 
-    /// The variance of a residual: 1 where the noise is given, else the mean square over the degrees of freedom.
+    /// Returns the variance of a residual: 1 if the noise is given, else the mean square over the degrees of freedom.
     pub fn variance(&self, cost: f64, counts: &[usize]) -> f64 {
         match self.problem.tests[0].noise {
             Some(_) => 1.0,
@@ -153,9 +154,9 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Numbers of values up to which a test has shown each of these parts of its sum of squares about the mean.
+    /// Returns for each of these parts of a test's sum of squares about the mean the number of values that reach it.
     pub fn windows(&self, parts: &[f64]) -> Vec<Vec<usize>> {
-        let of = |test: &Test, part: f64| {
+        let count = |test: &Test, part: f64| {
             let mean = test.values.iter().sum::<f64>() / test.values.len() as f64;
             let total: f64 = test.values.iter().map(|value| (value - mean) * (value - mean)).sum();
             let mut sum = 0.0;
@@ -165,6 +166,6 @@ impl Evaluator<'_> {
             });
             if part < 1.0 { reached.map_or(test.values.len(), |last| last + 1) } else { test.values.len() }
         };
-        parts.iter().map(|&part| self.problem.tests.iter().map(|test| of(test, part)).collect()).collect()
+        parts.iter().map(|&part| self.problem.tests.iter().map(|test| count(test, part)).collect()).collect()
     }
 }

@@ -23,8 +23,8 @@ const SECTIONS: [&str; 3] = ["fit", "parameters", "tests"];
 /// The keys of `[fit]`.
 const KEYS: [&str; 7] = ["free", "bounds", "prior", "starts", "seed", "level", "tolerance"];
 
-/// The keys of `[[tests]]` that are no parameters of the block.
-const OF_TEST: [&str; 12] =
+/// The keys of `[[tests]]` that are not parameters of the block.
+const TEST_KEYS: [&str; 12] =
     ["data", "time", "column", "factor", "output", "noise", "record", "scale", "zero", "delay", "free", "bounds"];
 
 /// Reads a problem from the text of its file; its paths are relative to `folder`. Returns it with the names of the files read.
@@ -33,20 +33,20 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
     let document = source.parse()?;
     let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
     let fit = root.section("fit", &KEYS)?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
-    let shared = given(source, &root, "parameters")?;
+    let shared = parameters(source, &root, "parameters")?;
     let list = root.get("tests").ok_or_else(|| root.lacks("[[tests]]", "a table for each test"))?;
     let tables = list.get_ref().as_array().filter(|list| !list.is_empty());
     let tables = tables.ok_or_else(|| root.wrong("tests", list, "[[tests]], a table for each test"))?;
     let (mut tests, mut files, mut values) = (Vec::new(), Vec::new(), Values::default());
     for value in tables {
         let table = value.get_ref().as_table().ok_or_else(|| root.wrong("tests", value, "tables"))?;
-        let keys = [&OF_TEST[..], &["prior", "initial", "pulse"]].concat();
+        let keys = [&TEST_KEYS[..], &["prior", "initial", "pulse"]].concat();
         let section = Section::new(source, "[[tests]]", value.span(), table, &keys)?;
-        let own = own(source, table)?;
-        values = set(source, shared.iter().chain(&own))?;
+        let of_test = test_parameters(source, table)?;
+        values = set(source, shared.iter().chain(&of_test))?;
         tests.push(test(source, &section, value, folder, &values, &mut files)?);
     }
-    let (given, common) = values.given_block(|variable| values[variable]);
+    let (parameterization, common) = values.block_parameters(|variable| values[variable]);
     let default = Options::default();
     let level = fit.number("level", |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
     let tolerance = fit.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
@@ -57,13 +57,13 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
         tolerance: tolerance.unwrap_or(default.tolerance),
     };
     let ties = values.ties(|variable| values[variable]);
-    let problem = Problem { given, common, ties, free: free(source, &fit)?, tests, options };
-    let place = |error: &FitError| match error {
+    let problem = Problem { parameterization, common, ties, free: free(source, &fit)?, tests, options };
+    let span = |error: &FitError| match error {
         FitError::Test { number, .. } => tables.get(number - 1).map_or(list.span(), |table| table.span()),
         _ => root.get("fit").map_or(0..0, |fit| fit.span()),
     };
     let checked = problem.check().and_then(|()| crate::fit::unknowns::unknowns(&problem).map(|_| ()));
-    checked.map_err(|error| source.wrong(&place(&error), error.to_string()))?;
+    checked.map_err(|error| source.wrong(&span(&error), error.to_string()))?;
     Ok((problem, files))
 }
 
@@ -71,15 +71,15 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
 type GivenParameter<'a> = (Parameter, SpannedValue<'a>);
 
 /// Reads the parameters of a table of the file.
-fn given<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+fn parameters<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
     let Some(value) = root.get(key) else { return Ok(Vec::new()) };
     let table = value.get_ref().as_table().ok_or_else(|| root.wrong(key, value, "a table"))?;
     named(source, table, &[])
 }
 
 /// Reads the parameters of a test: its initial state and its pulse.
-fn own<'a>(source: StudyText, table: &'a DeTable<'a>) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
-    named(source, table, &[&OF_TEST[..], &["prior"]].concat())
+fn test_parameters<'a>(source: StudyText, table: &'a DeTable<'a>) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    named(source, table, &[&TEST_KEYS[..], &["prior"]].concat())
 }
 
 fn named<'a>(
@@ -95,13 +95,13 @@ fn named<'a>(
     found.into_iter().map(parameter).collect()
 }
 
-/// The variables with these parameters set, each to one value that the block reads.
+/// Returns the variables with these parameters set; each must have one value and be read by the block.
 fn set<'a>(
     source: StudyText,
-    given: impl Iterator<Item = &'a GivenParameter<'a>> + Clone,
+    parameters: impl Iterator<Item = &'a GivenParameter<'a>> + Clone,
 ) -> Result<Values, StudyFileError> {
     let mut set = Values::default();
-    for (parameter, value) in given.clone() {
+    for (parameter, value) in parameters.clone() {
         match values(source, parameter, value, false)? {
             ParameterValues::List(list) if list.len() == 1 => set[parameter.metadata.variable] = list[0],
             _ => {
@@ -110,15 +110,15 @@ fn set<'a>(
             }
         }
     }
-    for (parameter, value) in given.clone() {
+    for (parameter, value) in parameters.clone() {
         let name = parameter.metadata.name;
         if let Some((_, needed)) = set.unread_by_motion().find(|(unread, _)| *unread == name) {
             return Err(source.wrong(&value.span(), format!("{} is not read; expected {needed}", parameter.name())));
         }
     }
     set.block().map_err(|error| {
-        let place = given.clone().find(|(parameter, _)| parameter.name() == error.name());
-        source.wrong(&place.map_or(0..0, |(_, value)| value.span()), error.to_string())
+        let wrong = parameters.clone().find(|(parameter, _)| parameter.name() == error.name());
+        source.wrong(&wrong.map_or(0..0, |(_, value)| value.span()), error.to_string())
     })?;
     Ok(set)
 }
@@ -127,21 +127,21 @@ fn set<'a>(
 fn test(
     source: StudyText,
     section: &Section,
-    place: SpannedValue,
+    table: SpannedValue,
     folder: &Path,
     values: &Values,
     files: &mut Vec<String>,
 ) -> Result<Test, StudyFileError> {
     let finite = |key: &str| section.number(key, |_| true, "a finite number");
-    let block = values.block().map_err(|error| source.wrong(&place.span(), error.to_string()))?;
+    let block = values.block().map_err(|error| source.wrong(&table.span(), error.to_string()))?;
     let output = section.text("output")?.unwrap_or("theta");
     let unit = columns(&block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit);
     let name = section.text("data")?.ok_or_else(|| section.lacks("data", "a CSV file of times and measured values"))?;
     let time = records::column(section, "time")?.unwrap_or(Column::Name("t".into()));
     let column = records::column(section, "column")?.unwrap_or(Column::Name(output.into()));
     let factor = section.number("factor", |x| x != 0.0, "a number other than 0")?;
-    let data = section.get("data").unwrap_or(place);
-    let read = table(&folder.join(name), [&time, &column], unit, factor);
+    let data = section.get("data").unwrap_or(table);
+    let read = read_table(&folder.join(name), [&time, &column], unit, factor);
     let (times, values_over_time) = read.map_err(|message| section.refused(data, format!("{name}: {message}")))?;
     files.push(name.into());
     let mut ground = Ground::default();
@@ -204,7 +204,7 @@ fn free(source: StudyText, section: &Section) -> Result<Vec<Free>, StudyFileErro
     Ok(found)
 }
 
-/// The values of a table and its tables, by their names with dots.
+/// Collects the values of a table and of its nested tables, by their dotted names.
 fn leaves<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<(String, SpannedValue<'a>)>) {
     for (key, value) in table {
         let name = format!("{prefix}{}", key.get_ref());
@@ -216,7 +216,12 @@ fn leaves<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<(String, Spa
 }
 
 /// Reads two columns of a CSV file: times (s), and values times a factor, in this unit.
-fn table(path: &Path, wanted: [&Column; 2], unit: &str, factor: Option<f64>) -> Result<(Vec<f64>, Vec<f64>), String> {
+fn read_table(
+    path: &Path,
+    wanted: [&Column; 2],
+    unit: &str,
+    factor: Option<f64>,
+) -> Result<(Vec<f64>, Vec<f64>), String> {
     let reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .has_headers(false)

@@ -5,16 +5,16 @@ use nalgebra::{DMatrix, DVector};
 use crate::fit::evaluation::Evaluator;
 use crate::fit::least_squares::{Linearization, Minimum, Triangle};
 
-/// An end of the interval of a coordinate.
+/// An end of a coordinate's interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// The coordinate there.
+    /// The end inside the bounds.
     At(f64),
     /// The data admit the bound.
     Open,
 }
 
-/// On the way to an end of an interval the sum of squares is below the least: at this point.
+/// A point found on the way to an end of an interval, with a sum of squares below the least.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lower(pub DVector<f64>);
 
@@ -39,33 +39,33 @@ pub struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// The end of the interval of coordinate `i` to a side, −1 or 1.
+    /// Returns the end of the interval of coordinate `i` on a side, −1 or 1.
     ///
-    /// From the quadratic end, each evaluation gives the sum of squares, its decrease over the other coordinates by the linear model
-    /// there, and with both the next distance.
+    /// The search begins at the quadratic end. Each evaluation gives the sum of squares and its decrease over the other coordinates by the
+    /// linear model, and with both the next distance.
     pub fn end(&self, i: usize, side: f64) -> Result<End, Lower> {
         /// Greatest number of evaluations.
         const EVALUATIONS: usize = 12;
-        /// Relative error of the deviate at which its secant gives the end, and greatest part that the others may gain there.
+        /// Relative error of the deviate below which a secant gives the end, and greatest gain of the other coordinates there.
         const NEAR: [f64; 2] = [0.1, 0.02];
         /// Part of the variance by which a lower minimum must lie below.
         const LOWER: f64 = 0.1;
         let Profile { from: minimum, least, deviate, variance, .. } = *self;
         let center = minimum.point[i];
-        let room = if side < 0.0 { center } else { 1.0 - center };
-        if room <= 0.0 {
+        let range = if side < 0.0 { center } else { 1.0 - center };
+        if range <= 0.0 {
             return Ok(End::Open);
         }
         let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut distance = (deviate * (variance * self.covariance[(i, i)]).sqrt()).min(room);
+        let mut distance = (deviate * (variance * self.covariance[(i, i)]).sqrt()).min(range);
         let mut ridge: DVector<f64> = self.covariance.column(i) / self.covariance[(i, i)];
         let mut from = minimum.point.clone();
         for _ in 0..EVALUATIONS {
             let moved = &from + &ridge * (center + side * distance - from[i]);
             let mut point = moved.map(|coordinate| coordinate.clamp(0.0, 1.0));
-            point[i] = if distance >= room { 0.5 + 0.5 * side } else { center + side * distance };
+            point[i] = if distance >= range { 0.5 + 0.5 * side } else { center + side * distance };
             let Some((at, triangle)) = self.linearize(&point) else {
-                // No block there: the end is nearer.
+                // The model fails there: the end is nearer.
                 (high, distance) = (distance, 0.5 * (low + distance));
                 continue;
             };
@@ -83,7 +83,7 @@ impl Profile<'_> {
                 // The linear model reaches far; repeat at the better point.
                 continue;
             }
-            if distance >= room && found <= deviate {
+            if distance >= range && found <= deviate {
                 return Ok(End::Open);
             }
             let ratio = deviate / found.max(1e-3 * deviate);
@@ -95,8 +95,8 @@ impl Profile<'_> {
             } else {
                 high = distance
             }
-            let next = (distance * ratio.clamp(0.2, 5.0)).min(room);
-            distance = if next > low && next < high { next } else { 0.5 * (low + high.min(room)) };
+            let next = (distance * ratio.clamp(0.2, 5.0)).min(range);
+            distance = if next > low && next < high { next } else { 0.5 * (low + high.min(range)) };
         }
         Ok(End::At(from[i]))
     }
@@ -109,7 +109,7 @@ impl Profile<'_> {
     }
 }
 
-/// The direction of the other coordinates along the profile of one, per unit of it.
+/// Returns the direction of the profile of coordinate `i`, per unit of it.
 fn tangent(triangle: &Triangle, i: usize) -> DVector<f64> {
     let others: Vec<usize> = (0..triangle.r.ncols()).filter(|&other| other != i).collect();
     let mut direction = DVector::zeros(triangle.r.ncols());

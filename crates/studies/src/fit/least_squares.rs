@@ -14,7 +14,7 @@ pub struct Linearization {
     pub jacobian: DMatrix<f64>,
 }
 
-/// The sum of squares `|r + J s|²` as a function of a step s: J and r rotated into a triangle of as many rows as coordinates.
+/// The sum of squares `|r + J s|²` as a function of a step s: J and r rotated into a triangle with one row per coordinate.
 #[derive(Clone, Debug)]
 pub struct Triangle {
     /// R of `J = Q R`.
@@ -24,12 +24,12 @@ pub struct Triangle {
 }
 
 impl Linearization {
-    /// The sum of squares here.
+    /// Returns the sum of squares.
     pub fn cost(&self) -> f64 {
         self.residuals.norm_squared()
     }
 
-    /// The triangle of the first `rows` residuals.
+    /// Returns the triangle of the first `rows` residuals.
     pub fn triangle_of(&self, rows: usize) -> Triangle {
         let count = self.jacobian.ncols();
         // One column more, for the residuals; rows of zeros change nothing.
@@ -43,19 +43,19 @@ impl Linearization {
         }
     }
 
-    /// The triangle of all residuals.
+    /// Returns the triangle of all residuals.
     pub fn triangle(&self) -> Triangle {
         self.triangle_of(self.residuals.len())
     }
 }
 
 impl Triangle {
-    /// The decrease of the sum of squares that the linear model predicts for a step.
+    /// Returns the decrease of the sum of squares that the linear model predicts for a step.
     pub fn decrease(&self, step: &DVector<f64>) -> f64 {
         self.projected.norm_squared() - (&self.r * step + &self.projected).norm_squared()
     }
 
-    /// The step that minimizes `|r + J s|² + damping |s|²` from `point` within the box. Coordinates that are `fixed` stay.
+    /// Returns the step from `point` that minimizes `|r + J s|² + damping |s|²` within the box; `fixed` coordinates stay.
     pub fn step(&self, point: &DVector<f64>, fixed: &[bool], damping: f64) -> DVector<f64> {
         let count = point.len();
         let mut step = DVector::zeros(count);
@@ -74,23 +74,23 @@ impl Triangle {
         }
     }
 
-    /// The change of the `free` coordinates that minimizes `|R s + target|² + damping |s|²`, without bounds.
+    /// Returns the change of the `free` coordinates that minimizes `|R s + target|² + damping |s|²`, without bounds.
     pub fn solve(&self, free: &[usize], target: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-        /// Singular values below this part of the greatest are round-off.
+        /// Singular values below this fraction of the greatest are round-off.
         const RANK: f64 = 1e-12;
         if free.is_empty() {
             return Some(DVector::zeros(0));
         }
         let svd = self.r.select_columns(free).try_svd(true, true, f64::EPSILON, 1000)?;
         let least = RANK * svd.singular_values.max();
-        let mut along = svd.u?.tr_mul(target);
-        for (part, &value) in along.iter_mut().zip(&svd.singular_values) {
-            *part *= if value > least { -value / (value * value + damping) } else { 0.0 };
+        let mut components = svd.u?.tr_mul(target);
+        for (component, &value) in components.iter_mut().zip(&svd.singular_values) {
+            *component *= if value > least { -value / (value * value + damping) } else { 0.0 };
         }
-        Some(svd.v_t?.tr_mul(&along))
+        Some(svd.v_t?.tr_mul(&components))
     }
 
-    /// `(JᵀJ)⁻¹`, the covariance of the coordinates at residuals of variance 1; enormous in directions that change no residual.
+    /// Returns the covariance `(JᵀJ)⁻¹` of the coordinates for residuals of variance 1; huge in directions that change no residual.
     pub fn covariance(&self) -> DMatrix<f64> {
         let count = self.r.ncols();
         let Some(svd) = self.r.clone().try_svd(false, true, f64::EPSILON, 1000) else {
@@ -111,12 +111,12 @@ pub struct Minimum {
     pub point: DVector<f64>,
     /// Residuals and Jacobian there.
     pub at: Linearization,
-    /// Whether a further step would gain less than the tolerance.
+    /// Whether the search has converged to its tolerance.
     pub is_converged: bool,
 }
 
 impl Minimum {
-    /// Whether the linear model here changes little up to another point.
+    /// Whether the linear model predicts nearly the same residuals at another point.
     pub fn is_alike(&self, other: &DVector<f64>) -> bool {
         (&self.at.jacobian * (other - &self.point)).norm_squared() <= 0.01 * self.at.cost()
     }
@@ -124,9 +124,9 @@ impl Minimum {
 
 /// Minimizes the sum of squares from a point with its linearization.
 ///
-/// `linearize` returns none where the model fails, which no step then enters. The search ends where the undamped step predicts a
-/// decrease of less than `tolerance` times the variance of a residual, which `variance` gives for a sum of squares. If a better minimum
-/// is `known`, it gives up once that step leads there, or where several steps in succession are rejected, as at a kink.
+/// `linearize` returns `None` where the model fails; such a step is rejected. The search ends when the undamped step predicts a decrease
+/// below `tolerance` times the variance of a residual, which `variance` computes from a sum of squares. If a better minimum is `known`, it
+/// gives up once that step leads there, or after several rejected steps in succession, as at a kink.
 pub fn minimize(
     linearize: impl Fn(&DVector<f64>) -> Option<Linearization>,
     mut point: DVector<f64>,
@@ -147,7 +147,7 @@ pub fn minimize(
     let (mut damping, mut growth, mut rejected) = (DAMPING[0] * scale(&triangle), 2.0, 0);
     for _ in 0..STEPS {
         let undamped = triangle.step(&point, &fixed, 0.0);
-        // Squares of round-off of the residuals' own size are no gain either.
+        // A gain of the size of the residuals' round-off does not count.
         let round_off = f64::EPSILON * at.cost();
         if triangle.decrease(&undamped) <= (tolerance * variance(at.cost())).max(round_off) {
             return Minimum { point, at, is_converged: true };
@@ -161,15 +161,15 @@ pub fn minimize(
             break;
         }
         let step = triangle.step(&point, &fixed, damping);
-        let there = (&point + &step).map(|coordinate| coordinate.clamp(0.0, 1.0));
-        match linearize(&there).filter(|found| found.cost() < at.cost()) {
+        let next = (&point + &step).map(|coordinate| coordinate.clamp(0.0, 1.0));
+        match linearize(&next).filter(|found| found.cost() < at.cost()) {
             Some(found) => {
                 // H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05, Technical University of Denmark.
                 let ratio = (at.cost() - found.cost()) / triangle.decrease(&step);
                 let odd = 2.0 * ratio - 1.0;
                 damping *= (1.0 - odd * odd * odd).clamp(1.0 / 3.0, 2.0);
                 (growth, rejected) = (2.0, 0);
-                (point, at) = (there, found);
+                (point, at) = (next, found);
                 triangle = at.triangle();
             }
             None => {

@@ -54,7 +54,7 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error, to first order.
     pub standard_error: f64,
-    /// Interval of the profile likelihood; an end is missing where the data admit the bound. None for a test's own parameter.
+    /// Interval of the profile likelihood; `None` for a test's own parameter, and for an end at which the data admit the bound.
     pub interval: Option<[Option<f64>; 2]>,
     /// Interval of the quadratic approximation, symmetric in the logarithm where that is fitted.
     pub quadratic_interval: [f64; 2],
@@ -89,7 +89,7 @@ pub struct TestFit {
     pub durbin_watson: f64,
     /// Correlation of each residual with the next (1).
     pub autocorrelation: f64,
-    /// Time from which on the fitted run has no derivatives, because an event grazes (s).
+    /// Time of a grazing event of the fitted run, after which it has no derivatives (s).
     pub grazing: Option<f64>,
     /// Time at which the fitted block has overturned (s).
     pub overturned: Option<f64>,
@@ -106,9 +106,9 @@ pub struct Fit {
     pub combinations: Vec<Combination>,
     /// The tests with their fits.
     pub tests: Vec<TestFit>,
-    /// Weighted sum of squares over its degrees of freedom (1), where the noise is given: about 1 if model and noise are right.
+    /// Weighted sum of squares over its degrees of freedom (1), if the noise is given: about 1 if model and noise are right.
     pub reduced_chi_squared: Option<f64>,
-    /// Standard deviation of the errors by the residuals, where the noise is not given.
+    /// Standard deviation of the errors estimated from the residuals, if the noise is not given.
     pub noise: Option<f64>,
     /// Confidence level of the intervals.
     pub level: f64,
@@ -140,11 +140,11 @@ pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) +
 /// Ends of the intervals of the shared parameters, as coordinates.
 type Ends = Vec<[End; 2]>;
 
-/// The best of several minima and its intervals; a lower minimum on the way to an end replaces it.
+/// Returns the best of several minima, the others that the level admits, and the ends of the intervals, which cover those of the others.
 ///
-/// An interval also covers those of the other minima that the level admits.
+/// A lower minimum found on the way to an end replaces the best one.
 fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, Vec<Minimum>, Ends) {
-    /// Greatest number of lower minima.
+    /// Maximum number of such replacements.
     const RESTARTS: usize = 4;
     let counts: Vec<usize> = evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
     let shared = evaluator.problem.free.len();
@@ -180,10 +180,10 @@ fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, 
     unreachable!("the last restart returns")
 }
 
-/// The intervals that cover two sets of them.
+/// Returns the intervals that cover both sets.
 fn hull(one: Ends, other: Ends) -> Ends {
-    let end = |one: End, other: End, of: fn(f64, f64) -> f64| match (one, other) {
-        (End::At(one), End::At(other)) => End::At(of(one, other)),
+    let end = |one: End, other: End, outer: fn(f64, f64) -> f64| match (one, other) {
+        (End::At(one), End::At(other)) => End::At(outer(one, other)),
         (End::Open, _) | (_, End::Open) => End::Open,
     };
     let both = one.into_iter().zip(other);

@@ -32,8 +32,7 @@ pub struct Course {
     pub ended: Option<f64>,
 }
 
-/// The column `output` of a run at increasing `times` (s), with its derivatives with respect to the parameters if they are named, and
-/// with its rate.
+/// Returns the column `output` of a run at increasing `times` (s), with derivatives with respect to the named parameters, and its rate.
 ///
 /// Before the run begins the block is held in its initial state; after a quarter turn it lies still. With derivatives no step stops at
 /// the times.
@@ -50,12 +49,12 @@ pub fn course(
     let start = simulation.time();
     let mut piece = run.ground.piece_from(start);
     let batches: Vec<&[String]> = match names {
-        // Without parameters a follower has the values alone.
+        // A follower without parameters yields the values alone.
         Some([]) => vec![&[]],
         Some(names) => names.chunks(rocking_gradients::BATCH).collect(),
         None => Vec::new(),
     };
-    let followed: Option<Vec<Follower>> = batches
+    let followers: Option<Vec<Follower>> = batches
         .iter()
         .map(|names| {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -63,11 +62,11 @@ pub fn course(
             Some(Follower::new(&simulation, varied, &piece.inputs))
         })
         .collect();
-    let Some(mut followers) = followed else { unreachable!("{names:?} are checked before") };
+    let Some(mut followers) = followers else { unreachable!("{names:?} are checked before") };
     let count = names.map_or(0, <[String]>::len);
     let at_stop = |simulation: &Simulation, followers: &[Follower], inputs: &Inputs, is_held: bool| {
         let row = run.row(simulation, inputs);
-        let seen = |row: &Row| match is_held {
+        let column = |row: &Row| match is_held {
             true => quantity.column.value(&Row { observation: row.observation.without_motion(), ..*row }),
             false => quantity.column.value(row),
         };
@@ -75,13 +74,13 @@ pub fn course(
         if simulation.ending().is_none() {
             let mut rows: Vec<Vec<Row>> = vec![Vec::new(); count];
             add_rows(&mut rows, followers, simulation, inputs, &row);
-            derivatives = rows.iter().map(|rows| finite(seen(&rows[0]))).collect();
+            derivatives = rows.iter().map(|rows| finite(column(&rows[0]))).collect();
             if with_rate && !is_held {
                 let observation = simulation.observe_rates(inputs).map(|number: Dual64| number.eps);
-                rate = finite(quantity.of(observation, row.observation.slip_rate));
+                rate = finite(quantity.value(observation, row.observation.slip_rate));
             }
         }
-        Point { value: seen(&row), rate, derivatives }
+        Point { value: column(&row), rate, derivatives }
     };
     let mut next = times.partition_point(|time| *time < start);
     let mut points = match next {
@@ -94,11 +93,17 @@ pub fn course(
         while simulation.time() < last && simulation.ending().is_none() {
             let stop = piece.end.min(if followers.is_empty() { times[next] } else { last });
             let ahead = &mut points[next..];
-            let mut take = |number: usize, follower: usize, sample: &Sample| {
-                quantity.take(sample, follower, with_rate, &mut ahead[number]);
+            let mut record = |number: usize, follower: usize, sample: &Sample| {
+                quantity.record(sample, follower, with_rate, &mut ahead[number]);
             };
-            next +=
-                advance_with_samples(&mut simulation, &mut followers, stop, &piece.inputs, &times[next..], &mut take)?;
+            next += advance_with_samples(
+                &mut simulation,
+                &mut followers,
+                stop,
+                &piece.inputs,
+                &times[next..],
+                &mut record,
+            )?;
             if stop == piece.end {
                 piece = run.ground.piece_after(&piece);
             }
@@ -116,9 +121,9 @@ pub fn course(
 /// The measured quantity.
 struct Quantity {
     column: Column,
-    /// The number of the state that it is, if it is one: it then needs no equations of motion.
+    /// Its index among the states, if it is one, which needs no equations of motion.
     state: Option<usize>,
-    /// A row in which the column is read.
+    /// A row as argument of the column.
     row: Row,
 }
 
@@ -132,13 +137,13 @@ impl Quantity {
         Quantity { column, state, row }
     }
 
-    /// The column of an observation, and of the slip of its foot.
-    fn of(&self, observation: Observation<f64>, slip: f64) -> f64 {
+    /// Returns the column of an observation with this slip.
+    fn value(&self, observation: Observation<f64>, slip: f64) -> f64 {
         self.column.value(&Row { observation, slip, ..self.row })
     }
 
-    /// Adds a sample of a follower to a point.
-    fn take(&self, sample: &Sample, follower: usize, with_rate: bool, point: &mut Point) {
+    /// Records a follower's sample in a point.
+    fn record(&self, sample: &Sample, follower: usize, with_rate: bool, point: &mut Point) {
         let batch = point.derivatives.chunks_mut(rocking_gradients::BATCH).nth(follower).unwrap_or_default();
         if let Some(state) = self.state.filter(|state| !with_rate || *state == 0) {
             let Number { re, eps } = sample.pose().state[state];
@@ -146,15 +151,15 @@ impl Quantity {
             batch.iter_mut().zip(eps).for_each(|(derivative, eps)| *derivative = finite(eps));
             return;
         }
-        let (seen, slip) = (sample.observe(), sample.slip());
-        point.value = self.of(seen.map(|number| number.re), slip.re);
+        let (observed, slip) = (sample.observe(), sample.slip());
+        point.value = self.value(observed.map(|number| number.re), slip.re);
         for (i, derivative) in batch.iter_mut().enumerate() {
-            *derivative = finite(self.of(seen.map(|number| number.eps[i]), slip.eps[i]));
+            *derivative = finite(self.value(observed.map(|number| number.eps[i]), slip.eps[i]));
         }
         if with_rate && follower == 0 {
             let along = sample.observe_along();
-            let change = self.of(along.map(|number| number.eps[0]), slip.eps[0] + seen.slip_rate.re);
-            point.rate = finite(change - self.of(seen.map(|number| number.eps[0]), slip.eps[0]));
+            let change = self.value(along.map(|number| number.eps[0]), slip.eps[0] + observed.slip_rate.re);
+            point.rate = finite(change - self.value(observed.map(|number| number.eps[0]), slip.eps[0]));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::fit::{Estimate, Fit, TestFit};
 
-/// The weaknesses of a fit that its user has to know of.
+/// Lists the weaknesses of a fit.
 pub fn notes(fit: &Fit) -> Vec<String> {
     let mut notes = Vec::new();
     if !fit.is_converged {
@@ -11,7 +11,7 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     for Estimate { name, at_bound, bounds: [low, high], .. } in &fit.estimates {
         if let Some(bound) = at_bound {
             notes.push(format!(
-                "{name} ends at its bound {bound:.6}, of {low:.6} to {high:.6}: the data ask for a value beyond, or do not tell it"
+                "{name} ends at its bound {bound:.6}, of {low:.6} to {high:.6}: the data favour a value beyond it, or do not determine it"
             ));
         }
     }
@@ -22,7 +22,7 @@ pub fn notes(fit: &Fit) -> Vec<String> {
             Some([Some(_), None]) => "the upper bound",
             _ => continue,
         };
-        notes.push(format!("the interval of {name} reaches {sides}: the data do not end it there"));
+        notes.push(format!("the interval of {name} reaches {sides}: the data do not limit it there"));
     }
     for values in &fit.other_minima {
         let values: Vec<String> = fit
@@ -37,7 +37,7 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     notes.extend(fit.reduced_chi_squared.and_then(|reduced| misfit(reduced, fit)));
     for (number, test) in (1..).zip(&fit.tests) {
         let name = if fit.tests.len() > 1 { format!("test_{number}: ") } else { String::new() };
-        // Far below the noise the residuals are those of the integration.
+        // Residuals far below the noise are errors of the integration.
         let is_measured = fit.reduced_chi_squared.is_none_or(|reduced| reduced > 0.01);
         notes.extend(correlation(test).filter(|_| is_measured).map(|note| format!("{name}{note}")));
         if let Some(time) = test.grazing {
@@ -49,7 +49,12 @@ pub fn notes(fit: &Fit) -> Vec<String> {
             notes.push(format!("{name}the fitted block has overturned at {time:.4} s of the run"));
         }
     }
-    notes.extend(fit.combinations.iter().filter(|of| !of.is_determined).map(|of| of.meaning.clone()));
+    notes.extend(
+        fit.combinations
+            .iter()
+            .filter(|combination| !combination.is_determined)
+            .map(|combination| combination.meaning.clone()),
+    );
     notes
 }
 

@@ -1,7 +1,7 @@
 //! A block, tests of it and the names of free parameters → a checked problem.
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Given};
+use rocking_block::block::{Block, BlockError, Common, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
@@ -17,12 +17,12 @@ pub struct Free {
     pub name: String,
     /// Its bounds; by default a range about its value.
     pub bounds: Option<[f64; 2]>,
-    /// Mean and standard deviation of what is known about it beside the tests.
+    /// Mean and standard deviation of prior knowledge.
     pub prior: Option<[f64; 2]>,
 }
 
 impl Free {
-    /// A free parameter with the usual bounds.
+    /// Returns a free parameter with the usual bounds.
     pub fn named(name: &str) -> Free {
         Free { name: name.into(), ..Free::default() }
     }
@@ -37,7 +37,7 @@ pub struct Test {
     pub times: Vec<f64>,
     /// Measured values, in the unit of the column.
     pub values: Vec<f64>,
-    /// Standard deviation of their errors; unknown if none.
+    /// Standard deviation of their errors, if known.
     pub noise: Option<f64>,
     /// State of the block at the start of the run.
     pub initial: Initial,
@@ -47,7 +47,7 @@ pub struct Test {
     pub ground: Ground,
     /// Factor on the records (1).
     pub scale: f64,
-    /// Measured value of a quantity that is zero: the drift of its sensor, in the unit of the column.
+    /// Offset of the sensor: the measured value of zero, in the unit of the column.
     pub zero: f64,
     /// Measured time at time 0 of the run (s).
     pub delay: f64,
@@ -56,7 +56,7 @@ pub struct Test {
 }
 
 impl Test {
-    /// A release: the rotation (rad) over time (s) of a block let go at rest with this tilt (rad).
+    /// Returns a release test: the rotation (rad) over time (s) of a block let go at rest with this tilt (rad).
     pub fn release(theta: f64, times: Vec<f64>, values: Vec<f64>) -> Test {
         Test {
             output: "theta".into(),
@@ -74,10 +74,10 @@ impl Test {
     }
 }
 
-/// Numbers of a fit that do not belong to a test.
+/// Options of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Number of starts: the given values, and points of a Latin hypercube within the bounds.
+    /// Number of starts: the values of the problem, and points of a Latin hypercube within the bounds.
     pub starts: u32,
     /// Seed of that hypercube.
     pub seed: u64,
@@ -93,11 +93,11 @@ impl Default for Options {
     }
 }
 
-/// A fit to be made.
+/// A block, its tests and the free parameters of a fit.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The block, in the way in which it is given.
-    pub given: Given,
+    /// The parameters of the block that its parameterization has.
+    pub parameterization: Parameterization,
     /// Its other parameters.
     pub common: Common,
     /// Its ties.
@@ -110,7 +110,7 @@ pub struct Problem {
     pub options: Options,
 }
 
-/// A fit that cannot be made.
+/// The reason why a fit is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// A free parameter that is unknown, or whose bounds or prior are not valid.
@@ -139,10 +139,10 @@ pub enum FitError {
 }
 
 impl Problem {
-    /// The parameters of the block in a test.
+    /// Returns the parameters of the block in a test.
     pub fn parameters(&self, test: &Test) -> Parameters {
         Parameters {
-            given: self.given,
+            parameterization: self.parameterization,
             common: self.common,
             ties: self.ties.clone(),
             initial: test.initial,
@@ -151,12 +151,12 @@ impl Problem {
         }
     }
 
-    /// The block with these parameters.
+    /// Makes the block with these parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
-        Block::from_given(&parameters.given, &parameters.common)?.with_ties(&parameters.ties)
+        Block::from_parameters(&parameters.parameterization, &parameters.common)?.with_ties(&parameters.ties)
     }
 
-    /// The run of a test with these parameters.
+    /// Returns the run of a test with these parameters.
     pub fn run(&self, test: &Test, parameters: &Parameters) -> Result<Run, BlockError> {
         let block = self.block(parameters)?;
         let ground = test.ground.clone().scaled(parameters.scale.unwrap_or(1.0));
@@ -165,7 +165,7 @@ impl Problem {
         Ok(Run { initial: parameters.initial, pulse: parameters.pulse, ground, ..Run::at_rest(block, settings) })
     }
 
-    /// The unit of the quantity that a test measures.
+    /// Returns the unit of the quantity that a test measures.
     pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
         let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
         let columns = columns(&block);
@@ -173,7 +173,7 @@ impl Problem {
         Ok(column.map_or("1", |column| column.unit))
     }
 
-    /// Number of measured values.
+    /// Returns the number of measured values.
     pub fn values(&self) -> usize {
         self.tests.iter().map(|test| test.values.len()).sum()
     }
@@ -219,7 +219,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The fault of a test, if it has one.
+    /// Returns the fault of a test as an inner error.
     fn check_test(&self, test: &Test) -> Result<Result<(), String>, FitError> {
         let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = test;
         let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;

@@ -9,21 +9,21 @@ use crate::fit::problem::FitError;
 use crate::fit::unknowns::first_start;
 use crate::statistics::sampling::LatinHypercube;
 
-/// Parts of the tests' sums of squares that are fitted one after the other.
+/// Parts of the tests' sums of squares, fitted one after the other.
 ///
-/// The phase of late cycles turns with small changes of a parameter, which makes many minima; few impacts make few.
+/// The phase of late cycles depends strongly on the parameters, which makes many minima; a beginning with few impacts has few.
 const PARTS: [f64; 2] = [0.7, 1.0];
 
-/// Number of starts that are followed from the first part on.
-const FOLLOWED: usize = 3;
+/// Number of starts from which searches begin.
+const SEARCHES: usize = 3;
 
-/// Sum of squares over the least of a minimum that is not followed further.
-const HOPELESS: f64 = 2.0;
+/// Sum of squares over the least, above which a minimum is dropped.
+const WORST: f64 = 2.0;
 
-/// Steps end where the next would gain this part of the variance of a residual, for each part of the tests.
+/// Gain of a step, over the variance of a residual, at which the search in each part ends.
 pub const TOLERANCE: [f64; 2] = [1.0, 1e-6];
 
-/// The minima of several starts that the data tell apart, the best first.
+/// Returns the minima of several starts that the data distinguish, the best first.
 pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Result<Vec<Minimum>, FitError> {
     let options = evaluator.problem.options;
     let windows = evaluator.windows(&PARTS);
@@ -40,9 +40,9 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     let failure = found.iter().find_map(|(_, cost)| cost.clone().err().flatten());
     let mut starts: Vec<(DVector<f64>, f64)> =
         found.into_iter().filter_map(|(at, cost)| Some((at, cost.ok()?))).collect();
-    // A stable order: of equals the first start leads.
+    // The sort is stable: of equal starts the first leads.
     starts.sort_by(|a, b| a.1.total_cmp(&b.1));
-    starts.truncate(FOLLOWED);
+    starts.truncate(SEARCHES);
     let all = 2 + PARTS.len() as u64;
     progress(1, all);
     let mut from: Vec<DVector<f64>> = starts.into_iter().map(|(at, _)| at).collect();
@@ -65,15 +65,16 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     if found.is_empty() { Err(failure.unwrap_or(FitError::Starts)) } else { Ok(found) }
 }
 
-/// The minima that the data tell apart and whose sums of squares are at most [`HOPELESS`] times the least, the best first. A search that
-/// has not converged counts if no minimum is better.
+/// Returns the minima that the data distinguish, with sums of squares up to [`WORST`] times the least, the best first.
+///
+/// A search that has not converged counts if no minimum is better.
 fn distinct(mut minima: Vec<Minimum>) -> Vec<Minimum> {
     minima.sort_by(|a, b| a.at.cost().total_cmp(&b.at.cost()));
     let least = minima.first().map_or(0.0, |best| best.at.cost());
     let better = minima.iter().find(|minimum| minimum.is_converged).map(|minimum| minimum.at.cost());
     minima.retain(|minimum| {
         let cost = minimum.at.cost();
-        cost <= HOPELESS * least && (minimum.is_converged || better.is_none_or(|better| cost < better))
+        cost <= WORST * least && (minimum.is_converged || better.is_none_or(|better| cost < better))
     });
     let mut kept: Vec<Minimum> = Vec::new();
     for minimum in minima {

@@ -8,7 +8,7 @@ use crate::fit::problem::{FitError, Free, Problem, Test};
 /// A parameter to be estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknown {
-    /// Its name, for a test's own parameter without the test.
+    /// Its name, without the test.
     pub name: String,
     /// Its unit.
     pub unit: String,
@@ -24,16 +24,16 @@ pub struct Unknown {
     pub prior: Option<[f64; 2]>,
 }
 
-/// A test's own parameters that the block does not have: its zero and its delay.
-pub const OF_MEASUREMENT: [&str; 2] = ["zero", "delay"];
+/// Parameters of a test's measurement, not of its block.
+pub const MEASUREMENT_PARAMETERS: [&str; 2] = ["zero", "delay"];
 
 impl Unknown {
-    /// The name with the test: `test_2.zero`.
+    /// Returns the name with the test, such as `test_2.zero`.
     pub fn full_name(&self) -> String {
         self.test.map_or(self.name.clone(), |test| format!("test_{}.{}", test + 1, self.name))
     }
 
-    /// The value at a coordinate.
+    /// Returns the value at a coordinate.
     pub fn value(&self, coordinate: f64) -> f64 {
         let [low, high] = self.bounds;
         match self.is_logarithmic {
@@ -45,7 +45,7 @@ impl Unknown {
         }
     }
 
-    /// The coordinate of a value.
+    /// Returns the coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         let [low, high] = self.bounds;
         let found = match self.is_logarithmic {
@@ -55,22 +55,22 @@ impl Unknown {
         found.clamp(0.0, 1.0)
     }
 
-    /// The derivative of the value with respect to the coordinate.
+    /// Returns the derivative of the value with respect to the coordinate.
     pub fn slope(&self, coordinate: f64) -> f64 {
         let [low, high] = self.bounds;
         if self.is_logarithmic { self.value(coordinate) * libm::log(high / low) } else { high - low }
     }
 
-    /// The derivative of the coordinate with respect to the logarithm of the value, or to the value over half its range.
+    /// Returns the derivative of the coordinate with respect to the logarithm of the value, or to the value over half its range.
     pub fn relative(&self) -> f64 {
         let [low, high] = self.bounds;
         if self.is_logarithmic { 1.0 / libm::log(high / low) } else { 0.5 }
     }
 }
 
-/// Half of a range as a factor, for a parameter whose logarithm is fitted.
+/// Returns the factor from a value to its usual bounds, for a parameter whose logarithm is fitted.
 fn factor(name: &str) -> Option<f64> {
-    let of_tie = name.split_once('.').and_then(|(of, name)| of.starts_with("tie_").then_some(name));
+    let of_tie = name.split_once('.').and_then(|(group, name)| group.starts_with("tie_").then_some(name));
     match of_tie.unwrap_or(name) {
         "eta" | "xi_v" | "K" | "C" | "stiffness" | "damping" | "strength" => Some(10.0),
         "alpha" | "p" | "width" | "height" | "inertia" | "mass" | "gamma" | "friction" | "scale" | "pulse.period"
@@ -80,7 +80,7 @@ fn factor(name: &str) -> Option<f64> {
     }
 }
 
-/// The usual bounds of a parameter of a value whose logarithm is not fitted, in a test.
+/// Returns the usual bounds of a parameter with this value in a test, if its logarithm is not fitted.
 fn usual_bounds(name: &str, value: f64, test: &Test, [alpha, p, half_width, height]: [f64; 4]) -> [f64; 2] {
     let half = match name {
         "epsilon" => return [0.0, 1.0],
@@ -99,7 +99,7 @@ fn usual_bounds(name: &str, value: f64, test: &Test, [alpha, p, half_width, heig
     [value - half, value + half]
 }
 
-/// The unknowns of a problem: those of the block, then those of each test.
+/// Returns the unknowns of a problem: those of the block, then those of each test.
 pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
     let mut found = problem.free.iter().map(|free| unknown(problem, free, None)).collect::<Result<Vec<_>, _>>()?;
     for (number, test) in problem.tests.iter().enumerate() {
@@ -119,19 +119,22 @@ pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
 }
 
 fn is_of_test(name: &str) -> bool {
-    name == "scale" || name.starts_with("initial.") || name.starts_with("pulse.") || OF_MEASUREMENT.contains(&name)
+    name == "scale"
+        || name.starts_with("initial.")
+        || name.starts_with("pulse.")
+        || MEASUREMENT_PARAMETERS.contains(&name)
 }
 
 fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unknown, FitError> {
     let name = &free.name;
     let shown = number.map_or(name.clone(), |number| format!("test_{}: {name}", number + 1));
-    // A parameter of the block is the same in every test.
+    // For a parameter of the block any test will do.
     let test = &problem.tests[number.unwrap_or(0)];
     let mut parameters = problem.parameters(test);
     let mut known: Vec<String> =
         parameters.names().into_iter().filter(|name| is_of_test(name) == number.is_some()).collect();
     if number.is_some() {
-        known.extend(OF_MEASUREMENT.map(String::from));
+        known.extend(MEASUREMENT_PARAMETERS.map(String::from));
     }
     if !known.contains(name) {
         let hint = match (number, is_of_test(name)) {
@@ -164,13 +167,13 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
     Ok(Unknown { name: name.clone(), unit, test: number, start, bounds, is_logarithmic, prior: free.prior })
 }
 
-/// The bounds of a parameter, and whether its logarithm is fitted.
+/// Returns the bounds of a parameter, and whether its logarithm is fitted.
 fn bounds(
     problem: &Problem,
     test: &Test,
     name: &str,
     start: f64,
-    given: Option<[f64; 2]>,
+    chosen: Option<[f64; 2]>,
     shown: &str,
 ) -> Result<([f64; 2], bool), FitError> {
     let positive = factor(name).filter(|_| start > 0.0);
@@ -181,7 +184,7 @@ fn bounds(
             usual_bounds(name, start, test, [block.alpha, block.p, block.b, block.h])
         }
     };
-    let bounds = given.unwrap_or(usual);
+    let bounds = chosen.unwrap_or(usual);
     let [low, high] = bounds;
     if !(low.is_finite() && high.is_finite() && low < high) {
         let message = format!("bounds of {shown} = [{low}, {high}]; expected two different numbers, the lower first");
@@ -195,12 +198,12 @@ fn bounds(
     Ok((bounds, factor(name).is_some() && low > 0.0))
 }
 
-/// The point of the values at the first start.
+/// Returns the point of the first start.
 pub fn first_start(unknowns: &[Unknown]) -> DVector<f64> {
     DVector::from_iterator(unknowns.len(), unknowns.iter().map(|unknown| unknown.coordinate(unknown.start)))
 }
 
-/// Sets a parameter of a test that the block has.
+/// Sets a parameter, unless it belongs to the measurement.
 pub fn set(parameters: &mut Parameters, name: &str, value: f64) {
     if let Some(number) = parameters.number(name) {
         *number = value;

@@ -171,7 +171,7 @@ mod tests {
         assert!((2.0 * soil.support().unwrap().damping.unwrap() / expected - 1.0).abs() < 1e-12);
     }
 
-    /// A square footing rocks alike about both axes. One twice as long is stiffer, but not twice as stiff, as its halves share the soil.
+    /// A square footing has the same rocking stiffness about both axes. One twice as long is stiffer, but not twice as stiff, as its halves share the soil.
     #[test]
     fn both_axes_agree_for_a_square() {
         let of = |width: f64, length: f64| Soil { width, length, ..SOIL }.support().unwrap();

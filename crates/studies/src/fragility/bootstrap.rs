@@ -37,7 +37,7 @@ impl Bootstrap {
     }
 }
 
-/// Fits curves to groups of observations drawn with replacement, as many groups per sample as there are.
+/// Fits curves to groups of observations drawn with replacement; each sample has the original number of groups.
 ///
 /// B. Efron, Bootstrap methods: another look at the jackknife, Ann. Stat. 7 (1979) 1–26. `groups` has the group of each
 /// observation, such as its record; rows of a group are not independent of each other and stay together. The same seed gives the

@@ -74,7 +74,7 @@ fn without(data: &Data, fit: &Fit, records: &[usize], record: usize) -> Option<D
 ///
 /// A jackknife that leaves out one record at a time and refits, or takes a Newton step where the others are separable (CV3 of
 /// J. G. MacKinnon, M. Ø. Nielsen, M. D. Webb, Cluster-robust inference: a guide to empirical practice, J. Econometrics 232
-/// (2023) 272–299). `records` has the record of each row; independent rows have the covariance of the fit. Nothing if one record
+/// (2023) 272–299). `records` has the record of each row; independent rows have the covariance of the fit. `None` if one record
 /// alone determines a coefficient.
 pub(super) fn covariance(data: &Data, fit: &Fit, records: &[usize]) -> Option<DMatrix<f64>> {
     let size = fit.coefficients.len();

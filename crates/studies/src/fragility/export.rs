@@ -67,7 +67,7 @@ pub enum ExportError {
         id: String,
         /// Its limit states.
         found: String,
-        /// Those of the first component.
+        /// The limits of the first component.
         expected: String,
     },
 }

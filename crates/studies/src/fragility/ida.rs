@@ -47,7 +47,7 @@ impl Ida {
         let mut curves: Vec<Vec<(f64, Response)>> = found.into_values().collect();
         curves.iter_mut().for_each(|curve| curve.sort_by(|a, b| a.0.total_cmp(&b.0)));
         let levels: Vec<f64> = curves.first().into_iter().flatten().map(|(level, _)| *level).collect();
-        // A scaled record meets its level to rounding.
+        // A scaled record meets its level to round-off.
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
         let fits = |curve: &Vec<(f64, Response)>| {
             curve.len() == levels.len() && curve.iter().zip(&levels).all(|((level, _), other)| same(*level, *other))

@@ -59,4 +59,4 @@ pub use observation::{FitError, Observation};
 pub use profile::{Interval, Profile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::Fit;
-pub use table::{Case, Cases, SweepTable, SweepTableError};
+pub use table::{Case, Cases, SweepTable, SweepTableError, split_heading};

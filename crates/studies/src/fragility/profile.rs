@@ -58,7 +58,7 @@ impl<'a> Profile<'a> {
         Profile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
     }
 
-    /// The same for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
+    /// [`Profile::new`] for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
     ///
     /// # Errors
     /// Those of [`Profile::new`].

@@ -9,7 +9,7 @@ use crate::fragility::observation::{FitError, Observation};
 ///
 /// The probability that a row that exceeds the limit has a greater score than one that does not, ties counting half. A row with a
 /// fraction of exceedances counts in both classes, weighted by the fraction and its complement. `scores` has a finite number for
-/// each observation that increases with the probability; scores that differ by rounding alone are ties.
+/// each observation that increases with the probability; scores that differ by round-off alone are ties.
 pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
     let mut rows: Vec<(f64, [f64; 2])> = observations
         .iter()
@@ -17,7 +17,7 @@ pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
         .map(|(row, &score)| (score, [row.weight * (1.0 - row.fraction), row.weight * row.fraction]))
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Equal scores may differ by rounding.
+    // Equal scores may differ by round-off.
     let is_tie = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
     let (mut below, mut ordered, mut total) = (0.0, 0.0, [0.0; 2]);
     for alike in rows.chunk_by(|a, b| is_tie(a.0, b.0)) {
@@ -44,7 +44,7 @@ pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
 /// The efficiency of a measure (1): the standard deviation of the log peaks about their regression on the log measure.
 ///
 /// Smaller is better (N. Luco, C. A. Cornell, Structure-specific scalar intensity measures for near-source and ordinary earthquake
-/// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. Nothing for fewer
+/// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. `None` for fewer
 /// than three pairs, or a constant measure.
 pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     let [x, y] = [measures, peaks].map(|values| values.iter().map(|&value| libm::log(value)).collect::<Vec<f64>>());

@@ -119,7 +119,7 @@ pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Resu
         let score = design.x.tr_mul(&DVector::from_iterator(terms.len(), terms.iter().map(|term| term.score)));
         let curvature = design.squared(terms.iter().map(|term| term.curvature));
         let Some(step) = curvature.cholesky().map(|curvature| curvature.solve(&score)) else { break };
-        // The next step would change the likelihood by about the square of this, which is below rounding.
+        // The next step would change the likelihood by about the square of this, which is below round-off.
         if step.dot(&score) <= 1e-24 * (1.0 + best.abs()) {
             let information = design.squared(terms.iter().map(|term| term.information));
             let Some(inverse) = information.cholesky() else { break };
@@ -129,7 +129,7 @@ pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Resu
         for _ in 0..MAX_HALVINGS {
             let next = &at + part * &step;
             let (likelihood, of_next) = design.terms(link, &next);
-            // Near the maximum, rounding may make the better step look worse.
+            // Near the maximum, round-off may make the better step look worse.
             if likelihood >= best - 1e-13 * (1.0 + best.abs()) {
                 (at, best, terms) = (next, likelihood, of_next);
                 break;

@@ -94,7 +94,7 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     [half(&mut points.iter()), half(&mut points.iter().rev())].concat()
 }
 
-/// Whether the path a → b → c turns left by more than rounding.
+/// Whether the path a → b → c turns left by more than round-off.
 fn turns_left(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
     let [first, second] = [[a, b], [a, c]].map(|[from, to]| [to[0] - from[0], to[1] - from[1]]);
     let area = first[0] * second[1] - first[1] * second[0];

@@ -7,6 +7,13 @@ use crate::input::parameters::is_same_word;
 use crate::run::limit::{Limit, Response};
 use crate::run::outcome::End;
 
+/// Splits a heading such as `PGV [m/s]` into its name and unit.
+pub fn split_heading(heading: &str) -> (&str, Option<&str>) {
+    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
+        Some((name, unit)) => (name, Some(unit)),
+        None => (heading, None),
+    }
+}
 /// The reason why a table cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepTableError {
@@ -116,7 +123,7 @@ impl SweepTable {
         &self.file
     }
 
-    /// The distinct words of a column in the order of the rows; nothing without such a column.
+    /// The distinct words of a column in the order of the rows; empty without such a column.
     pub fn words(&self, name: &str) -> Option<Vec<&str>> {
         let column = self.position(name).ok()?;
         let mut words: Vec<&str> = Vec::new();

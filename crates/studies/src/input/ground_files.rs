@@ -61,18 +61,18 @@ impl RecordOptions {
         let horizontal: Vec<&Record> = grounds.iter().filter_map(|ground| ground.horizontal.as_ref()).collect();
         let vertical: Vec<&Record> = grounds.iter().filter_map(|ground| ground.vertical.as_ref()).collect();
         let all = [&horizontal[..], &vertical].concat();
-        let of_vertical: Vec<Setting> = self.vertical.given().collect();
-        let of_both = self.both.given().map(|setting| {
-            let (files, needed) = match of_vertical.contains(&setting) {
+        let vertical_settings: Vec<Setting> = self.vertical.settings().collect();
+        let options_for_both = self.both.settings().map(|setting| {
+            let (files, needed) = match vertical_settings.contains(&setting) {
                 true => (&horizontal, "a horizontal record"),
                 false => (&all, "a record"),
             };
             (RecordOption { setting, vertical: false }, files, needed)
         });
-        let of_vertical = of_vertical
+        let vertical_options = vertical_settings
             .iter()
             .map(|&setting| (RecordOption { setting, vertical: true }, &vertical, "a vertical record"));
-        of_both.chain(of_vertical).find_map(|(name, files, needed)| {
+        options_for_both.chain(vertical_options).find_map(|(name, files, needed)| {
             let formats = name.setting.formats();
             let needed = match files.is_empty() {
                 true => needed.into(),

@@ -136,7 +136,7 @@ impl Measure {
         self.record_measure_at(left.min(right), block.p, block.gravity)
     }
 
-    /// The same for the slenderness α (rad) of the side with less base, the frequency parameter p (rad/s) and gravity (m/s²).
+    /// [`Measure::record_measure`] for the slenderness α (rad) of the side with less base, the frequency parameter p (rad/s) and gravity (m/s²).
     pub fn record_measure_at(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
         let uplift = || gravity * libm::tan(alpha);
         match self {

@@ -57,16 +57,16 @@ pub fn oscillator_peaks(record: &Record, period: f64) -> OscillatorPeaks {
 fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks {
     const STEPS_A_PERIOD: f64 = 20.0;
     let omega = TAU / period;
-    let parts = (record.time_step / (period / STEPS_A_PERIOD)).ceil().max(1.0);
-    let step = Step::new(omega, DAMPING, record.time_step / parts);
+    let substeps = (record.time_step / (period / STEPS_A_PERIOD)).ceil().max(1.0);
+    let step = Step::new(omega, DAMPING, record.time_step / substeps);
     let (mut state, mut peaks) = ([0.0; 2], OscillatorPeaks::default());
     let mut pass = |from: f64, to: f64| {
         let slope = (to - from) / record.time_step;
-        for part in 0..parts as u64 {
-            let a = from + (to - from) * part as f64 / parts;
+        for i in 0..substeps as u64 {
+            let a = from + (to - from) * i as f64 / substeps;
             let before = state;
-            state = step.take(before, a, slope);
-            let at = |t: f64| [Step::new(omega, DAMPING, t).take(before, a, slope), [a + slope * t, slope]];
+            state = step.advance(before, a, slope);
+            let at = |t: f64| [Step::new(omega, DAMPING, t).advance(before, a, slope), [a + slope * t, slope]];
             let ends = [[before, [a, slope]], [state, [a + slope * step.duration, slope]]];
             peaks.displacement = higher(peaks.displacement, ends, step.duration, |[[u, u_dot], _]| [u, u_dot], at);
             if !VELOCITY {
@@ -88,17 +88,17 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
 /// State of the oscillator, `[u, u̇]`, and of the ground, `[a, ȧ]`.
 type Moment = [[f64; 2]; 2];
 
-/// The greater of a previous peak and the peak within a step; `of` gives the value and its rate at a moment.
+/// The greater of a previous peak and the peak within a step; `value_at` gives the value and its rate at a moment.
 fn higher(
     peak: f64,
     [start, end]: [Moment; 2],
     duration: f64,
-    of: impl Fn(Moment) -> [f64; 2],
+    value_at: impl Fn(Moment) -> [f64; 2],
     at: impl Fn(f64) -> Moment,
 ) -> f64 {
     [1.0, -1.0].into_iter().fold(peak, |peak, sign| {
         let sample = |moment: Moment| {
-            let [value, rate] = of(moment);
+            let [value, rate] = value_at(moment);
             Sample { value: sign * value, rate: sign * rate }
         };
         let (start, end) = (sample(start), sample(end));
@@ -127,7 +127,7 @@ impl Step {
     }
 
     /// `[u, u̇]` at the end of the step, from those at its start, the acceleration there and its rate.
-    pub(crate) fn take(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
+    pub(crate) fn advance(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
         let Step { omega, damping, omega_d, duration, cos, sin } = *self;
         // The particular solution `c0 + c1 t`, plus the free vibration that meets the initial state.
         let c1 = -slope / (omega * omega);
@@ -170,7 +170,7 @@ mod tests {
             let step = Step::new(omega, DAMPING, h);
             let mut state = [0.0; 2];
             for i in 0..20 {
-                state = step.take(state, slope * f64::from(i) * h, slope);
+                state = step.advance(state, slope * f64::from(i) * h, slope);
                 let t = f64::from(i + 1) * h;
                 let (sin, cos) = (root * omega * t).sin_cos();
                 let free = (1.0 - 2.0 * DAMPING * DAMPING) / root * sin - 2.0 * DAMPING * cos;

@@ -25,9 +25,9 @@ pub fn rotated(record: &Record, transverse: &Record, angle: f64) -> Result<Recor
         }
     }
     let (sin, cos) = libm::sincos(angle.to_radians());
-    let of = |record: &Record, i: usize| record.acceleration.get(i).copied().unwrap_or(0.0);
+    let sample = |record: &Record, i: usize| record.acceleration.get(i).copied().unwrap_or(0.0);
     let count = record.acceleration.len().max(transverse.acceleration.len());
-    let acceleration = (0..count).map(|i| of(record, i) * cos + of(transverse, i) * sin).collect();
+    let acceleration = (0..count).map(|i| sample(record, i) * cos + sample(transverse, i) * sin).collect();
     let title = format!("{} rotated by {angle} degrees towards {}", record.title, transverse.title);
     Ok(Record { title, acceleration, ..record.clone() })
 }

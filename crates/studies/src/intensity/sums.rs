@@ -64,17 +64,19 @@ pub fn cumulative_absolute_velocity(record: &Record) -> f64 {
 
 /// Significant duration D5–95 (s): from the time at which ∫a² dt has reached 5 % of its final value to that of 95 %
 /// (M. D. Trifunac, A. G. Brady, A study on the duration of strong earthquake ground motion, Bull. Seism. Soc. Am. 65
-/// (1975) 581–626), with times between samples. Nothing for a record of zeros.
+/// (1975) 581–626), with times between samples. `None` for a record of zeros.
 pub fn significant_duration(record: &Record) -> Option<f64> {
     let h = record.time_step;
     let total: f64 = steps(record).map(|step| square(step, h)).sum();
-    let time_of = |part: f64| {
+    let time_of = |fraction: f64| {
         let mut sum = 0.0;
         for (number, [a, b]) in steps(record).enumerate() {
             let next = sum + square([a, b], h);
-            if next >= part * total {
-                let missing = |t: f64| part * total - sum - square([a, a + (b - a) * t / h], t);
-                return Some(number as f64 * h + sign_change(0.0, h, part * total - sum, part * total - next, missing));
+            if next >= fraction * total {
+                let missing = |t: f64| fraction * total - sum - square([a, a + (b - a) * t / h], t);
+                return Some(
+                    number as f64 * h + sign_change(0.0, h, fraction * total - sum, fraction * total - next, missing),
+                );
             }
             sum = next;
         }
@@ -93,7 +95,7 @@ fn square([a, b]: [f64; 2], time: f64) -> f64 {
     time * (a * a + a * b + b * b) / 3.0
 }
 
-/// The real zeros of `c2 t² + c1 t + c0`, to rounding; missing zeros are not finite.
+/// The real zeros of `c2 t² + c1 t + c0`, to round-off; missing zeros are not finite.
 fn zeros(c2: f64, c1: f64, c0: f64) -> [f64; 2] {
     let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
     let sum = -0.5 * (c1 + root.copysign(c1));

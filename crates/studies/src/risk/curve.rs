@@ -212,7 +212,7 @@ fn linear(law: &PowerLaw, levels: [f64; 2], probabilities: [f64; 2]) -> f64 {
 
 /// `∫ P |dH|` over a power law for a logistic curve.
 ///
-/// Below z = −36 the probability is exp(z), above z = 36 it is 1, to rounding; between, Gauss's rule of ten points runs over parts
+/// Below z = −36 the probability is exp(z), above z = 36 it is 1, to round-off; between, Gauss's rule of ten points runs over parts
 /// of at most β and 1/k.
 fn logistic(law: &PowerLaw, mu: f64, beta: f64) -> f64 {
     const FAR: f64 = 36.0;

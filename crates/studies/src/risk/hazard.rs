@@ -129,7 +129,7 @@ impl PowerLaw {
         self.rate * libm::exp(-self.slope * (x - self.at))
     }
 
-    /// The part between two logarithms; nothing if they lie outside.
+    /// The part between two logarithms; `None` if they lie outside.
     pub fn between(&self, from: f64, to: f64) -> Option<PowerLaw> {
         let part = PowerLaw { from: self.from.max(from), to: self.to.min(to), ..*self };
         (part.from < part.to).then_some(part)

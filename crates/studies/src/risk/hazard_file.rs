@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::fragility::split_heading;
 use crate::intensity::Measure;
 use crate::risk::hazard::{HazardCurve, HazardError};
 use crate::risk::units::si;
@@ -117,8 +118,8 @@ fn usual_unit(measure: &str) -> Option<String> {
     Some(unit.into())
 }
 
-fn years(options: &HazardOptions, of_file: Option<f64>) -> Result<Option<f64>, HazardError> {
-    match options.years.or(of_file) {
+fn years(options: &HazardOptions, years_of_file: Option<f64>) -> Result<Option<f64>, HazardError> {
+    match options.years.or(years_of_file) {
         Some(years) if !(years > 0.0 && years.is_finite()) => {
             Err(HazardError::new(format!("an investigation time of {years} years"), "a number above 0"))
         }
@@ -136,7 +137,7 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
     let header = reader.headers().map_err(unreadable)?.clone();
     let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
     let comment: String = text.lines().take_while(|line| line.starts_with('#')).collect();
-    let said = |key: &str| {
+    let value_in_comment = |key: &str| {
         let rest = comment.split_once(&format!("{key}="))?.1;
         Some(rest.split([',', '"']).next()?.trim_matches(['\'', ' ']).to_string())
     };
@@ -152,11 +153,12 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
     let values = columns.iter().map(|&(i, level)| number(&row[i], &format!("the column of the level {level}")));
     let folder = Path::new(file).parent().and_then(Path::file_name).map(|name| canonical(&name.to_string_lossy()));
     let measure = match is_openquake {
-        true => said("imt").map(|name| canonical(&name)),
+        true => value_in_comment("imt").map(|name| canonical(&name)),
         false => folder.filter(|name| name.parse::<Measure>().is_ok()),
     };
-    let of_file = said("investigation_time").map(|text| number(&text, "investigation_time")).transpose()?;
-    let years = years(options, of_file)?;
+    let years_of_file =
+        value_in_comment("investigation_time").map(|text| number(&text, "investigation_time")).transpose()?;
+    let years = years(options, years_of_file)?;
     if is_openquake && years.is_none() {
         return Err(HazardError::new("no investigation_time in the comment", "the years of the probabilities"));
     }
@@ -177,11 +179,11 @@ fn site<'a>(
 ) -> Result<&'a csv::StringRecord, HazardError> {
     let column = |name: &str| header.iter().position(|found| found.eq_ignore_ascii_case(name));
     let (name, lon, lat) = (column("name").or(column("custom_site_id")), column("lon"), column("lat"));
-    let place = |row: &csv::StringRecord| {
+    let coordinates = |row: &csv::StringRecord| {
         let at = |column: Option<usize>| column.and_then(|i| row.get(i)?.parse::<f64>().ok());
         Some([at(lon)?, at(lat)?])
     };
-    let label = |row: &csv::StringRecord| match (name.and_then(|i| row.get(i)), place(row)) {
+    let label = |row: &csv::StringRecord| match (name.and_then(|i| row.get(i)), coordinates(row)) {
         (Some(name), _) => name.to_string(),
         (None, Some([lon, lat])) => format!("{lon},{lat}"),
         (None, None) => "a site without a name".into(),
@@ -199,7 +201,8 @@ fn site<'a>(
     };
     let at: Option<Vec<f64>> = wanted.split(',').map(|part| part.trim().parse().ok()).collect();
     let is_wanted = |row: &&csv::StringRecord| {
-        name.is_some_and(|i| row[i].eq_ignore_ascii_case(wanted)) || at.is_some() && place(row).map(Vec::from) == at
+        name.is_some_and(|i| row[i].eq_ignore_ascii_case(wanted))
+            || at.is_some() && coordinates(row).map(Vec::from) == at
     };
     let known = || rows.iter().take(8).map(label).collect::<Vec<_>>().join("; ");
     rows.iter()
@@ -221,7 +224,7 @@ fn two_columns(
     if level.parse::<f64>().is_ok() || level.is_empty() {
         return Err(HazardError::new(format!("`{level},{value}` in the first line"), EXPECTED));
     }
-    let (name, unit) = level.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((level, ""));
+    let (name, unit) = split_heading(level);
     let years = years(options, None)?;
     let is_probability = ["poe", "prob"].iter().any(|word| value.to_ascii_lowercase().contains(word));
     if is_probability && years.is_none() {
@@ -230,7 +233,7 @@ fn two_columns(
     let column = |i: usize| rows.iter().map(|row| number(&row[i], headings[i])).collect::<Result<Vec<f64>, _>>();
     Ok(RawCurve {
         measure: Some(canonical(name)),
-        unit: Some(unit.to_string()).filter(|unit| !unit.is_empty()),
+        unit: unit.filter(|unit| !unit.is_empty()).map(String::from),
         levels: column(0)?,
         values: column(1)?,
         years,
@@ -261,9 +264,10 @@ fn json(text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {
         HazardError::new(format!("hazard curves of {}", known.join(", ")), expected)
     })?;
     let measure = name(curve);
-    let parts = curve["data"].as_array().map_or(&[][..], |parts| parts);
-    let total =
-        parts.iter().find(|part| part["component"].as_str().is_none_or(|name| name.eq_ignore_ascii_case("total")));
+    let components = curve["data"].as_array().map_or(&[][..], |components| components);
+    let total = components
+        .iter()
+        .find(|component| component["component"].as_str().is_none_or(|name| name.eq_ignore_ascii_case("total")));
     let total = total.ok_or_else(|| HazardError::new("no component `Total` in `data`", EXPECTED))?;
     let numbers = |choices: [&Value; 2], name: &str| {
         let array = choices.into_iter().find_map(Value::as_array);

@@ -5,8 +5,8 @@
 //! which the intensity measure exceeds m, and P the probability that the limit is exceeded at m.
 //!
 //! Between its levels the hazard is a power law, linear in logarithmic axes. Each segment is then integrated in closed form for a
-//! lognormal or tabulated curve, and to rounding by Gauss's rule for a logistic one. The first and the last power law continue
-//! beyond the levels; [`AnnualRate`] tells the parts of the rate that come from there.
+//! lognormal or tabulated curve, and to round-off by Gauss's rule for a logistic one. The first and the last power law continue
+//! beyond the levels; [`AnnualRate`] has the parts of the rate from there.
 //!
 //! | module | in → out |
 //! | --- | --- |

@@ -83,7 +83,7 @@ impl AnnualRate {
         ends.windows(2).map(part).collect()
     }
 
-    /// The measure below which this share of the rate comes about; nothing without a finite rate above zero.
+    /// The measure below which this share of the rate arises; `None` without a finite rate above zero.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         if !(self.rate > 0.0 && self.rate.is_finite()) {
             return None;
@@ -107,7 +107,7 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
     -libm::expm1(-rate * years)
 }
 
-/// The interval of the annual rate that the uncertainty of a fitted curve gives; nothing for an end that is not finite.
+/// The interval of the annual rate from the uncertainty of a fitted curve; an end that is not finite is `None`.
 ///
 /// With a bootstrap, the interval of the rates of its curves. Otherwise the rates of the lower and the upper end of the pointwise
 /// band, which lie at least as far apart as those of any curve inside the band.

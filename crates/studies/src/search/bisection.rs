@@ -15,7 +15,7 @@ pub struct Scan {
     pub to: f64,
     /// Number of values, evenly spaced, both ends included; at least two.
     pub points: u64,
-    /// Width to which a change is bracketed, above zero, in the unit of the values; never narrower than rounding.
+    /// Width to which a change is bracketed, above zero, in the unit of the values; never narrower than round-off.
     pub resolution: f64,
 }
 
@@ -134,7 +134,7 @@ impl<K: PartialEq + Copy> OutcomeMap<K> {
         self.stretches().into_iter().find(|stretch| stretch.2 == outcome).map(|stretch| stretch.0)
     }
 
-    /// The least value above which this outcome does not recur; nothing if the greatest value has it.
+    /// The least value above which this outcome does not recur; `None` if the greatest value has it.
     pub fn least_without(&self, outcome: K) -> Option<f64> {
         let stretches = self.stretches();
         let without = stretches.iter().rev().take_while(|stretch| stretch.2 != outcome);
@@ -192,7 +192,7 @@ impl<K: PartialEq + Copy> Change<K> {
         Change { below: below.0, above: above.0, from: below.1, to: above.1 }
     }
 
-    /// The next value to evaluate; none once the bracket is as narrow as the resolution, or rounding.
+    /// The next value to evaluate; none once the bracket is as narrow as the resolution, or round-off.
     fn middle(&self, resolution: f64) -> Option<f64> {
         let middle = self.below + 0.5 * (self.above - self.below);
         (self.above - self.below > resolution && middle > self.below && middle < self.above).then_some(middle)
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// A resolution below rounding ends at neighbouring numbers.
+    /// A resolution below round-off ends at neighbouring numbers.
     #[test]
     fn a_resolution_below_rounding_terminates() {
         let outcome = |x: f64| x > std::f64::consts::FRAC_1_SQRT_2;

@@ -67,12 +67,12 @@ pub fn damping_against_separation(
     width: Option<VectorWidth>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Result<OutcomeMap<End>, BlockError> {
-    let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common)?.with_ties(ties);
-    of(scan.from).and(of(scan.to))?;
+    let block_with = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common)?.with_ties(ties);
+    block_with(scan.from).and(block_with(scan.to))?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
     let run = |xi_v| {
         // A block that is valid at both ends of the range is valid between them.
-        let block = of(xi_v).unwrap_or_else(|error| unreachable!("{error}"));
+        let block = block_with(xi_v).unwrap_or_else(|error| unreachable!("{error}"));
         Run { initial, ..Run::at_rest(block, settings) }
     };
     Ok(changes_of_end(scan, width, run, progress))

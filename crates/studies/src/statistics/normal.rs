@@ -28,7 +28,7 @@ pub fn inverse_mills_ratio(x: f64) -> f64 {
     if x > FAR { density(x) / probability(x) } else { -x / tail(x) }
 }
 
-/// The deviate x with Φ(x) = `probability`, above 0 and below 1, to rounding.
+/// The deviate x with Φ(x) = `probability`, above 0 and below 1, to round-off.
 pub fn quantile(probability: f64) -> f64 {
     let lower = probability.min(1.0 - probability);
     // Φ(−38.5) is about the least positive number.
@@ -36,7 +36,7 @@ pub fn quantile(probability: f64) -> f64 {
     if probability < 0.5 { x } else { -x }
 }
 
-/// Below this deviate Φ(x) loses digits; five terms of its asymptotic series are exact to rounding.
+/// Below this deviate Φ(x) loses digits; five terms of its asymptotic series are exact to round-off.
 const FAR: f64 = -30.0;
 
 /// −x Φ(x)/φ(x) for x below [`FAR`] (M. Abramowitz, I. A. Stegun, Handbook of mathematical functions, 26.2.12).

@@ -1,6 +1,6 @@
-//! Fits to synthetic tests with planted parameters: intervals must contain them as often as they promise.
+//! Fits to synthetic tests with planted parameters: intervals must contain them at their confidence level.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Estimate, Fit, Free, Options, Problem, Test, fit};
@@ -49,7 +49,7 @@ fn intervals_contain_the_truth() {
         notes += found.notes.len();
     }
     assert!((18..30).contains(&profile) && (18..30).contains(&quadratic), "{profile} {quadratic}");
-    // White errors of the given size leave nothing to say, but by chance.
+    // White errors of the stated size cause no note, except by chance.
     assert!(notes <= 1);
 }
 
@@ -88,7 +88,8 @@ fn noise_that_is_not_given_is_estimated() {
 fn one_parameter_is_fitted_alone() {
     let planted = rigid();
     let mut problem = planted.problem(planted.measured(2));
-    (problem.given, problem.common.restitution_factor) = (Given::Dimensionless(planted.truth), 0.96);
+    (problem.parameterization, problem.common.restitution_factor) =
+        (Parameterization::Dimensionless(planted.truth), 0.96);
     problem.free = vec![Free::named("p")];
     let found = fitted(&problem);
     let Some([Some(low), Some(high)]) = found.estimates[0].interval else { panic!("{found:?}") };
@@ -148,7 +149,7 @@ fn priors_count_and_what_the_data_do_not_tell_is_named() {
     let mut problem = planted.problem(planted.measured(4));
     problem.free.push(Free::named("mass"));
     let without = fitted(&problem);
-    assert!(without.notes.iter().any(|note| note == "the data do not tell mass"), "{:?}", without.notes);
+    assert!(without.notes.iter().any(|note| note == "the data do not determine mass"), "{:?}", without.notes);
     assert_eq!(without.estimates[3].interval, Some([None, None]));
     let [mean, deviation] = [3.11, 0.01 * without.estimates[0].standard_error];
     problem.free[0].prior = Some([mean, deviation]);
@@ -159,7 +160,7 @@ fn priors_count_and_what_the_data_do_not_tell_is_named() {
     let Some([Some(low), Some(high)]) = *interval else { panic!("{interval:?}") };
     assert!((value - 1100.0).abs() < 0.01 && (standard_error - 10.0).abs() < 0.01, "{value} ± {standard_error}");
     assert!((high - low - 2.0 * 1.959964 * 10.0).abs() < 0.1, "{low} to {high}");
-    assert!(with.notes.iter().any(|note| note == "the data do not tell mass"), "a prior is no datum");
+    assert!(with.notes.iter().any(|note| note == "the data do not determine mass"), "a prior is no datum");
 }
 
 /// The same bits with any number of threads.
@@ -191,9 +192,10 @@ fn a_shaking_table_test_of_two_quantities_is_fitted() {
     };
     let tests =
         vec![test("theta", 1e-3, |row| row.observation.theta), test("N_L", 50.0, |row| row.observation.reaction[0])];
-    let given = Given::Dimensionless(Dimensionless { alpha: 0.27, eta: 33.0, ..dimensionless });
+    let parameterization = Parameterization::Dimensionless(Dimensionless { alpha: 0.27, eta: 33.0, ..dimensionless });
     let free = vec![Free::named("alpha"), Free::named("eta")];
-    let found = fitted(&Problem { given, common, ties: Vec::new(), free, tests, options: Options::default() });
+    let found =
+        fitted(&Problem { parameterization, common, ties: Vec::new(), free, tests, options: Options::default() });
     for (estimate, truth) in found.estimates.iter().zip([0.25, 30.0, 4.0, 4.0]) {
         assert!((estimate.value / truth - 1.0).abs() < 1e-5, "{estimate:?}");
     }
@@ -207,7 +209,7 @@ type Change<'a> = &'a dyn Fn(&mut Problem);
 fn errors_say_what_was_found_and_what_is_expected() {
     let planted = rigid();
     let sound = planted.problem(planted.measured(1));
-    let told = |change: &dyn Fn(&mut Problem)| {
+    let message_of = |change: &dyn Fn(&mut Problem)| {
         let mut problem = sound.clone();
         change(&mut problem);
         fit(&problem, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap_err().to_string()
@@ -233,7 +235,7 @@ fn errors_say_what_was_found_and_what_is_expected() {
         (&|of| of.options.level = 1.0, "level = 1; expected a number above 0 and below 1"),
     ];
     for (change, expected) in cases {
-        let message = told(change);
+        let message = message_of(change);
         assert!(message.starts_with(expected), "{message}");
     }
     let mut unweighted = sound;

@@ -2,7 +2,7 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Free, Options, Problem, Test};
 use rocking_studies::run::{Row, Run};
@@ -72,25 +72,26 @@ impl Planted {
         self.runs().into_iter().map(&mut test).collect()
     }
 
-    /// The fit of a test whose parameters are first taken to be wrong by up to 20 %, each on its own.
+    /// The fit of a test from initial parameters that are wrong by up to 20 %, independently.
     pub fn problem(&self, tests: Vec<Test>) -> Problem {
         let Dimensionless { alpha, p, eta, xi_v } = self.truth;
-        let mut given = Given::Dimensionless(self.truth);
+        let mut parameterization = Parameterization::Dimensionless(self.truth);
         let mut common = self.common;
         if self.common.foundation == Foundation::Rigid {
-            given = Given::Dimensionless(Dimensionless { alpha: 1.15 * alpha, p: 0.85 * p, eta, xi_v });
+            parameterization =
+                Parameterization::Dimensionless(Dimensionless { alpha: 1.15 * alpha, p: 0.85 * p, eta, xi_v });
             common.restitution_factor = 1.0;
         } else {
-            given = match given {
-                Given::Dimensionless(_) => {
-                    Given::Dimensionless(Dimensionless { alpha, p, eta: 1.3 * eta, xi_v: 0.7 * xi_v })
+            parameterization = match parameterization {
+                Parameterization::Dimensionless(_) => {
+                    Parameterization::Dimensionless(Dimensionless { alpha, p, eta: 1.3 * eta, xi_v: 0.7 * xi_v })
                 }
                 other => other,
             };
             common.epsilon = 0.1;
         }
         Problem {
-            given,
+            parameterization,
             common,
             ties: Vec::new(),
             free: self.free.iter().map(|name| Free::named(name)).collect(),

@@ -1,6 +1,6 @@
 //! The strength at which a block overturns moves with a parameter as the derivatives of a run near it predict.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
@@ -42,7 +42,7 @@ impl Search {
         }
     }
 
-    /// The search's own threshold, to rounding.
+    /// The search's own threshold, to round-off.
     fn threshold(&self) -> f64 {
         let [from, to] = self.range;
         let scan = Scan { from, to, points: 2, resolution: 1e-15 };
@@ -70,12 +70,12 @@ impl Search {
     /// The derivatives of the threshold over these parameters, from a run just below it. Near the top, where the run hovers, all its
     /// derivatives have grown along the same unstable motion: the run stays there if `θ_strength d(strength) + θ_q dq = 0`.
     fn predicted(&self, names: &[&str]) -> Vec<f64> {
-        // So large that other motions do not matter, so small that the run, a rounding away from the threshold, is still near the top.
+        // So large that other motions do not matter, so small that the run beside the threshold is still near the top.
         const GROWN: f64 = 1e8;
         let strength = self.threshold().next_down();
         let pulse = Pulse { amplitude: strength, ..self.pulse };
         let parameters = Parameters {
-            given: Given::Dimensionless(self.dimensionless),
+            parameterization: Parameterization::Dimensionless(self.dimensionless),
             common: self.common,
             ties: Vec::new(),
             initial: Initial::default(),

@@ -2,8 +2,8 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`pull`] | place and motion of the block → stretch and tension of a tie; its energy and power |
-//! | [`switching`] | the functions of a tie that are watched → it is taut, slack or limp, or breaks |
+//! | [`pull`] | position and motion of the block → stretch and tension of a tie; its energy and power |
+//! | [`switching`] | event functions of a tie → it is taut, slack or limp, or breaks |
 
 pub mod pull;
 pub mod switching;
@@ -25,37 +25,36 @@ const EXPECTED: &str = "at most 8 ties";
 /// Names of the ties in tables of events.
 pub const NAMES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
 
-/// The number of ties among the variables of the FMU.
+/// Number of ties among the variables of the FMU.
 pub const VARIABLES: usize = 2;
 
-/// A tendon, guy or restraint, which pulls a point of the block towards a point of the ground along the line between them. It never
-/// pushes.
+/// A tendon, guy or restrainer: pulls a point of the block towards a point of the ground, and never pushes.
 ///
 /// Positions are relative to the middle of the base of the block at rest without ties (m), x to the right, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tie<T = f64> {
-    /// Where it is fixed to the block, `[x, z]` (m).
+    /// End on the block, `[x, z]` (m).
     pub block: [T; 2],
-    /// Where it is fixed to the ground, `[x, z]` (m).
+    /// End on the ground, `[x, z]` (m).
     pub ground: [T; 2],
-    /// Stiffness k (N/m); there is no tie where it is 0.
+    /// Stiffness k (N/m); 0 means no tie.
     pub stiffness: T,
-    /// Tension T0 (N) over the length at rest.
+    /// Tension T0 (N) at the length at rest.
     pub pretension: T,
-    /// Stretch (m) from the length at rest at which it begins to pull, without pretension.
+    /// Elongation (m) beyond the length at rest at which a tie without pretension begins to pull.
     pub slack: T,
     /// Damping c (N.s/m).
     pub damping: T,
-    /// Tension (N) at which it breaks; 0 for one that does not break.
+    /// Tension (N) at which it breaks; 0 means that it does not break.
     pub strength: T,
 }
 
-/// The ties of a block, at most [`MOST_TIES`]. Without any there is nothing to write in a step of lanes, which makes blocks.
+/// The ties of a block, at most [`MOST_TIES`]. A step of lanes, which makes blocks, writes nothing for [`Ties::Nothing`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ties<T = f64> {
     /// No tie.
     Nothing,
-    /// The first `count` of these.
+    /// The first `count` of an array.
     Some {
         /// The ties, and copies of the last one.
         ties: [Tie<T>; MOST_TIES],
@@ -65,7 +64,7 @@ pub enum Ties<T = f64> {
 }
 
 impl<T: Copy> Ties<T> {
-    /// These ties, which are not checked; none beyond [`MOST_TIES`].
+    /// Makes ties of the first [`MOST_TIES`] of a list, without checks.
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
         let Some(&last) = ties.last() else { return Ties::Nothing };
         Ties::Some {
@@ -76,7 +75,7 @@ impl<T: Copy> Ties<T> {
 }
 
 impl<T> Ties<T> {
-    /// The ties.
+    /// Returns the ties.
     #[inline(always)]
     pub fn all(&self) -> &[Tie<T>] {
         match self {
@@ -85,7 +84,7 @@ impl<T> Ties<T> {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there is no tie.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         matches!(self, Ties::Nothing)
@@ -93,7 +92,7 @@ impl<T> Ties<T> {
 }
 
 impl<T: Copy> Tie<T> {
-    /// The same with each number changed by `f`.
+    /// Returns the tie with each number converted by `f`.
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Tie<U> {
         Tie {
             block: self.block.map(&f),
@@ -108,14 +107,14 @@ impl<T: Copy> Tie<T> {
 }
 
 impl<T: Elementary> Tie<T> {
-    /// Distance of its ends at rest (m).
+    /// Returns the distance of its ends at rest (m).
     pub fn length(&self) -> T {
         (self.block[0] - self.ground[0]).hypot(self.block[1] - self.ground[1])
     }
 }
 
 impl Tie {
-    /// Refuses an impossible tie. Errors name the parameter.
+    /// Refuses an impossible tie. An error names the parameter.
     pub fn check(&self) -> Result<(), BlockError> {
         let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
         for (name, value) in [
@@ -138,7 +137,7 @@ impl Tie {
             return Err(BlockError::OutOfRange {
                 name: "length of a tie",
                 value: self.length(),
-                expected: "two different places of its ends",
+                expected: "a distance of its ends above 0",
             });
         }
         Ok(())
@@ -146,7 +145,7 @@ impl Tie {
 }
 
 impl Block {
-    /// Returns the block with these ties, at most [`MOST_TIES`]. Errors name the first parameter that is not valid.
+    /// Returns the block with these ties, at most [`MOST_TIES`]. An error names the first invalid parameter.
     pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > MOST_TIES {
             return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
@@ -158,7 +157,7 @@ impl Block {
 }
 
 impl<T> Block<T> {
-    /// Its ties.
+    /// Returns its ties.
     #[inline(always)]
     pub fn ties(&self) -> &[Tie<T>] {
         self.restraints.ties.all()
@@ -168,19 +167,19 @@ impl<T> Block<T> {
 /// The state of a tie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TieState {
-    /// It is shorter than the length at which it begins to pull, or there is none.
+    /// Too short to pull, or absent.
     #[default]
     Slack,
-    /// It pulls.
+    /// Pulling.
     Taut,
-    /// It is stretched, but shortens so fast that dashpot and spring together would push.
+    /// Stretched, but shortening so fast that dashpot and spring together would push.
     Limp,
-    /// It broke.
+    /// Broken.
     Broken,
 }
 
 /// The states of all ties of a block.
 pub type TieStates = [TieState; MOST_TIES];
 
-/// No tie pulls.
+/// All ties slack.
 pub const NO_TIES: TieStates = [TieState::Slack; MOST_TIES];

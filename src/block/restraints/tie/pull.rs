@@ -1,15 +1,15 @@
-//! Ties: each pulls a point of the block towards a point of the ground, along the line between them.
+//! The pull of ties, along the line between their ends.
 //!
-//! Stretched by `s = L − L0 − slack + T0/k` a tie pulls with `T = k s + c ṡ` while it is taut, and not at all otherwise.
+//! A taut tie stretched by `s = L − L0 − slack + T0/k` pulls with `T = k s + c ṡ`; other ties do not pull.
 
 use super::{MOST_TIES, Tie, TieState, TieStates, Ties};
-use crate::block::{Block, Place};
+use crate::block::{Block, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-/// A tie that is stretched.
+/// Stretch of a tie, and its direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch<T> {
-    /// Its stretch s (m); it pulls only where this is positive.
+    /// Stretch s (m); the tie pulls only if it is positive.
     pub length: T,
     /// Its rate ṡ (m/s).
     pub rate: T,
@@ -17,19 +17,23 @@ pub struct Stretch<T> {
     along: [T; 3],
 }
 
-/// Stretch of a tie.
-pub fn stretch<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, tie: &Tie<P>, place: &Place<T>) -> Stretch<T> {
-    let &Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = place;
-    // From the centre of mass to the end at the block, at rest and turned.
+/// Returns the stretch of a tie.
+pub fn stretch<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    tie: &Tie<P>,
+    kinematics: &Kinematics<T>,
+) -> Stretch<T> {
+    let &Kinematics { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = kinematics;
+    // From the centre of mass to the end on the block: at rest, then rotated.
     let [x, z] = [tie.block[0] - block.eccentricity, tie.block[1] - block.h];
     let [x, z] = [cos * x + sin * z, cos * z - sin * x];
     let at_rest = [tie.block[0] - tie.ground[0], tie.block[1] - tie.ground[1]];
-    // From the end at the ground to that at the block.
+    // From the end on the ground to that on the block.
     let d = [u + x - (tie.ground[0] - block.eccentricity), v + z - (tie.ground[1] - block.h)];
     let d_dot = [u_dot + z * theta_dot, v_dot - x * theta_dot];
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
     let free = (at_rest[0] * at_rest[0] + at_rest[1] * at_rest[1]).sqrt() + tie.slack - tie.pretension / tie.stiffness;
-    // Ends that meet pull in no direction.
+    // A tie whose ends coincide has no direction.
     let inverse = T::select_less(T::Real::from(0.0), length.value(), T::from(1.0) / length, T::from(0.0));
     let along = [d[0] * inverse, d[1] * inverse];
     Stretch {
@@ -39,13 +43,13 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, tie: &Tie<P>, pl
     }
 }
 
-/// Tension (N) of a tie if it is taut.
+/// Returns the tension (N) of a taut tie.
 #[inline(always)]
 pub fn taut_tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, stretch: &Stretch<T>) -> T {
     stretch.length * tie.stiffness + stretch.rate * tie.damping
 }
 
-/// Tension (N) of a tie.
+/// Returns the tension (N) of a tie in this state.
 #[inline(always)]
 pub fn tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, state: TieState, stretch: &Stretch<T>) -> T {
     match state {
@@ -58,15 +62,15 @@ pub fn tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, state: TieState, str
 pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &TieStates,
-    place: &Place<T>,
+    kinematics: &Kinematics<T>,
     [mut x, mut z, mut moment]: [T; 3],
 ) -> [T; 3] {
     for (tie, &state) in block.ties().iter().zip(states) {
         if state == TieState::Taut {
-            let stretch = stretch(block, tie, place);
+            let stretch = stretch(block, tie, kinematics);
             let pull = tension(tie, state, &stretch) * (P::from(1.0) / block.mass);
             let along = stretch.along;
-            // A forcing is an acceleration of the ground: a load counts less.
+            // A forcing is a ground acceleration, so a load on the block has the opposite sign.
             x = x + pull * along[0];
             z = z + pull * along[1];
             moment = moment - pull * along[2];
@@ -78,7 +82,7 @@ pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
 /// Whether a tie pulls.
 #[inline(always)]
 pub fn pulls(states: &TieStates) -> bool {
-    // Of constant states the compiler knows the answer, other than of `contains`.
+    // The compiler evaluates this for constant states, unlike `contains`.
     states.iter().any(|state| matches!(state, TieState::Taut))
 }
 
@@ -89,75 +93,79 @@ pub fn dissipates(states: &TieStates) -> bool {
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
-pub fn less_static_pull<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>, mut force: T) -> T {
+pub fn less_static_pull<T: Elementary>(
+    block: &Block<T>,
+    ties: &Ties<T>,
+    kinematics: &Kinematics<T>,
+    mut force: T,
+) -> T {
     for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
-        let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, place);
+        let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
         let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
         force = force - tension * z;
     }
     force
 }
 
-/// Vertical stiffness (N/m) of the ties at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>) -> f64 {
-    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, place)).sum()
+/// Returns the vertical stiffness (N/m) of the ties at rest.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
+    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, kinematics)).sum()
 }
 
-/// Vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
-fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> f64 {
+/// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
+fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
     }
-    let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, place);
+    let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
     if stretch > 0.0 { stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)) } else { 0.0 }
 }
 
-/// Tensions of all ties (N).
+/// Returns the tensions of all ties (N).
 pub fn tensions<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &TieStates,
-    place: &Place<T>,
+    kinematics: &Kinematics<T>,
 ) -> [T; MOST_TIES] {
     let mut tensions = [T::from(0.0); MOST_TIES];
-    for ((of, tie), &state) in tensions.iter_mut().zip(block.ties()).zip(states) {
-        *of = tension(tie, state, &stretch(block, tie, place));
+    for ((value, tie), &state) in tensions.iter_mut().zip(block.ties()).zip(states) {
+        *value = tension(tie, state, &stretch(block, tie, kinematics));
     }
     tensions
 }
 
-/// Energy of the springs of the ties per mass (m²/s²): `½ k s²` while a tie is stretched.
-pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, place: &Place<T>) -> T {
-    each(block, states, place, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
+/// Returns the energy of the springs of the ties per mass (m²/s²): `½ k s²` of each stretched tie.
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, kinematics: &Kinematics<T>) -> T {
+    sum_stretched(block, states, kinematics, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
 }
 
-/// Power per mass (m²/s³) that the dashpots of the ties take: all that T does beyond the spring, `(T − k s) ṡ`.
-pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, place: &Place<T>) -> T {
-    each(block, states, place, |tie, state, stretch| {
+/// Returns the power per mass (m²/s³) dissipated by the dashpots of the ties: `(T − k s) ṡ`.
+pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, kinematics: &Kinematics<T>) -> T {
+    sum_stretched(block, states, kinematics, |tie, state, stretch| {
         (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
     })
 }
 
-/// A sum over the stretched ties, per mass.
-fn each<P: Scalar, T: CombinesWith<P>>(
+/// Returns the sum of `term` over the stretched ties, per mass.
+fn sum_stretched<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &TieStates,
-    place: &Place<T>,
-    of: impl Fn(&Tie<P>, TieState, Stretch<T>) -> T,
+    kinematics: &Kinematics<T>,
+    term: impl Fn(&Tie<P>, TieState, Stretch<T>) -> T,
 ) -> T {
     let mut sum = T::from(0.0);
     for (tie, &state) in block.ties().iter().zip(states) {
         if matches!(state, TieState::Taut | TieState::Limp) {
-            sum = sum + of(tie, state, stretch(block, tie, place)) * (P::from(1.0) / block.mass);
+            sum = sum + term(tie, state, stretch(block, tie, kinematics)) * (P::from(1.0) / block.mass);
         }
     }
     sum
 }
 
-/// Sums of bounds on the squares of the circular frequencies ((rad/s)²) and on the rates of decay (1/s) that ties give the block:
-/// those of a free block.
+/// Returns sums of bounds on the squared circular frequencies ((rad/s)²) and on the decay rates (1/s) that ties give a free block.
 pub fn stiffest(block: &Block, ties: &Ties) -> [f64; 2] {
     let Block { mass, i0, h, eccentricity, .. } = *block;
     let (mut stiffness, mut damping) = (0.0, 0.0);

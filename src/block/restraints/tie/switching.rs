@@ -1,27 +1,27 @@
-//! A tie is taut where its stretch rises through zero, goes slack where its tension falls through zero, and breaks where its tension
+//! A tie becomes taut when its stretch rises through zero, slack when its tension falls through zero, and breaks when its tension
 //! reaches its strength.
 
 use serde::{Deserialize, Serialize};
 
 use super::pull::{stretch, taut_tension};
 use super::{NO_TIES, Tie, TieState, TieStates, Ties};
-use crate::block::{Block, Place};
+use crate::block::{Block, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 
-/// A function of a tie that is watched.
+/// An event function of a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Surface {
-    /// The stretch of a slack tie, with opposite sign (m).
+    /// The opposite of the stretch of a slack tie (m).
     Shortness,
     /// The stretch of a limp tie (m).
     Stretch,
     /// The tension of a taut tie (N).
     Tension,
-    /// The tension that a limp tie would have if taut, with opposite sign (N).
+    /// The opposite of the tension that a limp tie would have if taut (N).
     Limpness,
-    /// The strength of a taut tie less its tension (N).
+    /// Strength minus tension of a taut tie (N).
     Strength,
 }
 
@@ -30,14 +30,14 @@ pub enum Surface {
 pub enum Event {
     /// It begins to pull.
     Taut,
-    /// It pulls no more.
+    /// It stops pulling.
     Slack,
     /// It breaks.
     Break,
 }
 
 impl Event {
-    /// Its name in tables.
+    /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Event::Taut => "taut",
@@ -57,7 +57,7 @@ impl std::fmt::Display for Event {
     }
 }
 
-/// The functions that are watched in a state of a tie.
+/// Returns the watched functions of a tie in this state.
 pub fn watched(tie: &Tie, state: TieState) -> [Option<Surface>; 2] {
     use Surface::{Limpness, Shortness, Strength, Stretch, Tension};
     match state {
@@ -68,7 +68,7 @@ pub fn watched(tie: &Tie, state: TieState) -> [Option<Surface>; 2] {
     }
 }
 
-/// The function whose value is the tension of a tie in this state, if it pulls.
+/// Returns the function whose value is the tension of a tie in this state, if it pulls.
 pub fn of_pull(state: TieState) -> Option<Surface> {
     match state {
         TieState::Taut => Some(Surface::Tension),
@@ -77,20 +77,20 @@ pub fn of_pull(state: TieState) -> Option<Surface> {
 }
 
 impl Surface {
-    /// Value and rate at a place; `rates` is the place with its rates of change in the dual parts.
+    /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
     #[inline(never)]
     pub fn sample<T: Elementary>(
         self,
         block: &Block<T>,
         tie: &Tie<T>,
-        place: impl Fn() -> Place<T>,
-        rates: impl Fn() -> Place<Dual<T>>,
+        kinematics: impl Fn() -> Kinematics<T>,
+        rates: impl Fn() -> Kinematics<Dual<T>>,
     ) -> Sample<T>
     where
         Dual<T>: CombinesWith<T>,
     {
         let stretch_with_rate = || {
-            let stretch = stretch(block, tie, &place());
+            let stretch = stretch(block, tie, &kinematics());
             Sample { value: stretch.length, rate: stretch.rate }
         };
         let tension = || {
@@ -109,9 +109,9 @@ impl Surface {
         }
     }
 
-    /// Its value alone at a place.
-    pub fn value<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> T {
-        let stretch = stretch(block, tie, place);
+    /// Returns the value.
+    pub fn value<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> T {
+        let stretch = stretch(block, tie, kinematics);
         match self {
             Surface::Shortness => -stretch.length,
             Surface::Stretch => stretch.length,
@@ -121,7 +121,7 @@ impl Surface {
         }
     }
 
-    /// Whether its value follows from the state and its rate from that of the state.
+    /// Whether value and rate follow from the state and its rate alone.
     pub fn follows_from_state(self) -> bool {
         match self {
             Surface::Shortness | Surface::Stretch => true,
@@ -129,7 +129,7 @@ impl Surface {
         }
     }
 
-    /// The size of its terms.
+    /// Returns the size of its terms.
     #[inline(never)]
     pub fn size<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>) -> f64 {
         match self {
@@ -138,17 +138,17 @@ impl Surface {
         }
     }
 
-    /// The state of a tie, and the event that is reported, as this function has fallen through zero at a place.
+    /// Returns the state of the tie and the reported event after this function has fallen through zero.
     pub fn switched<T: Elementary>(
         self,
         block: &Block<T>,
         tie: &Tie<T>,
-        place: impl Fn() -> Place<T>,
+        kinematics: impl Fn() -> Kinematics<T>,
     ) -> (TieState, Option<Event>) {
         match self {
             Surface::Shortness | Surface::Limpness => (TieState::Taut, Some(Event::Taut)),
             Surface::Tension => {
-                let stretched = stretch(block, tie, &place()).length.value() > 0.0;
+                let stretched = stretch(block, tie, &kinematics()).length.value() > 0.0;
                 let damped = tie.damping.value() > 0.0 && stretched;
                 (if damped { TieState::Limp } else { TieState::Slack }, Some(Event::Slack))
             }
@@ -170,12 +170,17 @@ fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
     spring.max(dashpot).max((block.mass * block.gravity).value())
 }
 
-/// The states of ties as they are stretched at the beginning; one beyond its strength is broken. `rounding` is the round-off of a zero
-/// relative to its largest term.
-pub fn at_beginning<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>, rounding: f64) -> TieStates {
+/// Returns the states of ties at the beginning; a tie beyond its strength is broken. `rounding` is the round-off of a zero relative to its
+/// largest term.
+pub fn at_beginning<T: Elementary>(
+    block: &Block<T>,
+    ties: &Ties<T>,
+    kinematics: &Kinematics<T>,
+    rounding: f64,
+) -> TieStates {
     let mut states = NO_TIES;
     for (state, tie) in states.iter_mut().zip(ties.all()).filter(|(_, tie)| tie.stiffness.value() > 0.0) {
-        let stretch = stretch(block, tie, place);
+        let stretch = stretch(block, tie, kinematics);
         let (tension, strength) = (taut_tension(tie, &stretch).value(), tie.strength.value());
         *state = if stretch.length.value() <= rounding * size_of_stretch(block, tie) {
             TieState::Slack

@@ -150,10 +150,10 @@ fn columns_and_formats_are_chosen() {
     assert_eq!(message, format!("{found}; expected --time-column 1 to 3 or a name"));
     // Two numbers a line are time and acceleration, unless --format says otherwise.
     std::fs::write(path.join("pairs.txt"), "0 0.5\n0.1 0.75\n0.2 0.25\n").unwrap();
-    let said = ["--record", "pairs.txt", "--unit", "m/s2"];
-    near(peaks(path, &said), [0.75, 0.0]);
+    let options = ["--record", "pairs.txt", "--unit", "m/s2"];
+    near(peaks(path, &options), [0.75, 0.0]);
     std::fs::write(path.join("pairs.txt"), "0 0.5\n0.1 -0.95\n0.2 0.25\n").unwrap();
-    near(peaks(path, &[&said[..], &["--format", "peer", "--dt", "0.01"]].concat()), [0.95, 0.0]);
+    near(peaks(path, &[&options[..], &["--format", "peer", "--dt", "0.01"]].concat()), [0.95, 0.0]);
     let message = refusal(path, &["simulate", "--record", "a.txt", "--format", "smc"]);
     assert!(message.starts_with("a.txt, line 1: found an SMC file of the kind"), "{message}");
 }

@@ -132,7 +132,7 @@ fn the_summary_counts_the_rows_of_each_curve() {
         let peak = |row: &usize| all.number(*row, "peak.theta/alpha");
         let greatest = *standing.clone().max_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap();
         assert_eq!(summary["greatest"]["peak.theta/alpha"], peak(&greatest));
-        // Of equal ones, such as those of blocks at rest, the first is named.
+        // Among equal values, such as those of blocks at rest, the first is named.
         let first = *standing.clone().find(|&row| peak(row) == peak(&greatest)).unwrap();
         assert_eq!(summary["greatest"]["p"], all.number(first, "p"));
         let foundation = ["40,0.1,0.2", "rigid"][curve % 2];
