@@ -28,7 +28,7 @@ use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
 use crate::system::instant::{Footing, Pose, State};
-use peaks::Peaks;
+use peaks::{Peaks, greater};
 
 pub use crate::system::beginning::Initial;
 pub use ending::{Ending, Progress, SimulationError};
@@ -55,9 +55,9 @@ pub struct Counts {
 /// The slip of the foot since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// Displacement of the foot from its place at the start (m), positive to the right.
+    /// Displacement of the foot from its place at the start (m), positive to the right; in flight, that of the last contact.
     pub now: f64,
-    /// Length of its path (m).
+    /// Length of its path on the ground (m).
     pub total: f64,
 }
 
@@ -381,6 +381,11 @@ impl Simulation {
         let after = self.now(now.block, now.excitation);
         let lost = now.energy() - after.energy();
         self.sums.lose(event, lost);
+        if now.regime == Regime::Separated && after.regime != Regime::Separated {
+            // The flight has moved the foot.
+            self.slip.now = after.foot_place();
+            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
+        }
         let Some(kind) = event else { return Ok(after) };
         if kind == EventKind::Overturning {
             self.ending = Some((Ending::Overturned, time));

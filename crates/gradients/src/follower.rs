@@ -181,8 +181,17 @@ impl Follower {
         self.events.extend(happened.map(|event| EventGradient { event, time: shift }));
         if !simulation.is_frozen() {
             let slowed = fall.rates.slip - after.slip;
+            let landed = self.pose.contacts.regime().foot().is_some() && before.contacts.regime().foot().is_none();
             self.pose = moved(&self.pose, after, shift.map(|shift| -shift));
-            self.slip.eps = std::array::from_fn(|i| self.slip.eps[i] + slowed * shift[i]);
+            let eps = if landed {
+                self.at(&self.pose, &self.excitation).foot_place().eps
+            } else {
+                std::array::from_fn(|i| self.slip.eps[i] + slowed * shift[i])
+            };
+            self.slip = Number::new(simulation.slip().now, eps);
+            if landed && simulation.peaks().slip == self.slip.re.abs() {
+                self.peak_segments.record_slip(self.slip, after.slip, shift);
+            }
         }
         self.pose.time = Number::from(time);
     }

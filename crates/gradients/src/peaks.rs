@@ -82,8 +82,13 @@ impl PeakSegments {
             }
         }
         if after.slip != before.slip {
-            self.slip = slip.eps.map(|eps| slip.re.signum() * eps);
+            self.record_slip(slip, 0.0, [0.0; BATCH]);
         }
+    }
+
+    /// Records a peak of the slip at an event with these derivatives of its time, from its value (m) and rate (m/s) there.
+    pub fn record_slip(&mut self, slip: Number, rate: f64, shift: [f64; BATCH]) {
+        self.slip = std::array::from_fn(|i| slip.re.signum() * (slip.eps[i] + rate * shift[i]));
     }
 
     /// Returns these peaks of the run with their derivatives.

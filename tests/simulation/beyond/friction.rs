@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use rocking_block::block::{Block, Common, Corner, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 
 use crate::blocks::block;
@@ -42,6 +42,38 @@ fn newmarks_block_under_a_rectangular_pulse() {
         let energies = simulation.energies();
         assert!(energies.residual.abs() < 1e-8 * energies.friction && energies.friction > 0.0, "{energies:?}");
     }
+}
+
+/// A flight moves the foot, too: after each landing the slip is the displacement of the corner, or of the middle of the base, on which the
+/// block stands.
+#[test]
+fn slip_includes_the_way_through_the_air() {
+    let block = block([0.47, 1.0, 11.0, 0.05], &Common { epsilon: 0.3, friction: 0.6, ..Common::default() });
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 13.0, period: 1.0, ..Pulse::NONE };
+    let inputs = Inputs::default();
+    let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
+    let (mut landings, mut greatest) = (0, 0.0_f64);
+    for step in 1..=2000 {
+        let before = simulation.regime();
+        simulation.advance(0.005 * f64::from(step), &inputs, &mut |_| ()).unwrap();
+        let offset = match simulation.regime() {
+            Regime::Separated => continue,
+            Regime::FullContact => 0.0,
+            Regime::TiltingLeft => block.b,
+            Regime::TiltingRight => -block.b,
+        };
+        landings += u32::from(before == Regime::Separated);
+        let now = simulation.observe(&inputs);
+        let (sin, cos) = libm::sincos(now.theta);
+        let foot = now.u - block.h * sin + offset * (1.0 - cos);
+        let slip = simulation.slip().now;
+        // Points of the base differ by b (1 − cos θ) where the foot changes.
+        assert!((slip - foot).abs() < 1e-3 * block.b, "slip {slip}, foot at {foot}, {:?}", simulation.regime());
+        greatest = greatest.max(slip.abs());
+    }
+    assert!(landings > 0 && greatest > 0.25, "{landings} landings, {greatest} m");
+    assert!((simulation.peaks().slip - greatest).abs() < 1e-2 * greatest);
 }
 
 /// Under a one-sine pulse the block slides one way, grips or turns back, and comes to rest.
