@@ -111,8 +111,8 @@ def _rotation(axes: Axes, block: _engine.Block, run: _Columns, first: bool, labe
     if first:
         _contact(axes, run)
         axes.axhline(0.0, color=_INK, lw=0.5)
-        for limit in (-1.0, 1.0):
-            axes.axhline(limit, color=_INK, lw=0.8, ls=":")
+        for balance in (-block.alpha_L, block.alpha_R):
+            axes.axhline(balance / block.alpha, color=_INK, lw=0.8, ls=":")
         axes.set_ylabel("rotation θ/α")
     rotation = run["theta"] / block.alpha
     axes.plot(run["t"], rotation, **_style({"linewidth": 1.2, "label": label}, style))

@@ -23,6 +23,9 @@ const BAR: [u32; 2] = [340, 200];
 /// Greatest |θ|/α of a picture. Blocks are about to overturn long before.
 pub const MAX_ROTATION: f64 = 1.5;
 
+/// [`Chart::balance`] of a block whose centre of mass is above the middle of its base.
+pub const EVEN_BALANCE: [f64; 2] = [-1.0, 1.0];
+
 /// A curve, as segments without gaps.
 pub struct Curve {
     /// Style of the line.
@@ -123,8 +126,8 @@ pub struct Chart<'a> {
     pub marks: Vec<(Mark, (f64, f64))>,
     /// Curves, drawn in this order.
     pub curves: Vec<Curve>,
-    /// Whether lines at the ordinates ±1 mark |θ| = α, the unstable equilibrium of a block on a rigid base.
-    pub marks_alpha: bool,
+    /// Ordinates θ/α of the unstable equilibria of a block on a rigid base, to the left and to the right, which lines mark.
+    pub balance: Option<[f64; 2]>,
     /// Names of ordinates, in place of numbers.
     pub names: Vec<(f64, &'static str)>,
     /// Vertical lines.
@@ -185,11 +188,16 @@ impl Chart<'_> {
         if y.start < 0.0 {
             line(root, [at(x.start, 0.0), at(x.end, 0.0)], 20)?;
         }
-        for level in [-1.0, 1.0].into_iter().filter(|level| self.marks_alpha && y.contains(level)) {
+        for level in self.balance.into_iter().flatten().filter(|level| y.contains(level)) {
             let right = at(x.end, level);
             LineStyle::LEVEL.draw(root, &[at(x.start, level), right])?;
-            let (name, anchor, aside) =
-                if level < 0.0 { ("θ = −α", VPos::Top, 60) } else { ("|θ| = α", VPos::Bottom, -60) };
+            let is_even = self.balance == Some(EVEN_BALANCE);
+            let (name, anchor, aside) = match (level < 0.0, is_even) {
+                (true, true) => ("θ = −α", VPos::Top, 60),
+                (false, true) => ("|θ| = α", VPos::Bottom, -60),
+                (true, false) => ("θ = −α_L", VPos::Top, 60),
+                (false, false) => ("θ = α_R", VPos::Bottom, -60),
+            };
             root.draw_text(name, &anchored(0.8 * TEXT, HPos::Right, anchor), (right.0 - 100, right.1 + aside))?;
         }
         for (style, x) in &self.verticals {

@@ -9,7 +9,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
 use rocking_block::block::restraints::MOST_TIES;
-use rocking_block::block::{Block, Foundation, Regime};
+use rocking_block::block::{Block, Corner, Foundation, Regime};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
 
@@ -54,7 +54,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         title: beyond(history, alpha).unwrap_or_default(),
         x: axis(false),
         y: ("θ/α", rotations(history.rows.iter().map(theta.2))),
-        marks_alpha: true,
+        balance: Some([-block.alpha_of(Corner::Left) / alpha, block.alpha_of(Corner::Right) / alpha]),
         ..Chart::default()
     };
     let of_ground: &[Series] = match (moves(0), moves(1)) {

@@ -5,7 +5,7 @@
 use std::io::Read;
 use std::ops::Range;
 
-use crate::chart::{Chart, Curve, MAX_ROTATION, Tile, rotations};
+use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, Tile, rotations};
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page};
@@ -126,7 +126,15 @@ fn peaks(
     if highest > MAX_ROTATION {
         title += &format!("; peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4));
     }
-    Chart { title, x: ("", range), y: ("peak |θ|/α", y), areas, curves: drawn, marks_alpha: true, ..Chart::default() }
+    Chart {
+        title,
+        x: ("", range),
+        y: ("peak |θ|/α", y),
+        areas,
+        curves: drawn,
+        balance: Some(EVEN_BALANCE),
+        ..Chart::default()
+    }
 }
 
 /// Returns true if a size has a mean and a band; those of a minority of the records would mislead.

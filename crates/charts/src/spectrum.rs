@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::io::Read;
 use std::ops::Range;
 
-use crate::chart::{Chart, Curve, Fill, MAX_ROTATION, OutcomeBar, bars_height, rotations};
+use crate::chart::{Chart, Curve, EVEN_BALANCE, Fill, MAX_ROTATION, OutcomeBar, bars_height, rotations};
 use crate::formula::formula;
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
@@ -247,7 +247,7 @@ impl Curves {
             title,
             x: (over.name(), from - margin..to + margin),
             y: ("peak |θ|/α", rotations(std::iter::once(self.highest()))),
-            marks_alpha: true,
+            balance: Some(EVEN_BALANCE),
             curves,
             bars,
             ..Chart::default()

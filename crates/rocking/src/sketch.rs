@@ -119,7 +119,12 @@ impl Values {
         match self.start {
             None => {}
             Some(Start::Rocks(acceleration)) => {
-                text += &format!("rocks         beyond g tan α = {acceleration:.4} m/s² on a rigid base\n");
+                let alpha = match block.eccentricity {
+                    0.0 => "α",
+                    to_the_right if to_the_right > 0.0 => "α_R",
+                    _ => "α_L",
+                };
+                text += &format!("rocks         beyond g tan {alpha} = {acceleration:.4} m/s² on a rigid base\n");
             }
             Some(Start::Slides(acceleration)) => {
                 text += &format!("slides        beyond μ g = {acceleration:.4} m/s² on a rigid base\n");
@@ -147,8 +152,8 @@ mod tests {
         let text = |block: Block| Values::of(&block).text(&block).lines().last().unwrap().to_string();
         for (eccentricity, friction, expected) in [
             (0.0, 0.0, "rocks         beyond g tan α = 4.0000 m/s² on a rigid base"),
-            (0.1, 0.0, "rocks         beyond g tan α = 3.0000 m/s² on a rigid base"),
-            (-0.1, 0.35, "rocks         beyond g tan α = 3.0000 m/s² on a rigid base"),
+            (0.1, 0.0, "rocks         beyond g tan α_R = 3.0000 m/s² on a rigid base"),
+            (-0.1, 0.35, "rocks         beyond g tan α_L = 3.0000 m/s² on a rigid base"),
             (-0.1, 0.25, "slides        beyond μ g = 2.5000 m/s² on a rigid base"),
         ] {
             assert_eq!(text(block(eccentricity, friction)), expected);

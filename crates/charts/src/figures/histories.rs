@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::canvas::Mark;
-use crate::chart::{Chart, Curve, MAX_ROTATION, range};
+use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, range};
 use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
 use crate::figures::parameters::{
     ALPHA, Detail, ENERGY_ETA, ENERGY_XI_V, EPSILON, ETA, HISTORY_DURATION, P, XI_V, block, history_pulse, run,
@@ -234,7 +234,7 @@ fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
                 ..Chart::default()
             };
             let rotation = chart(title, "θ/α", theta, &angles, Some(-beta..beta));
-            Chart { marks_alpha: true, ..rotation }.draw(root, &left)?;
+            Chart { balance: Some(EVEN_BALANCE), ..rotation }.draw(root, &left)?;
             chart(pair.title.clone(), "θ̇/(α p)", rate, &rates, None).draw(root, &right)?;
         }
         Ok(())
