@@ -220,27 +220,38 @@ pub fn fraction_of_barrier(simulation: &Simulation) -> Option<f64> {
     let barrier = overturning_barrier(block);
     let fraction = simulation.energies().total / (block.mass * barrier);
     let theta = simulation.state()[0];
-    let inside = -block.alpha_of(Corner::Left) < theta && theta < block.alpha_of(Corner::Right) && barrier > 0.0;
-    if inside && fraction >= BELOW_THE_BARRIER && is_held_by_ties(simulation) {
+    let is_below = is_within_balance(block, theta) && barrier > 0.0 && fraction < BELOW_THE_BARRIER;
+    if !is_below && is_held_by_ties(simulation) {
         return Some(0.0);
     }
-    (inside && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
+    is_below.then_some(fraction.max(0.0))
+}
+
+/// Whether a rotation lies between the unstable equilibria of the block on the rigid base.
+fn is_within_balance(block: &Block, theta: f64) -> bool {
+    -block.alpha_of(Corner::Left) < theta && theta < block.alpha_of(Corner::Right)
 }
 
 /// Whether a block with ties is at rest, upright or leaning on one: it neither moves nor begins to, without excitation.
 fn is_held_by_ties(simulation: &Simulation) -> bool {
-    /// Kinetic energy of a block at rest, as a part of the barrier: on supports of η = 40 some 1 % of the rotation of lift-off.
-    const STILL: f64 = 1e-6;
-    /// The same of accelerations, as a part of g.
-    const BALANCED: f64 = 1e-2;
+    /// Kinetic energy of a block at rest, as a part of the barrier, and accelerations, as a part of g: on supports of η = 40 some 1 % of the
+    /// rotation of lift-off.
+    const STILL: [f64; 2] = [1e-6, 1e-2];
+    /// The same beyond the balance, where a tie has to hold the block, and a block that merely lingers is not at rest.
+    const STILL_BEYOND_BALANCE: [f64; 2] = [1e-12, 1e-6];
     let block = simulation.block();
     if block.ties().is_empty() {
         return false;
     }
+    let is_within = is_within_balance(block, simulation.state()[0]);
+    if !is_within && !simulation.restraints().ties.contains(&TieState::Taut) {
+        return false;
+    }
+    let [kinetic, most_acceleration] = if is_within { STILL } else { STILL_BEYOND_BALANCE };
     let seen = simulation.observe(&Inputs { time: simulation.time(), ..Inputs::default() });
     let acceleration = (seen.theta_ddot * block.r0).abs() + seen.u_ddot.abs() + seen.v_ddot.abs();
-    let still = simulation.energies().kinetic <= STILL * block.mass * overturning_barrier(block);
-    still && acceleration <= BALANCED * block.gravity
+    let still = simulation.energies().kinetic <= kinetic * block.mass * overturning_barrier(block);
+    still && acceleration <= most_acceleration * block.gravity
 }
 
 /// Whether a block is at rest: on both corners, with too little energy to lift one without excitation, and not sliding; with ties,

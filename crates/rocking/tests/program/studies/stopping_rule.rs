@@ -132,6 +132,27 @@ fn a_block_that_lingers_near_alpha_is_followed_to_its_outcome() {
     }
 }
 
+/// Released beyond α, a block leans out into a guy that holds it, and its run ends there; without the guy it overturns.
+#[test]
+fn a_block_that_a_guy_holds_beyond_alpha_is_at_rest() {
+    let plain = block(0.25, 40.0, 0.0, Foundation::Rigid);
+    let (b, h, weight) = (plain.b, plain.h, plain.mass * plain.gravity);
+    let guy = Tie {
+        block: [0.0, 2.0 * h],
+        ground: [-3.0 * h, 2.0 * h],
+        stiffness: 2.0 * weight / b,
+        slack: 2.2 * b,
+        damping: weight / (b * plain.p),
+        ..Tie::default()
+    };
+    let initial = Initial { theta: 0.27, ..Initial::default() };
+    let of = |block| run(block, initial, Pulse::NONE, OnSeparation::Terminate).outcome();
+    let held = of(plain.with_ties(&[guy]).unwrap());
+    assert_eq!(held.end, End::Completed);
+    assert!(held.peaks.theta > 1.05 * plain.alpha && held.end_time < 60.0 / plain.p, "{held:?}");
+    assert_eq!(of(plain).end, End::Overturned);
+}
+
 /// A block that never moves is at rest with the ground; one that cannot lose energy is followed for 100/p.
 #[test]
 fn the_shortest_and_the_longest_run() {
