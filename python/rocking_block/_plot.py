@@ -100,8 +100,8 @@ def _panels(ax: Any, kinds: Sequence[Any]) -> npt.NDArray[Any]:
     if figure.axes and not all(_drawn(panel, "run") for panel in figure.axes):
         figure = pyplot.figure()
     if not figure.axes:
-        _make_room(figure, (9.0, 6.5))
         heights = [{_rotation: 2.0, _reactions: 1.4}.get(kind, 1.0) for kind in kinds]
+        _make_room(figure, (9.0, 1.5 * sum(heights)))
         for panel, kind in zip(figure.subplots(len(heights), 1, sharex=True, height_ratios=heights), kinds, strict=True):
             panel._rocking_kind = kind
     return np.array(figure.axes)
@@ -126,16 +126,19 @@ def _reactions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, lab
     # A landing on stiff supports or a rigid base may reach hundreds of times the weight for an instant.
     highest = float(np.max(np.maximum(run["N_L"], run["N_R"]))) / weight
     if first:
-        _contact(axes, run)
+        _contact(axes, run, label="both corners touch")
         axes.set_ylabel("reaction N/(M g)")
         axes.set_ylim(0.0, 1.05 * max(1.0, highest))
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, frameon=False)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=3, frameon=False)
     elif 1.05 * highest > axes.get_ylim()[1]:
         axes.set_ylim(top=1.05 * highest)
 
 
 def _slip(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     axes.plot(run["t"], 1e3 * run["slip"], **style, linewidth=0.8)
+    if first and np.max(np.abs(run["slip"])) < 1e-9:
+        # Round-off would fill the panel.
+        axes.set_ylim(-1.0, 1.0)
     axes.set_ylabel("slip [mm]")
 
 
@@ -159,10 +162,11 @@ def _ground(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label:
     axes.set_ylabel("ground [m/s²]")
 
 
-def _contact(axes: Axes, run: _Columns) -> None:
+def _contact(axes: Axes, run: _Columns, label: str | None = None) -> None:
     """Shades the times at which both corners touch."""
+    shade = {"color": _BAND, "lw": 0, "label": label}
     where = run["regime"] == 0
-    axes.fill_between(run["t"], 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), color=_BAND, lw=0, step="post")
+    axes.fill_between(run["t"], 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), step="post", **shade)
 
 
 def record(record: _engine.Record, times: Floats, ax: Axes | None, style: dict[str, Any]) -> Axes:

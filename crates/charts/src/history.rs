@@ -71,7 +71,10 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     ];
     let Holds { friction, ties } = Holds::of(block);
     if friction {
-        let slip = Chart { x: axis(false), y: ("slip (mm)", 0.0..0.0), ..Chart::default() };
+        // Round-off would fill the panel of a block that does not slide.
+        let is_still = history.rows.iter().all(|row| row.slip.abs() < 1e-9);
+        let ordinate = if is_still { -1.0..1.0 } else { 0.0..0.0 };
+        let slip = Chart { x: axis(false), y: ("slip (mm)", ordinate), ..Chart::default() };
         let slip_of: Series = ("", LineStyle::THIN, &|row| 1e3 * row.slip);
         // Before the regimes, which carry the time axis if there is no ground motion.
         panels.insert(1, panel(history, HEIGHTS[3], slip, &[slip_of]));
