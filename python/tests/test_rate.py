@@ -107,7 +107,7 @@ def test_a_step_gives_the_hazard_and_extrapolation_a_warning(hazard):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: rb.Hazard([0.2, 0.1], [0.2, 0.1]), "found the level 0.1 at place 2; expected levels that increase"),
+        (lambda: rb.Hazard([0.2, 0.1], [0.2, 0.1]), "found 0.1 as level 2; expected levels that increase"),
         (lambda: rb.Hazard([0.1, 0.2], [0.1, 0.2]), "found the rate 0.2 at the level 0.2; expected rates"),
         (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (0.0, 0.4)), "found the median 0; expected"),
         (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (1.0, -0.4)), "found the dispersion -0.4; expected"),

@@ -2,10 +2,10 @@
 
 use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};
+use crate::compare::check_cases;
 use crate::functions::*;
 use crate::host::{Instance, call};
 use crate::logging::LoggedEvent;
-use crate::skipped::skip;
 
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
 const CLOSE: f64 = 1e-7;
@@ -75,14 +75,5 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
 /// θ and the places within 1e-7 of α and of R0, with the same events within 1e-7 s.
 #[test]
 fn trajectories() {
-    let mut wrong = vec![];
-    for case in cases() {
-        match run(&case) {
-            Ok(differences) => wrong.extend(differences),
-            Err(record) => {
-                skip(&format!("reference case {} through the FMU: its record {record} is not at hand", case.name));
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    check_cases(&cases(), |case| &case.name, run);
 }

@@ -3,11 +3,10 @@
 use rocking_block::block::Foundation;
 
 use crate::common::{Case, cases, inputs_at, record_step};
-use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance};
+use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance, check_cases};
 use crate::functions::*;
 use crate::host::{Instance, call};
 use crate::logging::LoggedEvent;
-use crate::skipped::skip;
 
 /// Returns |a − b|/|b|.
 pub fn relative(a: f64, b: f64) -> f64 {
@@ -119,16 +118,7 @@ fn seen(instance: &Instance) -> RecordedRow {
 }
 
 fn check(tolerance: Tolerance) {
-    let mut failures = Vec::new();
-    for case in cases() {
-        match run(&case, tolerance) {
-            Ok(wrong) => failures.extend(wrong),
-            Err(record) => {
-                skip(&format!("reference case {} through the FMU: its record {record} is not at hand", case.name));
-            }
-        }
-    }
-    assert!(failures.is_empty(), "{failures:#?}");
+    check_cases(&cases(), |case| &case.name, |case| run(case, tolerance));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Blocks for tests.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Inputs, PulseShape, Ramp};
+use rocking_block::words::Words;
 
 /// Returns a block with the parameters `[α (rad), p (rad/s), η, ξ_v]`.
 pub fn block([alpha, p, eta, xi_v]: [f64; 4], common: &Common) -> Block {
@@ -35,4 +37,22 @@ pub fn uneven(foundation: Foundation, xi_v: f64) -> Block {
 /// Returns the block with the default parameters of the FMU.
 pub fn plain() -> Block {
     supported(0.25, 1.0, 40.0, 0.1, 0.0)
+}
+
+/// Returns all shapes of pulses except `none`.
+pub fn shapes() -> Vec<PulseShape> {
+    PulseShape::WORDS[1..].iter().map(|(_, shape)| *shape).collect()
+}
+
+/// Returns ramps of all inputs.
+pub fn ramps() -> Inputs {
+    let ramp = |value, rate| Ramp { value, rate };
+    Inputs {
+        time: 0.2,
+        a_gx: ramp(1.3, -2.0),
+        a_gz: ramp(-0.8, 1.5),
+        f_x: ramp(2.0, 11.0),
+        f_z: ramp(-3.0, 5.0),
+        m_y: ramp(1.1, -4.0),
+    }
 }

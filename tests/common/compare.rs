@@ -6,6 +6,7 @@
 use rocking_block::block::{Block, Foundation};
 
 use crate::common::{Case, Row};
+use crate::skipped::skip;
 
 /// Compared quantities, in the order of [`BOUNDS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,4 +203,19 @@ impl Comparison<'_> {
         }
         self.wrong.into_iter().map(|what| format!("{}: {what}", self.case.name)).collect()
     }
+}
+
+/// Compares each case by `run`, which returns its differences or the name of its missing record.
+pub fn check_cases<C>(cases: &[C], name: impl Fn(&C) -> &str, run: impl Fn(&C) -> Result<Vec<String>, String>) {
+    let mut wrong = Vec::new();
+    for case in cases {
+        match run(case) {
+            Ok(differences) => wrong.extend(differences),
+            Err(record) => skip(&format!(
+                "reference case {}: its record {record} may not be redistributed and is not at hand",
+                name(case)
+            )),
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

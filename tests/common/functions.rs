@@ -1,5 +1,9 @@
 //! Functions of a library, loaded by name as by an importer.
 
+use std::collections::BTreeSet;
+
+use object::{Object, ObjectSymbol};
+
 macro_rules! functions {
     ($($field:ident $name:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// One pointer per function.
@@ -23,3 +27,10 @@ macro_rules! functions {
 }
 
 pub(crate) use functions;
+
+/// Returns the names that a library exports.
+pub fn exports(library: &[u8]) -> BTreeSet<String> {
+    let file = object::File::parse(library).unwrap();
+    let exported = file.dynamic_symbols().filter(|symbol| symbol.is_definition() && symbol.is_global());
+    exported.map(|symbol| symbol.name().unwrap().to_string()).collect()
+}

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Regime};
-use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
@@ -16,6 +16,8 @@ use rocking_block::system::events::{Event, Surface};
 use rocking_block::system::impact::height_over;
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, State};
+
+use crate::blocks::shapes;
 
 /// File with a line for each case that failed once: its kind and number.
 const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/proptest-regressions/harsh.txt");
@@ -98,18 +100,6 @@ struct Case {
     steps: Vec<Step>,
 }
 
-const SHAPES: [PulseShape; 9] = [
-    PulseShape::OneSine,
-    PulseShape::OneCosine,
-    PulseShape::C1,
-    PulseShape::C2,
-    PulseShape::HalfSine,
-    PulseShape::Rectangular,
-    PulseShape::SymmetricRicker,
-    PulseShape::AntisymmetricRicker,
-    PulseShape::Gabor,
-];
-
 /// Tolerances of 1e-3 to 1e-10.
 fn settings(random: &mut Random) -> Settings {
     Settings {
@@ -179,7 +169,7 @@ impl Case {
         };
         let lifting = lifting(&block);
         let pulse = Pulse {
-            shape: random.one_of(&SHAPES),
+            shape: random.one_of(&shapes()),
             amplitude: lifting * if random.chance(0.3) { 1.0 + random.log(1e-12, 1e-3) } else { random.log(0.3, 10.0) },
             period: TAU / (random.log(0.2, 20.0) * p),
             start: if random.chance(0.5) { 0.0 } else { random.unit() / p },
@@ -230,7 +220,7 @@ impl Case {
         let factor = random.one_of(&[1.0, 1.0 + f64::EPSILON, 1.0 + above, 1.0 + above]);
         let (p, amplitude) = (block.p, factor * lifting(&block));
         let mut pulse = Pulse {
-            shape: random.one_of(&SHAPES),
+            shape: random.one_of(&shapes()),
             amplitude,
             period: TAU / (random.log(1.0, 12.0) * p),
             start: 0.0,

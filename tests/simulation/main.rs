@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "the tests of the FMUs use the rest")]
 mod beyond_cases;
 #[path = "../common/blocks.rs"]
-#[allow(dead_code, reason = "each room uses a part")]
+#[allow(dead_code, reason = "each test program uses a part")]
 mod blocks;
 #[path = "../common/cases.rs"]
 mod cases;

@@ -5,8 +5,7 @@ use rocking_block::simulation::{Ending, Progress, Settings, Simulation};
 use rocking_block::system::events::{Event, EventKind};
 
 use crate::common::{Case, cases, inputs_at, record_step};
-use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance};
-use crate::skipped::skip;
+use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance, check_cases};
 
 /// Compares a run with its trajectory, or returns the name of a missing record.
 fn run(case: &Case, tolerance: Tolerance) -> Result<Vec<String>, String> {
@@ -98,19 +97,7 @@ fn seen(simulation: &Simulation, inputs: &Inputs) -> RecordedRow {
 }
 
 fn check(tolerance: Tolerance) {
-    let mut failures = Vec::new();
-    for case in cases() {
-        match run(&case, tolerance) {
-            Ok(wrong) => failures.extend(wrong),
-            Err(record) => {
-                skip(&format!(
-                    "reference case {}: its record {record} may not be redistributed and is not at hand",
-                    case.name
-                ));
-            }
-        }
-    }
-    assert!(failures.is_empty(), "{failures:#?}");
+    check_cases(&cases(), |case| &case.name, |case| run(case, tolerance));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use rocking_block::block::restraints::States;
 use rocking_block::block::restraints::{Tie, TieState};
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
-use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::excitation::{Excitation, Forcing, Pulse, PulseShape};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::grip::pressure_if_gripped;
@@ -24,17 +24,8 @@ const TIME: f64 = 0.37;
 
 /// Returns changing ground accelerations and loads, and a pulse.
 fn excitation(block: &Block) -> Excitation {
-    let ramp = |value, rate| Ramp { value, rate };
-    let inputs = Inputs {
-        time: 0.2,
-        a_gx: ramp(1.3, -2.0),
-        a_gz: ramp(-0.8, 1.5),
-        f_x: ramp(2.0, 11.0),
-        f_z: ramp(-3.0, 5.0),
-        m_y: ramp(1.1, -4.0),
-    };
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 2.5, period: 0.9, start: 0.1, ..Pulse::NONE };
-    Excitation::from_time(TIME, &inputs, &pulse, block)
+    Excitation::from_time(TIME, &blocks::ramps(), &pulse, block)
 }
 
 /// Returns a plausible pose for every combination of contacts and grips, of blocks with the centre of mass in the middle and beside it.

@@ -1,7 +1,7 @@
 //! The block and its equations: parameters, excitation, accelerations, impacts, transitions.
 
 #[path = "../common/blocks.rs"]
-#[allow(dead_code, reason = "each room uses a part")]
+#[allow(dead_code, reason = "each test program uses a part")]
 mod blocks;
 
 mod equations;

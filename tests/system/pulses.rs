@@ -3,25 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use rocking_block::block::Foundation;
-use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::excitation::{Excitation, Forcing, Pulse, PulseShape};
 
-use crate::blocks::uneven;
+use crate::blocks::{ramps, shapes, uneven};
 
 const START: f64 = 0.3;
 const PERIOD: f64 = 0.8;
 const AMPLITUDE: f64 = 2.5;
 const CYCLES: f64 = 2.3;
-const SHAPES: [PulseShape; 9] = [
-    PulseShape::OneSine,
-    PulseShape::OneCosine,
-    PulseShape::C1,
-    PulseShape::C2,
-    PulseShape::HalfSine,
-    PulseShape::Rectangular,
-    PulseShape::SymmetricRicker,
-    PulseShape::AntisymmetricRicker,
-    PulseShape::Gabor,
-];
 
 fn pulse(shape: PulseShape) -> Pulse {
     // With this phase the peak acceleration of a Gabor pulse is that in its middle, ω_p A.
@@ -90,7 +79,7 @@ fn velocity(shape: PulseShape, t: f64) -> (f64, f64) {
 
 #[test]
 fn accelerations_are_derivatives_of_the_published_ground_velocities() {
-    for shape in SHAPES {
+    for shape in shapes() {
         let pulse = pulse(shape);
         let (_, duration) = velocity(shape, 0.0);
         assert!((pulse.duration() - duration).abs() < 1e-13, "{shape:?}: {} s, not {duration}", pulse.duration());
@@ -125,7 +114,7 @@ fn accelerations_are_derivatives_of_the_published_ground_velocities() {
 
 #[test]
 fn pulses_act_from_start_to_end() {
-    for shape in SHAPES {
+    for shape in shapes() {
         let pulse = pulse(shape);
         let (start, end) = (START, pulse.end());
         assert!(pulse.acts_at(start) && pulse.acts_at(0.5 * (start + end)), "{shape:?}");
@@ -142,25 +131,12 @@ fn pulses_act_from_start_to_end() {
     assert!(!none.acts_at(START));
 }
 
-/// Returns ramps of all inputs.
-fn inputs() -> Inputs {
-    let ramp = |value, rate| Ramp { value, rate };
-    Inputs {
-        time: 0.2,
-        a_gx: ramp(1.3, -2.0),
-        a_gz: ramp(-0.8, 1.5),
-        f_x: ramp(2.0, 11.0),
-        f_z: ramp(-3.0, 5.0),
-        m_y: ramp(1.1, -4.0),
-    }
-}
-
 #[test]
 fn loads_count_as_ground_accelerations() {
     let block = uneven(Foundation::Viscoelastic, 0.2);
-    for shape in SHAPES {
+    for shape in shapes() {
         let pulse = pulse(shape);
-        let excitation = Excitation::from_time(0.5, &inputs(), &pulse, &block);
+        let excitation = Excitation::from_time(0.5, &ramps(), &pulse, &block);
         for time in [0.5, 0.57, 0.69] {
             let since = time - 0.2;
             let forcing = excitation.at(time);
@@ -182,7 +158,7 @@ fn loads_count_as_ground_accelerations() {
         let least = if shape == PulseShape::Rectangular { 0.0 } else { TAU / PERIOD };
         assert!((least..=2.2 * TAU / PERIOD).contains(&excitation.frequency()), "{shape:?}");
     }
-    let quiet = Excitation::from_time(0.1, &inputs(), &pulse(PulseShape::OneSine), &block);
+    let quiet = Excitation::from_time(0.1, &ramps(), &pulse(PulseShape::OneSine), &block);
     assert_eq!(quiet.frequency(), 0.0, "the pulse has not begun");
     assert_eq!(Excitation::none().at(3.0), Forcing::default());
 }
@@ -193,11 +169,11 @@ fn the_drift_is_the_integral_of_the_forcing() {
     let block = uneven(Foundation::Viscoelastic, 0.2);
     // With one cycle a part of a Gabor pulse has no frequency.
     let one_cycle = Pulse { cycles: 1.0, phase: 0.3, ..pulse(PulseShape::Gabor) };
-    for pulse in SHAPES.map(pulse).into_iter().chain([one_cycle, pulse(PulseShape::None)]) {
+    for pulse in shapes().into_iter().map(pulse).chain([one_cycle, pulse(PulseShape::None)]) {
         let shape = pulse.shape;
         let (from, to) = (START + 0.3 * pulse.duration(), START + 0.8 * pulse.duration() + 0.1);
         let to = to.min(pulse.end().max(from + 0.1));
-        let excitation = Excitation::from_time(from, &inputs(), &pulse, &block);
+        let excitation = Excitation::from_time(from, &ramps(), &pulse, &block);
         let steps = 4000;
         let h = (to - from) / f64::from(steps);
         let (mut velocity, mut displacement) = (0.0, 0.0);
@@ -217,7 +193,7 @@ fn the_drift_is_the_integral_of_the_forcing() {
 
 #[test]
 fn inputs_do_not_depend_on_their_reference_time() {
-    let (inputs, moved) = (inputs(), inputs().moved_to(0.9));
+    let (inputs, moved) = (ramps(), ramps().moved_to(0.9));
     assert_eq!(moved.time, 0.9);
     let block = uneven(Foundation::Viscoelastic, 0.2);
     let [a, b] = [inputs, moved].map(|inputs| Excitation::from_time(0.9, &inputs, &Pulse::NONE, &block));

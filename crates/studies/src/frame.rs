@@ -125,7 +125,7 @@ impl Frame {
         let lever = 2.0 * self.column.r0 / self.block.r0;
         let at_rest = self.beam_mass / (1.0 + 4.0 * self.mass_ratio());
         let weight = [0.0, self.block.gravity];
-        let each = |of: &dyn Fn(usize) -> f64| [of(0), of(1)];
+        let each = |component: &dyn Fn(usize) -> f64| [component(0), component(1)];
         FrameResponse {
             beam: each(&|i| lever * displacement[i]),
             base: each(&|i| (reaction[i] + at_rest * (ground[i] + weight[i])) / columns),
@@ -135,16 +135,16 @@ impl Frame {
 
     /// The response in a row of the equivalent block's history.
     pub fn response_in(&self, row: &Row) -> FrameResponse {
-        let of = &row.observation;
+        let observation = &row.observation;
         self.response(&BlockMotion {
-            displacement: [of.u, of.v],
-            acceleration: [of.u_ddot, of.v_ddot],
-            reaction: [of.horizontal, of.reaction[0] + of.reaction[1]],
+            displacement: [observation.u, observation.v],
+            acceleration: [observation.u_ddot, observation.v_ddot],
+            reaction: [observation.horizontal, observation.reaction[0] + observation.reaction[1]],
             ground: row.ground,
         })
     }
 
-    /// The first row in which the beam would have to be held down, with its time (s): there it leaves the columns and the model ends.
+    /// Time (s) of the first row in which the beam would have to be held down: there it leaves the columns and the model ends.
     pub fn beam_leaves(&self, history: &History) -> Option<f64> {
         let first = history.rows.iter().find(|row| self.response_in(row).top[1] < 0.0);
         first.map(|row| row.time).filter(|_| self.beam_mass > 0.0)
@@ -155,8 +155,15 @@ impl Frame {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(COLUMNS)?;
         for row in &history.rows {
-            let (of, FrameResponse { beam, base, top }) = (&row.observation, self.response_in(row));
-            let numbers = [[row.time, of.theta], [of.theta_dot, of.theta_ddot], beam, base, top, row.ground];
+            let (observation, FrameResponse { beam, base, top }) = (&row.observation, self.response_in(row));
+            let numbers = [
+                [row.time, observation.theta],
+                [observation.theta_dot, observation.theta_ddot],
+                beam,
+                base,
+                top,
+                row.ground,
+            ];
             writer.write_record(numbers.as_flattened().iter().map(ToString::to_string))?;
         }
         writer.flush()?;

@@ -12,7 +12,7 @@ use rocking_block::system::instant::Footing;
 
 use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};
-use crate::skipped::skip;
+use crate::compare::check_cases;
 
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
 const CLOSE: f64 = 1e-7;
@@ -105,15 +105,5 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
 /// θ and the places within 1e-7 of α and of R0, with the same events within 1e-7 s.
 #[test]
 fn trajectories() {
-    let mut wrong = vec![];
-    for case in cases() {
-        match run(&case) {
-            Ok(differences) => wrong.extend(differences),
-            Err(record) => skip(&format!(
-                "reference case {}: its record {record} may not be redistributed and is not at hand",
-                case.name
-            )),
-        }
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    check_cases(&cases(), |case| &case.name, run);
 }

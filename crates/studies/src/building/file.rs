@@ -9,7 +9,7 @@ const KEYS: [&str; 8] =
 
 /// Reads the building and the numbers of its floors, 0 for the ground; by default all floors above it.
 pub fn read(root: &Section) -> Result<Option<(Building, Vec<usize>)>, StudyFileError> {
-    let (Some(section), Some(place)) = (root.section("building", &KEYS)?, root.get("building")) else {
+    let (Some(section), Some(table)) = (root.section("building", &KEYS)?, root.get("building")) else {
         return Ok(None);
     };
     let is_shear = section.get("floor_masses").is_some() || section.get("storey_stiffnesses").is_some();
@@ -27,14 +27,14 @@ pub fn read(root: &Section) -> Result<Option<(Building, Vec<usize>)>, StudyFileE
         })
     };
     let damping = damping(&section)?;
-    let made = if is_shear {
+    let building = if is_shear {
         Building::shear(&numbers("floor_masses")?, &numbers("storey_stiffnesses")?, &damping)
     } else {
         let shapes = section.lists("shapes", "a list of lists of numbers, a list per mode with a value per floor")?;
         Building::of_modes(&numbers("frequencies")?, &numbers("participation")?, &shapes, &damping)
     };
-    let building = made.map_err(|error| {
-        let value = section.get(error.name).unwrap_or(place);
+    let building = building.map_err(|error| {
+        let value = section.get(error.name).unwrap_or(table);
         section.refused(value, error.to_string())
     })?;
     let last = building.floors();

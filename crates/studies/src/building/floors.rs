@@ -17,7 +17,7 @@ pub struct FloorMotion {
     pub pfv: f64,
 }
 
-/// The free vibration after the record is followed until its acceleration is below this part of the largest of all floors (1).
+/// The free vibration after the record is followed until its acceleration is below this fraction of PGA (1).
 const REST: f64 = 1e-3;
 
 impl Building {
@@ -69,14 +69,14 @@ impl Building {
             }
             observe(&states, 0.0, velocity);
         }
-        let ground_weight =
+        let ground_motion =
             FloorMotion { floor: 0, record: ground.clone(), pfa: pga(ground), pfv: crate::intensity::pgv(ground) };
         let floors = histories.into_iter().zip(1..).map(|(History { acceleration, pfv, .. }, floor)| {
             let title = format!("{}, floor {floor}", ground.title);
             let record = Record { title, acceleration, ..ground.clone() };
             FloorMotion { floor, pfa: pga(&record), pfv, record }
         });
-        std::iter::once(ground_weight).chain(floors).collect()
+        std::iter::once(ground_motion).chain(floors).collect()
     }
 }
 
@@ -168,16 +168,16 @@ mod tests {
         let building = tower(&Damping::Rayleigh(0.04, [1, 3]));
         near(building.modes()[0].damping, 0.04, 1e-14);
         near(building.modes()[2].damping, 0.04, 1e-14);
-        let list = |of: fn(&Mode) -> f64| building.modes().iter().map(of).collect::<Vec<f64>>();
+        let list = |property: fn(&Mode) -> f64| building.modes().iter().map(property).collect::<Vec<f64>>();
         let shapes: Vec<Vec<f64>> = building.modes().iter().map(|mode| mode.shape.clone()).collect();
         let damping = Damping::Each(list(|mode| mode.damping));
-        let given =
+        let repeated =
             Building::of_modes(&list(|mode| mode.frequency), &list(|mode| mode.participation), &shapes, &damping);
-        assert_eq!(given.unwrap().floor_motions(&ground), building.floor_motions(&ground));
+        assert_eq!(repeated.unwrap().floor_motions(&ground), building.floor_motions(&ground));
     }
 
     #[test]
-    fn buildings_that_are_none_are_refused() {
+    fn invalid_buildings_are_refused() {
         let all = Damping::All(0.05);
         for (found, expected) in [
             (Building::shear(&[], &[], &all), "floor_masses has 0 floors; expected 1 to 500"),
@@ -192,7 +192,7 @@ mod tests {
             ),
             (
                 Building::shear(&[1.0; 2], &[1.0; 2], &Damping::Rayleigh(0.05, [1, 3])),
-                "rayleigh has modes = [1, 3]; expected two different ones, 1 to 2",
+                "rayleigh has modes = [1, 3]; expected two different modes, 1 to 2",
             ),
             (
                 Building::of_modes(&[1.0, 2.0], &[1.0, 0.2], &[vec![1.0], vec![1.0, 2.0]], &all),

@@ -42,7 +42,7 @@ pub struct Building {
     floors: usize,
 }
 
-/// Parameters that make no valid building.
+/// The reason why parameters do not define a building.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} {found}; expected {expected}")]
 pub struct BuildingError {
@@ -169,7 +169,7 @@ impl Building {
                     return wrong(
                         "rayleigh",
                         format!("has modes = [{i}, {j}]"),
-                        format!("two different ones, 1 to {count}"),
+                        format!("two different modes, 1 to {count}"),
                     );
                 }
                 let (low, high) = (self.modes[i - 1].omega(), self.modes[j - 1].omega());

@@ -21,9 +21,9 @@ pub struct Pair {
     pub low: f64,
     /// Greatest value (1); the least one if the source has a single value.
     pub high: f64,
-    /// How the values are meant.
+    /// Meaning of the values.
     pub kind: Kind,
-    /// Meaning of the values, in the words of the source.
+    /// Explanation of the values by the source.
     pub basis: String,
     /// The source.
     pub source: Source,
@@ -58,7 +58,7 @@ pub enum Kind {
     Measured,
     /// The least value of tests.
     Lowest,
-    /// A standard's value or its limits; a single one is on the safe side where friction helps.
+    /// A standard's value or its limits; a single one is conservative where friction helps.
     Design,
 }
 

@@ -14,6 +14,7 @@ pub fn split_heading(heading: &str) -> (&str, Option<&str>) {
         None => (heading, None),
     }
 }
+
 /// The reason why a table cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepTableError {
@@ -123,7 +124,7 @@ impl SweepTable {
         &self.file
     }
 
-    /// The distinct words of a column in the order of the rows; empty without such a column.
+    /// The distinct words of a column in the order of the rows; `None` without such a column.
     pub fn words(&self, name: &str) -> Option<Vec<&str>> {
         let column = self.position(name).ok()?;
         let mut words: Vec<&str> = Vec::new();

@@ -117,9 +117,9 @@ pub(crate) fn flatten<'a>(
 
 /// Whether two spellings name the same choice, ignoring case, hyphens and underscores.
 pub fn is_same_word(one: &str, other: &str) -> bool {
-    let letters =
+    let normalized =
         |text: &str| text.chars().filter(|c| !matches!(c, '-' | '_')).flat_map(char::to_lowercase).collect::<String>();
-    letters(one) == letters(other)
+    normalized(one) == normalized(other)
 }
 
 /// Turns the FMU's name of a choice into its word: `OneSine` into `one-sine`, `C1` into `c1`.
@@ -147,7 +147,8 @@ fn names() -> impl Iterator<Item = &'static str> {
 /// Lists the parameters of the same group, or all.
 fn similar(name: &str) -> String {
     let group = name.split('.').next().unwrap_or_default();
-    let same: Vec<&str> = names().filter(|known| known.split_once('.').is_some_and(|(of, _)| of == group)).collect();
+    let same: Vec<&str> =
+        names().filter(|known| known.split_once('.').is_some_and(|(prefix, _)| prefix == group)).collect();
     if same.is_empty() { names().collect::<Vec<_>>().join(", ") } else { same.join(", ") }
 }
 

@@ -7,13 +7,13 @@ use crate::statistics::normal;
 /// The reason why a fragility curve cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
-    /// The median is no measure.
+    /// The median is not a positive number.
     #[error("found the median {found}; expected a number above 0")]
     Median {
         /// The median.
         found: f64,
     },
-    /// The dispersion is negative or no number.
+    /// The dispersion is negative or not a number.
     #[error(
         "found the dispersion {found}; expected a number of at least 0, for a probability that grows with the measure"
     )]
@@ -22,14 +22,14 @@ pub enum CurveError {
         found: f64,
     },
     /// A level of a table does not follow the one before.
-    #[error("found the level {found} at place {place}; expected levels above 0 that increase")]
+    #[error("found {found} as level {number}; expected levels above 0 that increase")]
     Level {
         /// The level.
         found: f64,
-        /// Its place, from 1.
-        place: usize,
+        /// Its number, from 1.
+        number: usize,
     },
-    /// A probability of a table is none.
+    /// A probability of a table is outside 0 to 1.
     #[error("found the probability {found} at the level {level}; expected 0 to 1")]
     Probability {
         /// The probability.
@@ -112,7 +112,7 @@ impl FragilityCurve {
         }
         for (i, (&level, &found)) in levels.iter().zip(probabilities).enumerate() {
             if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
-                return Err(CurveError::Level { found: level, place: i + 1 });
+                return Err(CurveError::Level { found: level, number: i + 1 });
             }
             if !(0.0..=1.0).contains(&found) {
                 return Err(CurveError::Probability { found, level });
@@ -135,8 +135,8 @@ impl FragilityCurve {
                 let after = levels.partition_point(|level| libm::log(*level) <= x);
                 let [before, after] = [after.max(1) - 1, after.min(levels.len() - 1)];
                 let [x0, x1] = [levels[before], levels[after]].map(libm::log);
-                let part = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
-                probabilities[before] + part * (probabilities[after] - probabilities[before])
+                let fraction = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
+                probabilities[before] + fraction * (probabilities[after] - probabilities[before])
             }
         }
     }
@@ -163,7 +163,7 @@ impl FragilityCurve {
             }
         };
         let end = |x: f64| if x.is_finite() { law.rate(x) * self.at(x) } else { 0.0 };
-        // Rounding may leave a difference below zero where the hazard is flat.
+        // Round-off may leave a difference below zero where the hazard is flat.
         (end(law.from) - end(law.to) + inside).max(0.0)
     }
 }
@@ -212,7 +212,7 @@ fn linear(law: &PowerLaw, levels: [f64; 2], probabilities: [f64; 2]) -> f64 {
 
 /// `∫ P |dH|` over a power law for a logistic curve.
 ///
-/// Below z = −36 the probability is exp(z), above z = 36 it is 1, to round-off; between, Gauss's rule of ten points runs over parts
+/// Below z = −36 the probability is exp(z), above z = 36 it is 1, to round-off; between, Gauss's rule of ten points runs over pieces
 /// of at most β and 1/k.
 fn logistic(law: &PowerLaw, mu: f64, beta: f64) -> f64 {
     const FAR: f64 = 36.0;
@@ -234,10 +234,10 @@ fn logistic(law: &PowerLaw, mu: f64, beta: f64) -> f64 {
         sum += law.rate(tail.from) - if tail.to.is_finite() { law.rate(tail.to) } else { 0.0 };
     }
     if let Some(middle) = law.between(near, far) {
-        let parts = ((middle.to - middle.from) * f64::max(1.0 / beta, law.slope)).ceil().max(1.0);
-        let half = 0.5 * (middle.to - middle.from) / parts;
-        for part in 0..parts as u64 {
-            let centre = middle.from + (2 * part + 1) as f64 * half;
+        let pieces = ((middle.to - middle.from) * f64::max(1.0 / beta, law.slope)).ceil().max(1.0);
+        let half = 0.5 * (middle.to - middle.from) / pieces;
+        for i in 0..pieces as u64 {
+            let centre = middle.from + (2 * i + 1) as f64 * half;
             for (node, weight) in GAUSS {
                 for x in [centre - half * node, centre + half * node] {
                     sum += weight * half * law.slope * law.rate(x) * Link::Logit.probability((x - mu) / beta);

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}; expected {expected}")]
 pub struct HazardError {
-    /// The content found, with its place.
+    /// The content found, with its location.
     pub found: String,
     /// The expected content.
     pub expected: String,
@@ -47,7 +47,7 @@ impl HazardCurve {
                     0 => "a level above 0".into(),
                     _ => format!("levels that increase, here above {}", levels[i - 1]),
                 };
-                return Err(HazardError::new(format!("the level {level} at place {}", i + 1), expected));
+                return Err(HazardError::new(format!("{level} as level {}", i + 1), expected));
             }
             if !(rate >= 0.0 && rate.is_finite() && (i == 0 || rate <= rates[i - 1])) {
                 let expected = match i {
@@ -151,12 +151,12 @@ mod tests {
     }
 
     #[test]
-    fn curves_that_are_none_are_refused_with_the_values_found() {
+    fn invalid_curves_are_refused_with_the_values_found() {
         let refused = |levels: &[f64], rates: &[f64]| HazardCurve::new(levels, rates).unwrap_err().to_string();
         assert_eq!(refused(&[0.1], &[0.1, 0.2]), "found 1 levels and 2 rates; expected a rate for each level");
-        assert_eq!(refused(&[0.0, 1.0], &[0.2, 0.1]), "found the level 0 at place 1; expected a level above 0");
+        assert_eq!(refused(&[0.0, 1.0], &[0.2, 0.1]), "found 0 as level 1; expected a level above 0");
         let found = refused(&[0.2, 0.2], &[0.2, 0.1]);
-        assert_eq!(found, "found the level 0.2 at place 2; expected levels that increase, here above 0.2");
+        assert_eq!(found, "found 0.2 as level 2; expected levels that increase, here above 0.2");
         let found = refused(&[0.1, 0.2], &[0.1, 0.2]);
         assert!(found.starts_with("found the rate 0.2 at the level 0.2; expected rates"), "{found}");
         assert_eq!(refused(&[0.1, 0.2], &[0.1, 0.0]), "found 1 levels with a rate above 0; expected two or more");

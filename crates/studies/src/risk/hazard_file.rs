@@ -36,7 +36,7 @@ pub struct HazardOptions {
 /// `file` is the name of the file; the folder of an nshmp-haz table names its measure.
 ///
 /// # Errors
-/// Another format, a choice among several curves that was not made, or the errors of [`HazardCurve::new`].
+/// Another format, several curves without a choice, or the errors of [`HazardCurve::new`].
 pub fn read_hazard(file: &str, text: &str, options: &HazardOptions) -> Result<HazardCurve, HazardError> {
     let text = text.trim_start_matches('\u{feff}');
     let raw = match text.trim_start().starts_with(['{', '[']) {
@@ -127,8 +127,8 @@ fn years(options: &HazardOptions, years_of_file: Option<f64>) -> Result<Option<f
     }
 }
 
-fn number(text: &str, place: &str) -> Result<f64, HazardError> {
-    text.trim().parse().map_err(|_| HazardError::new(format!("`{text}` in {place}"), "a number"))
+fn number(text: &str, location: &str) -> Result<f64, HazardError> {
+    text.trim().parse().map_err(|_| HazardError::new(format!("`{text}` in {location}"), "a number"))
 }
 
 fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {

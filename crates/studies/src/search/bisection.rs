@@ -34,7 +34,7 @@ impl Scan {
 
     fn value(&self, number: u64) -> f64 {
         match number as f64 / (self.points - 1) as f64 {
-            // Rounding must not move the last value.
+            // Round-off must not move the last value.
             1.0 => self.to,
             fraction => self.from + fraction * (self.to - self.from),
         }
@@ -103,10 +103,10 @@ impl OutcomeMap<End> {
         let stretches = self.stretches();
         match stretches.iter().position(|stretch| stretch.2 == End::Overturned) {
             // A failed or undecided run below leaves only a bound.
-            Some(place) if place > 0 && matches!(stretches[place - 1].2, End::Completed | End::Separated) => {
-                Threshold::At(stretches[place].0)
+            Some(i) if i > 0 && matches!(stretches[i - 1].2, End::Completed | End::Separated) => {
+                Threshold::At(stretches[i].0)
             }
-            Some(place) => Threshold::AtMost(stretches[place].0),
+            Some(i) => Threshold::AtMost(stretches[i].0),
             None => Threshold::Above(self.last.0),
         }
     }
@@ -263,19 +263,19 @@ mod tests {
         let edges = [[0.3, 0.31], [0.05, 0.9], [2.0, 2.0], [0.55, 0.8]];
         let outcome = |search: usize, x: f64| edges[search].iter().filter(|&&edge| x > edge).count();
         let scan = scan(0.0, 1.0, 11);
-        let mut looked = vec![Vec::new(); edges.len()];
-        let together = changes(&scan, edges.len(), |values| {
-            values.iter().for_each(|&(search, value)| looked[search].push(value));
+        let mut evaluated = vec![Vec::new(); edges.len()];
+        let simultaneous = changes(&scan, edges.len(), |values| {
+            values.iter().for_each(|&(search, value)| evaluated[search].push(value));
             values.iter().map(|&(search, value)| outcome(search, value)).collect()
         });
-        for (search, together) in together.into_iter().enumerate() {
+        for (search, simultaneous) in simultaneous.into_iter().enumerate() {
             let alone = std::cell::RefCell::new(Vec::new());
             let found = found(&scan, |x| {
                 alone.borrow_mut().push(x);
                 outcome(search, x)
             });
-            assert_eq!(together, found, "search {search}");
-            assert_eq!(looked[search], alone.into_inner(), "search {search}");
+            assert_eq!(simultaneous, found, "search {search}");
+            assert_eq!(evaluated[search], alone.into_inner(), "search {search}");
         }
     }
 

@@ -43,8 +43,8 @@ fn changes_of_end(
         let size = runner::batch(width, values.len() as u64, 1, rayon::current_num_threads() as u64);
         // A scan may have millions of values: only the ends are kept.
         let ends = |values: &[(usize, f64)]| {
-            let made = outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
-            made.iter().map(|outcome| outcome.end).collect::<Vec<End>>()
+            let outcomes = outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
+            outcomes.iter().map(|outcome| outcome.end).collect::<Vec<End>>()
         };
         values.par_chunks(size as usize).map(ends).collect::<Vec<Vec<End>>>().concat()
     };
@@ -56,7 +56,7 @@ fn changes_of_end(
 ///
 /// The block vibrates freely until it has come down, with these `ties`; the ξ_v of `block` is ignored.
 /// [`OutcomeMap::damping_against_separation`] gives the damping needed against separation.
-#[expect(clippy::too_many_arguments, reason = "a block in parts, since its damping is varied")]
+#[expect(clippy::too_many_arguments, reason = "the parameters of a block, since its damping is varied")]
 pub fn damping_against_separation(
     block: &Dimensionless,
     common: &Common,

@@ -10,6 +10,7 @@ use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::words::Words;
 use rocking_records::ReadOptions;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::in_lanes;
@@ -33,17 +34,7 @@ fn bits(simulation: &Simulation) -> Vec<u8> {
 fn pulse() -> impl Strategy<Value = Pulse> {
     let shape = prop_oneof![
         4 => Just(PulseShape::None),
-        8 => prop::sample::select(vec![
-            PulseShape::OneSine,
-            PulseShape::OneCosine,
-            PulseShape::C1,
-            PulseShape::C2,
-            PulseShape::HalfSine,
-            PulseShape::Rectangular,
-            PulseShape::SymmetricRicker,
-            PulseShape::AntisymmetricRicker,
-            PulseShape::Gabor,
-        ]),
+        8 => prop::sample::select(PulseShape::WORDS[1..].iter().map(|word| word.1).collect::<Vec<_>>()),
     ];
     let numbers = (-6.0..6.0_f64, 0.05..2.0_f64, prop_oneof![Just(0.0), -1.0..2.0], -3.0..3.0_f64, 1.0..4.0_f64);
     (shape, numbers).prop_map(|(shape, (amplitude, period, start, phase, cycles))| Pulse {
