@@ -29,9 +29,9 @@ pub mod tangent;
 use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Corner, Foot, Lever};
-use crate::excitation::{Excitation, ForcingSeries};
+use crate::excitation::{Excitation, Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Bernstein, DEGREE, Pair, Zero};
-use crate::numerics::scalar::Real;
+use crate::numerics::scalar::{Real, Scalar};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
@@ -49,6 +49,42 @@ pub struct Swing<T = f64> {
     x: Series<T>,
     q: Series<T>,
     forcing: ForcingSeries<{ ORDER + 1 }, T>,
+}
+
+/// A block that turns about a corner.
+#[derive(Clone, Copy, Debug)]
+pub struct Pivoting<T = f64> {
+    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
+    pub offset: T,
+    /// Its height (m).
+    pub h: T,
+    /// `I0/M` (m²).
+    pub i0: T,
+    /// g (m/s²).
+    pub gravity: T,
+    /// The sign of a rotation away from the base.
+    pub away: T,
+}
+
+impl Pivoting {
+    /// A block about one of its corners.
+    #[inline]
+    pub fn of(block: &Block, corner: Corner) -> Pivoting {
+        let Block { h, i0, gravity, .. } = *block;
+        Pivoting { offset: block.offset(corner), h, i0, gravity, away: -corner.sign() }
+    }
+}
+
+impl<T: Scalar> Pivoting<T> {
+    /// N/M and H/M (m/s²) at `[θ, θ̇]` (rad, rad/s), by the equation of motion.
+    #[inline(always)]
+    pub fn forces(&self, [theta, theta_dot]: [T; 2], forcing: &Forcing<T>) -> [T; 2] {
+        let (sin, cos) = theta.sin_cos();
+        let Lever { x, q } = Lever::of(self.offset, self.h, sin, cos);
+        let (weight, square) = (forcing.z + self.gravity, theta_dot * theta_dot);
+        let theta_ddot = (x * weight - q * forcing.x + forcing.moment) / (x * x + q * q + self.i0);
+        [weight - (x * theta_ddot + q * square), forcing.x + (q * theta_ddot - x * square)]
+    }
 }
 
 /// Bounds of the motion over a swing.

@@ -5,30 +5,15 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{
-    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, RECIPROCAL, STILL, Series, Swing,
-    TOP_WIDTH, shortening,
+    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, Pivoting, RECIPROCAL, STILL, Series,
+    Swing, TOP_WIDTH, shortening,
 };
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::bernstein::lanes::{Bernsteins, Highest};
-use crate::numerics::bernstein::{DEGREE, Row, convert};
+use crate::numerics::bernstein::DEGREE;
+use crate::numerics::bernstein::lanes::{Bernsteins, Highest, Pairs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 use crate::numerics::{Real, Scalar};
-
-/// Blocks that turn about a corner each.
-#[derive(Clone, Copy)]
-pub struct Pivoting<V> {
-    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
-    pub offset: Wide<V>,
-    /// Its height (m).
-    pub h: Wide<V>,
-    /// `I0/M` (m²).
-    pub i0: Wide<V>,
-    /// g (m/s²).
-    pub gravity: Wide<V>,
-    /// The sign of a rotation away from the base.
-    pub away: Wide<V>,
-}
 
 /// A swing in each lane.
 pub struct Swings<V> {
@@ -99,7 +84,7 @@ impl<V: Simd> Swings<V> {
 
     /// The swings from `[θ, θ̇]` on, see [`Swing::of`]. They are made where they stand: a copy would take longer than a term.
     #[inline(always)]
-    pub fn make(&mut self, block: &Pivoting<V>, [theta, theta_dot]: [Wide<V>; 2], longest: Wide<V>, allowed: Wide<V>) {
+    pub fn make(&mut self, block: &Pivoting<Wide<V>>, [theta, theta_dot]: [Wide<V>; 2], longest: Wide<V>, allowed: Wide<V>) {
         let zero = Wide::default();
         let (sin, cos) = theta.sin_cos();
         let lever = Lever::of(block.offset, block.h, sin, cos);
@@ -151,7 +136,7 @@ impl<V: Simd> Swings<V> {
 
     /// See [`Swing::bounds`].
     #[inline(always)]
-    pub fn bounds(&self, block: &Pivoting<V>) -> LaneBounds<V> {
+    pub fn bounds(&self, block: &Pivoting<Wide<V>>) -> LaneBounds<V> {
         let Swing { size, order, ref theta, ref x, ref q, ref forcing } = self.series;
         let (zero, away) = (Wide::default(), block.away);
         let per_second = Wide::from(1.0) / (size * size);
@@ -261,9 +246,9 @@ impl<V: Simd> Swings<V> {
         (theta.abs().in_lanes(exceeds, Wide::default()), known)
     }
 
-    /// The Bernstein coefficients of N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
+    /// N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
     #[inline(always)]
-    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Row<[Wide<V>; 2]> {
+    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Pairs<V> {
         let Swing { size, order, .. } = self.series;
         let (zero, per_second) = (Wide::default(), Wide::from(1.0) / (size * size));
         let (mut forces, mut power) = ([[zero; 2]; DEGREE + 1], Wide::from(1.0));
@@ -273,7 +258,7 @@ impl<V: Simd> Swings<V> {
             power = power * part;
         }
         forces[0][0] = forces[0][0] + gravity;
-        convert(&forces)
+        Pairs::of(forces, order - 2)
     }
 
     /// The greatest rotation (rad) inside, up to a part, in these lanes, whose θ̈ points to the base all the time, if it exceeds `most`, and
