@@ -70,10 +70,11 @@ impl Standing {
             let (up, down) = (under(unit(1.0)), under(unit(-1.0)));
             [0, 1, 2].map(|i| 0.5 * (up[i] - down[i]))
         };
+        let by_ramp = |ramp: [f64; 2], unit| if ramp == [0.0; 2] { [0.0; 3] } else { by(unit) };
         let by = [
             by(|x| Forcing { x, ..Forcing::default() }),
-            by(|z| Forcing { z, ..Forcing::default() }),
-            by(|moment| Forcing { moment, ..Forcing::default() }),
+            by_ramp(series.z, |z| Forcing { z, ..Forcing::default() }),
+            by_ramp(series.moment, |moment| Forcing { moment, ..Forcing::default() }),
         ];
         let (mut forces, mut power) = ([[0.0; ORDER + 1]; 3], 1.0);
         for k in 0..ORDER + 1 {
@@ -292,7 +293,7 @@ impl Simulation {
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
             if way.is_some() {
-                if !bounds.is_monotone
+                if !bounds.is_greatest_at_end
                     && bounds.theta > self.peaks.theta
                     && let Some(highest) = swing.highest(pivot, &bounds, part, self.peaks.theta)
                 {

@@ -162,7 +162,7 @@ impl Task for Together<'_> {
         let usual = is_decided.and(advances).and(is_finite);
 
         let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
-        let may_turn = usual.except(bounds.is_monotone.or(bounds.theta.less(peak_theta)));
+        let may_turn = usual.except(bounds.is_greatest_at_end.or(bounds.theta.less(peak_theta)));
         let (mut taken, mut highest) = (usual, zero);
         if may_turn.any() {
             let turns_back = may_turn.and(bounds.turns_back);
