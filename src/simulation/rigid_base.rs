@@ -261,12 +261,12 @@ impl Simulation {
             self.spend(budget, piece, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
-            let own;
+            let made;
             let swing = match known.take() {
                 Some(known) => known,
                 None => {
-                    own = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
-                    &own
+                    made = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+                    &made
                 }
             };
             if let Some(place) = piece.swing {

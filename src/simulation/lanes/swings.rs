@@ -96,11 +96,11 @@ pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> Swung {
     for (place, run) in runs.iter_mut().zip(group) {
         *place = run;
     }
-    width.run(Together { is_wave, runs, count })
+    width.run(GroupSwing { is_wave, runs, count })
 }
 
 /// The swing of a group.
-struct Together<'g> {
+struct GroupSwing<'g> {
     /// Whether pulses act, or only what is linear in time.
     is_wave: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
@@ -109,7 +109,7 @@ struct Together<'g> {
     count: usize,
 }
 
-impl Together<'_> {
+impl GroupSwing<'_> {
     /// A number of each lane.
     #[inline(always)]
     fn each<V: Simd>(&self, number: impl Fn(&Lane) -> f64) -> Wide<V> {
@@ -117,7 +117,7 @@ impl Together<'_> {
     }
 }
 
-impl Task for Together<'_> {
+impl Task for GroupSwing<'_> {
     type Output = Swung;
 
     #[inline(always)]
