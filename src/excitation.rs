@@ -160,15 +160,6 @@ pub struct ForcingSeries<const N: usize, T = f64> {
     pub moment: [T; 2],
 }
 
-impl<const N: usize> ForcingSeries<N> {
-    /// Whether nothing drives the block.
-    #[inline]
-    pub fn is_zero(&self) -> bool {
-        let ForcingSeries { x, terms, z, moment } = self;
-        *terms <= 2 && [x[0], x[1], z[0], z[1], moment[0], moment[1]].iter().all(|term| *term == 0.0)
-    }
-}
-
 impl<const N: usize, T: Scalar> ForcingSeries<N, T> {
     /// Rescales the powers to a unit of time `factor` times as long.
     #[inline(always)]

@@ -194,6 +194,18 @@ const C1_PHASE: f64 = 0.21897952247562566;
 /// φ of a type-C2 pulse (rad), 0.0410π: n = 2.
 const C2_PHASE: f64 = 0.12872979703677595;
 
+/// `1/((k + 1) (k + 2))`.
+static FACTORS: [f64; 17] = factors();
+
+const fn factors() -> [f64; 17] {
+    let (mut factors, mut k) = ([0.0; 17], 0);
+    while k < factors.len() {
+        factors[k] = 1.0 / ((k + 1) * (k + 2)) as f64;
+        k += 1;
+    }
+    factors
+}
+
 /// Formula of a [`Wave`] with amplitude `a`; `x` is `ω (t − origin)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
@@ -278,13 +290,15 @@ impl<T: Scalar> Wave<T> {
 
     /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
     #[inline(always)]
-    pub(super) fn add_series<N: CombinesWith<T>>(&self, time: N, series: &mut [N]) {
+    pub(super) fn add_series<const TERMS: usize, N: CombinesWith<T>>(&self, time: N, series: &mut [N; TERMS]) {
+        const { assert!(TERMS <= FACTORS.len()) };
         let Wave { amplitude, omega, phase, origin, .. } = *self;
         let (sin, cos) = ((time - origin) * omega + phase).sin_cos();
         let (mut now, mut next) = (sin * amplitude, cos * (amplitude * omega));
-        for (k, coefficient) in series.iter_mut().enumerate() {
+        let square = -omega * omega;
+        for (coefficient, &factor) in series.iter_mut().zip(&FACTORS) {
             *coefficient = *coefficient + now;
-            (now, next) = (next, now * (-omega * omega) / N::from(((k + 1) * (k + 2)) as f64));
+            (now, next) = (next, now * square * factor);
         }
     }
 }

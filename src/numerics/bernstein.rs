@@ -120,6 +120,12 @@ impl Pair {
         Bernstein { degree: self.degree, powers, coefficients }
     }
 
+    /// The values at a place.
+    #[inline]
+    pub fn at(&self, place: f64) -> [f64; 2] {
+        values(&self.powers, self.degree, place)
+    }
+
     /// The place inside the interval of the greatest value of `a p + b q`, if that exceeds `most` and the values at both ends.
     #[inline]
     pub fn highest(&self, [a, b]: [f64; 2], most: f64) -> Option<f64> {
@@ -309,6 +315,18 @@ impl Bernstein {
         }
         place
     }
+}
+
+/// The values of two polynomials with these coefficients of the powers.
+#[inline(always)]
+fn values<T: Real>(powers: &Row<[T; 2]>, degree: usize, place: T) -> [T; 2] {
+    let mut values = [T::from(0.0); 2];
+    for k in (0..degree + 1).rev() {
+        for i in 0..2 {
+            values[i] = values[i] * place + powers[k][i];
+        }
+    }
+    values
 }
 
 /// Value and slope of the polynomial with these coefficients of the powers. Even and odd powers are summed side by side, which takes half

@@ -5,6 +5,7 @@ mod energies;
 pub mod exchange;
 #[cfg(feature = "lanes")]
 pub mod follow;
+mod force_peaks;
 mod initial_sensitivity;
 mod inside;
 #[cfg(feature = "lanes")]

@@ -2,11 +2,12 @@
 
 use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
-use crate::numerics::bernstein::{DEGREE, Pair, Zero};
+use crate::numerics::bernstein::{Pair, Zero};
 use crate::numerics::control::LONGEST;
+use crate::simulation::force_peaks::{is_below_peaks, unit};
 use crate::simulation::inside::{Between, Inside};
-use crate::simulation::outputs::{MOST_FRICTION_DEMAND, Strain, strain};
-use crate::simulation::peaks::{Peaks, greater};
+use crate::simulation::outputs::strain;
+use crate::simulation::peaks::greater;
 use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
 use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::{Simulation, SimulationError};
@@ -15,10 +16,7 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, Surface};
 use crate::system::instant::{Footing, Instant, Pose, Powers, State};
 use crate::system::law::Law;
-use crate::system::swing::{Bounds, ORDER, Swing};
-
-/// The least reaction, as a part of the weight, above which a corner is pressed on in spite of the series' error.
-pub(super) const PRESSED: f64 = 1e-6;
+use crate::system::swing::{Bounds, ORDER, Pivoting, Swing};
 
 /// The greatest rotation (rad) that is below a quarter turn.
 pub(super) const UPRIGHT: f64 = 1.5;
@@ -49,23 +47,6 @@ impl Way {
     }
 }
 
-/// Whether bounds show that the corner is pressed on all the time, and that no force exceeds its peak.
-#[inline]
-fn is_below_peaks(bounds: &Bounds, block: &Block, peaks: &Peaks) -> bool {
-    let [least, most] = bounds.reaction;
-    least > PRESSED * block.gravity
-        && most * block.mass < peaks.reaction
-        && bounds.horizontal * block.mass < peaks.horizontal
-        && bounds.horizontal < peaks.friction_demand * least
-}
-
-/// The least part of a peak that a force must reach to be searched for.
-pub(super) fn visible(tolerance: f64) -> f64 {
-    /// Of the tolerance: as much may a force exceed its peak unseen.
-    const SHARE: f64 = 0.01;
-    1.0 + SHARE * tolerance
-}
-
 /// Whether both reactions of a block at rest are above their round-off.
 fn is_pressed_down(now: &Evaluation) -> bool {
     let rounding = Surface::Reaction(Corner::Left).rounding(now.block);
@@ -89,10 +70,11 @@ impl Standing {
             let (up, down) = (under(unit(1.0)), under(unit(-1.0)));
             [0, 1, 2].map(|i| 0.5 * (up[i] - down[i]))
         };
+        let by_ramp = |ramp: [f64; 2], unit| if ramp == [0.0; 2] { [0.0; 3] } else { by(unit) };
         let by = [
             by(|x| Forcing { x, ..Forcing::default() }),
-            by(|z| Forcing { z, ..Forcing::default() }),
-            by(|moment| Forcing { moment, ..Forcing::default() }),
+            by_ramp(series.z, |z| Forcing { z, ..Forcing::default() }),
+            by_ramp(series.moment, |moment| Forcing { moment, ..Forcing::default() }),
         ];
         let (mut forces, mut power) = ([[0.0; ORDER + 1]; 3], 1.0);
         for k in 0..ORDER + 1 {
@@ -132,17 +114,6 @@ fn pair(part: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
         power *= part;
     }
     Pair::of(powers, ORDER)
-}
-
-/// The linear combination of two polynomials that is one of them.
-fn unit(i: usize) -> [f64; 2] {
-    if i == 0 { [1.0, 0.0] } else { [0.0, 1.0] }
-}
-
-/// The block after a part of a swing that begins at `time` (s), by the equations of motion.
-fn along<'a>(motion: &Motion<'a, impl Law>, swing: &Swing, time: f64, part: f64) -> Evaluation<'a> {
-    let [theta, theta_dot] = swing.at(part);
-    motion.at(time + part * swing.size, State::from([theta, theta_dot, 0.0, 0.0]))
 }
 
 /// The longest swing (s) under a pulse of this circular frequency (rad/s).
@@ -261,120 +232,6 @@ impl Simulation {
         Ok(true)
     }
 
-    /// Includes the forces of an instant in the peaks.
-    fn include_forces(&mut self, now: &Evaluation) {
-        self.include_strain(&strain(now.block, now.regime, &now.instant, [0.0; 2]));
-    }
-
-    #[inline]
-    fn include_strain(&mut self, strain: &Strain<f64>) {
-        let &Strain { reaction: [left, right], horizontal, friction_demand, .. } = strain;
-        let Peaks { reaction, horizontal: shear, friction_demand: demand, .. } = &mut self.peaks;
-        *reaction = greater(greater(*reaction, left), right);
-        *shear = greater(*shear, horizontal.abs());
-        *demand = greater(*demand, friction_demand);
-    }
-
-    /// Includes N, H and the friction demand on the way of a swing in the peaks. Returns the way, as far as the corner is pressed on, or
-    /// none where that is unclear.
-    ///
-    /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
-    #[inline(never)]
-    fn take_in_forces(
-        &mut self,
-        law: impl Law,
-        piece: &SmoothPiece,
-        swing: &Swing,
-        mut way: Way,
-        ends_piece: bool,
-    ) -> Option<Way> {
-        let &SmoothPiece { block, excitation, .. } = piece;
-        let (time, pressed) = (self.pose.time, PRESSED * block.gravity);
-        let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
-        let mut lifts = false;
-        let forces = loop {
-            let forces = swing.forces(way.part, block.gravity);
-            if lifts || forces.coefficients().iter().all(|&[n, _]| n > pressed) {
-                break forces;
-            }
-            let pivot = law.pivot().filter(|_| forces.coefficients()[0][0] > pressed)?;
-            let reaction = |place: f64| {
-                let now = along(&motion, swing, time, place * way.part);
-                now.instant.reaction[pivot.index()]
-            };
-            match forces.combined(unit(0)).zero_of(reaction) {
-                Zero::None => break forces,
-                Zero::At(place) => {
-                    lifts = true;
-                    way = Way { part: place * way.part, surface: Some(Surface::Reaction(pivot)) };
-                }
-                Zero::Unclear => return None,
-            }
-        };
-        let Way { part, surface } = way;
-        let coefficients = forces.coefficients();
-        let ([n, h], [last, last_shear]) = (coefficients[0], coefficients[DEGREE]);
-        self.include_reaction(n, h);
-        let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let (most, steepest) = (reaction / block.mass, horizontal / block.mass);
-        let is_below = |&[n, h]: &[f64; 2]| n <= most && h.abs() <= steepest.min(friction_demand * n);
-        if coefficients.iter().all(is_below) {
-            return Some(way);
-        }
-        if (surface.is_some() || ends_piece) && !is_below(&[last, last_shear]) {
-            self.counts.evaluations += 1;
-            self.include_forces(&along(&motion, swing, time, part));
-        }
-        self.search_peaks(&[(&forces, unit(0))], &forces, |this, place| {
-            this.counts.evaluations += 1;
-            this.include_forces(&along(&motion, swing, time, place * part));
-        });
-        Some(way)
-    }
-
-    /// Finds the places at which one of the `reactions`/M, H/M or the friction demand exceeds its peak and its values at both ends, and
-    /// passes them to `include`, which raises the peaks. `resultant` is the sum of the reactions, and H/M.
-    fn search_peaks(
-        &mut self,
-        reactions: &[(&Pair, [f64; 2])],
-        resultant: &Pair,
-        include: impl Fn(&mut Simulation, f64),
-    ) {
-        /// A limit of the search for a peak of the friction demand, which takes two or three rounds.
-        const MOST: u32 = 8;
-        let visible = visible(self.settings.tolerance);
-        let per_mass = visible / self.system.block.mass;
-        for (pair, reaction) in reactions {
-            if let Some(place) = pair.highest(*reaction, per_mass * self.peaks.reaction) {
-                include(self, place);
-            }
-        }
-        // The end may not have been included.
-        let [n, h] = resultant.coefficients()[DEGREE];
-        let at_end = if h.abs() < MOST_FRICTION_DEMAND * n { h.abs() / n } else { MOST_FRICTION_DEMAND };
-        for side in [1.0, -1.0] {
-            if let Some(place) = resultant.highest([0.0, side], per_mass * self.peaks.horizontal) {
-                include(self, place);
-            }
-            // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
-            for _ in 0..MOST {
-                let demand = visible * greater(self.peaks.friction_demand, at_end);
-                let Some(place) = resultant.highest([-demand, side], 0.0) else { break };
-                include(self, place);
-            }
-        }
-    }
-
-    /// Includes N/M and H/M (m/s²) in the peaks.
-    #[inline]
-    fn include_reaction(&mut self, n: f64, h: f64) {
-        let mass = self.system.block.mass;
-        let Peaks { reaction, horizontal, friction_demand, .. } = &mut self.peaks;
-        *reaction = greater(*reaction, mass * n);
-        *horizontal = greater(*horizontal, mass * h.abs());
-        *friction_demand = greater(*friction_demand, h.abs() / n);
-    }
-
     /// Includes a rotation (rad) about a corner in the peaks.
     #[inline]
     pub(super) fn raise_rotation(&mut self, theta: f64) {
@@ -397,19 +254,19 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
         let longest = longest_swing(block.p, excitation.frequency());
-        let allowed = allowed_error(block, self.settings.tolerance);
+        let (allowed, pivoting) = (allowed_error(block, self.settings.tolerance), Pivoting::of(block, pivot));
         let mut most = longest;
         let mut known = piece.known_swing;
         loop {
             self.spend(budget, piece, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
-            let own;
+            let made;
             let swing = match known.take() {
                 Some(known) => known,
                 None => {
-                    own = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
-                    &own
+                    made = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+                    &made
                 }
             };
             if let Some(place) = piece.swing {
@@ -422,14 +279,21 @@ impl Simulation {
             let mut way =
                 Way::of(swing, &bounds, pivot).filter(|way| way.surface.is_some() || lasts || last_end > time);
             if !is_below_peaks(&bounds, block, &self.peaks) {
-                way = way.and_then(|way| self.take_in_forces(law, piece, swing, way, lasts));
+                way = way.and_then(|way| {
+                    let next_is_swing = !lasts && way.surface.is_none();
+                    match self.take_in_forces(excitation, &pivoting, swing, way.part, next_is_swing) {
+                        Zero::None => Some(way),
+                        Zero::At(part) => Some(Way { part, surface: Some(Surface::Reaction(pivot)) }),
+                        Zero::Unclear => None,
+                    }
+                });
             }
             let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
             let end = if lasts && surface.is_none() { stop } else { time + part * swing.size };
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
             if way.is_some() {
-                if !bounds.is_monotone
+                if !bounds.is_greatest_at_end
                     && bounds.theta > self.peaks.theta
                     && let Some(highest) = swing.highest(pivot, &bounds, part, self.peaks.theta)
                 {

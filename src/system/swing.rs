@@ -29,9 +29,9 @@ pub mod tangent;
 use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Corner, Foot, Lever};
-use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::bernstein::{Bernstein, DEGREE, Pair, Zero};
-use crate::numerics::scalar::Real;
+use crate::excitation::{Excitation, Forcing, ForcingSeries};
+use crate::numerics::bernstein::{Bernstein, DEGREE, Pair, Row, Zero};
+use crate::numerics::scalar::{Real, Scalar};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
@@ -51,18 +51,54 @@ pub struct Swing<T = f64> {
     forcing: ForcingSeries<{ ORDER + 1 }, T>,
 }
 
+/// A block that turns about a corner.
+#[derive(Clone, Copy, Debug)]
+pub struct Pivoting<T = f64> {
+    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
+    pub offset: T,
+    /// Its height (m).
+    pub h: T,
+    /// `I0/M` (m²).
+    pub i0: T,
+    /// g (m/s²).
+    pub gravity: T,
+    /// The sign of a rotation away from the base.
+    pub away: T,
+}
+
+impl Pivoting {
+    /// A block about one of its corners.
+    #[inline]
+    pub fn of(block: &Block, corner: Corner) -> Pivoting {
+        let Block { h, i0, gravity, .. } = *block;
+        Pivoting { offset: block.offset(corner), h, i0, gravity, away: -corner.sign() }
+    }
+}
+
+impl<T: Scalar> Pivoting<T> {
+    /// N/M and H/M (m/s²) at `[θ, θ̇]` (rad, rad/s), by the equation of motion.
+    #[inline(always)]
+    pub fn forces(&self, [theta, theta_dot]: [T; 2], forcing: &Forcing<T>) -> [T; 2] {
+        let (sin, cos) = theta.sin_cos();
+        let Lever { x, q } = Lever::of(self.offset, self.h, sin, cos);
+        let (weight, square) = (forcing.z + self.gravity, theta_dot * theta_dot);
+        let theta_ddot = (x * weight - q * forcing.x + forcing.moment) / (x * x + q * q + self.i0);
+        [weight - (x * theta_ddot + q * square), forcing.x + (q * theta_ddot - x * square)]
+    }
+}
+
 /// Bounds of the motion over a swing.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Whether `last` alone tells if the block comes down within the swing: because it does not come near the base, or accelerates
-    /// towards it all the time.
+    /// Whether `last` alone tells if the block comes down within the swing: because it does not come near the base, accelerates towards it
+    /// all the time, or leaves it faster and faster.
     pub is_certain: bool,
     /// The rotation away from the base at the end (rad), negative beyond the base.
     pub last: f64,
     /// Whether θ̈ points to the base all the time.
     pub turns_back: bool,
-    /// Whether |θ| only rises or only falls.
-    pub is_monotone: bool,
+    /// Whether |θ| is greatest at an end, until the block comes down: because it only rises or only falls, or θ̈ points away from the base.
+    pub is_greatest_at_end: bool,
     /// The greatest |θ| (rad).
     pub theta: f64,
     /// The least and the greatest N/M (m/s²).
@@ -71,11 +107,12 @@ pub struct Bounds {
     pub horizontal: f64,
 }
 
-/// `k`, or `1/k` and 0 for 0.
-const fn numbers(inverse: bool) -> Series {
+/// `k`, `1/k`, `k (k − 1)` or `k/(k + 1)`, and 0 for 0.
+const fn numbers(row: usize) -> Series {
     let (mut numbers, mut k) = ([0.0; ORDER + 1], 1);
     while k < ORDER + 1 {
-        numbers[k] = if inverse { 1.0 / k as f64 } else { k as f64 };
+        let n = k as f64;
+        numbers[k] = [n, 1.0 / n, n * (n - 1.0), n / (n + 1.0)][row];
         k += 1;
     }
     numbers
@@ -103,8 +140,10 @@ const LEAST: usize = 4;
 /// Part of the flight at constant acceleration.
 const OF_FLIGHT: f64 = 1.25;
 
-static NUMBER: Series = numbers(false);
-static RECIPROCAL: Series = numbers(true);
+static NUMBER: Series = numbers(0);
+static RECIPROCAL: Series = numbers(1);
+static PRODUCT: Series = numbers(2);
+static OF_NEXT: Series = numbers(3);
 
 /// The part of a swing whose last terms meet the allowed error, which is this part of them.
 #[inline(always)]
@@ -114,27 +153,39 @@ fn shortening<T: Real>(part: T) -> T {
     part.sqrt().sqrt().sqrt().sqrt() * SAFETY
 }
 
+/// `∫ s' dτ` and `∫ τ s' dτ` over a part, for a series s of this order.
+#[inline(always)]
+fn way_and_moment<T: Real>(series: &Series<T>, order: usize, part: T) -> [T; 2] {
+    let (mut way, mut moment) = (T::from(0.0), T::from(0.0));
+    for n in (1..order + 1).rev() {
+        way = way * part + series[n];
+        moment = moment * part + series[n] * OF_NEXT[n];
+    }
+    [way * part, moment * (part * part)]
+}
+
 impl<T: Real> Swing<T> {
     /// The coefficient k of the moment about the corner, per unit mass, with those of X, Q and the excitation up to k. The first number is
     /// `g + a_z` at the beginning.
     #[inline(always)]
     fn turning(&self, k: usize, weight: T) -> T {
         let Swing { x, q, forcing, .. } = self;
-        let mut turning = x[k] * weight - q[k] * forcing.x[0];
-        if k > 0 {
-            turning = turning + x[k - 1] * forcing.z[1];
-        }
-        if k < 2 {
-            turning = turning + forcing.moment[k];
-        }
+        // The terms that have just been found come last.
+        let mut earlier = T::from(0.0);
         if forcing.terms > 2 {
-            for j in 1..k + 1 {
-                turning = turning - q[k - j] * forcing.x[j];
+            for j in (1..k + 1).rev() {
+                earlier = earlier - q[k - j] * forcing.x[j];
             }
         } else if k > 0 {
-            turning = turning - q[k - 1] * forcing.x[1];
+            earlier = earlier - q[k - 1] * forcing.x[1];
         }
-        turning
+        if k > 0 {
+            earlier = earlier + x[k - 1] * forcing.z[1];
+        }
+        if k < 2 {
+            earlier = earlier + forcing.moment[k];
+        }
+        earlier + (x[k] * weight - q[k] * forcing.x[0])
     }
 
     /// Makes `factor` times the duration the unit of the powers.
@@ -151,13 +202,26 @@ impl<T: Real> Swing<T> {
         self.forcing.scale(factor);
     }
 
-    /// The coefficients k of N/M − g and H/M (m/s²), with `1/size²` (1/s²).
+    /// The highest power in which there are forces: that of a wave goes beyond the order of a short swing.
     #[inline(always)]
-    fn force_terms(&self, k: usize, per_second: T) -> [T; 2] {
-        let Swing { x, q, forcing, .. } = self;
-        let squares = per_second * (NUMBER[k + 1] * NUMBER[k + 2]);
-        let z = if k < 2 { forcing.z[k] } else { T::from(0.0) };
-        [q[k + 2] * squares + z, x[k + 2] * squares + forcing.x[k]]
+    fn force_order(&self) -> usize {
+        if self.forcing.terms > 2 { ORDER } else { self.order.min(ORDER) }
+    }
+
+    /// The series of N/M and H/M (m/s²) up to a part of the swing, and their degree.
+    #[inline(always)]
+    fn force_series(&self, part: T, gravity: T) -> (Row<[T; 2]>, usize) {
+        let Swing { size, ref x, ref q, ref forcing, .. } = *self;
+        let (degree, mut forces) = (self.force_order() - 2, [[T::from(0.0); 2]; DEGREE + 1]);
+        let (mut per_second, mut power) = (T::from(1.0) / (size * size), T::from(1.0));
+        for (k, force) in forces.iter_mut().enumerate().take(degree + 1) {
+            let squares = per_second * PRODUCT[k + 2];
+            *force = [q[k + 2] * squares, x[k + 2] * squares + forcing.x[k] * power];
+            (per_second, power) = (per_second * part, power * part);
+        }
+        forces[0][0] = forces[0][0] + (forcing.z[0] + gravity);
+        forces[1][0] = forces[1][0] + forcing.z[1] * part;
+        (forces, degree)
     }
 
     /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
@@ -236,43 +300,38 @@ impl Swing {
         (self.x[1], self.q[1]) = (slope[1] * self.q[0], -slope[1] * self.x[0]);
         // Pairs, which the compiler adds up as vectors.
         let mut levers = [[0.0; 2]; ORDER + 1];
-        (levers[0], levers[1]) = ([self.q[0], -self.x[0]], [self.q[1], -self.x[1]]);
-        let mut rest = f64::INFINITY;
-        for k in 0..ORDER - 1 {
-            let n = k + 2;
-            self.theta[n] = self.turning(k, weight) * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
-            slope[n] = self.theta[n] * NUMBER[n];
-            let mut sums = [0.0; 2];
-            for j in 0..n {
-                let (rate, lever) = (slope[j + 1], levers[n - 1 - j]);
-                sums = [sums[0] + rate * lever[0], sums[1] + rate * lever[1]];
-            }
-            (self.x[n], self.q[n]) = (sums[0] * RECIPROCAL[n], sums[1] * RECIPROCAL[n]);
-            levers[n] = [self.q[n], -self.x[n]];
-            self.order = n;
-            if n >= LEAST {
-                rest = slope[n].abs() + slope[n - 1].abs();
-                if rest < allowed {
-                    break;
-                }
-            }
+        levers[0] = [self.q[0], -self.x[0]];
+        let mut rest;
+        // Written out, so that the loops over products have constant bounds.
+        macro_rules! terms {
+            ($($n:literal)*) => {
+                $({
+                    const N: usize = $n;
+                    let theta = self.turning(N - 2, weight) * scale * (RECIPROCAL[N - 1] * RECIPROCAL[N]);
+                    (self.theta[N], slope[N], self.order) = (theta, theta * NUMBER[N], N);
+                    levers[N - 1] = [self.q[N - 1], -self.x[N - 1]];
+                    let mut sums = [0.0; 2];
+                    for j in 0..N {
+                        let (rate, lever) = (slope[j + 1], levers[N - 1 - j]);
+                        sums = [sums[0] + rate * lever[0], sums[1] + rate * lever[1]];
+                    }
+                    (self.x[N], self.q[N]) = (sums[0] * RECIPROCAL[N], sums[1] * RECIPROCAL[N]);
+                    rest = slope[N].abs() + slope[N - 1].abs();
+                    if N >= LEAST && rest < allowed {
+                        return rest;
+                    }
+                })*
+            };
         }
+        terms!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
         rest
     }
 
     /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
     #[inline(always)]
     pub fn forces(&self, part: f64, gravity: f64) -> Pair {
-        let Swing { size, order, .. } = *self;
-        let mut forces = [[0.0; 2]; DEGREE + 1];
-        let (per_second, mut power) = (1.0 / (size * size), 1.0);
-        for (k, force) in forces.iter_mut().enumerate().take(order - 1) {
-            let [n, h] = self.force_terms(k, per_second);
-            *force = [n * power, h * power];
-            power *= part;
-        }
-        forces[0][0] += gravity;
-        Pair::of(forces, order - 2)
+        let (forces, degree) = self.force_series(part, gravity);
+        Pair::of(forces, degree)
     }
 
     /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
@@ -347,27 +406,38 @@ impl Swing {
     /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
     pub fn work(&self, part: f64) -> f64 {
-        const SERIES: usize = ORDER + 1;
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
-        if forcing.is_zero() {
-            return 0.0;
-        }
+        let linear = |[value, rate]: [f64; 2], series: &Series| {
+            if value == 0.0 && rate == 0.0 {
+                return 0.0;
+            }
+            let [way, moment] = way_and_moment(series, order, part);
+            value * way + rate * moment
+        };
+        let of_x = if forcing.terms > 2 { self.work_of_wave(part) } else { linear([forcing.x[0], forcing.x[1]], x) };
+        linear(forcing.moment, theta) - linear(forcing.z, q) - of_x
+    }
+
+    /// `∫ a_x u̇ dt` over a part of the swing.
+    fn work_of_wave(&self, part: f64) -> f64 {
+        const SERIES: usize = ORDER + 1;
+        let Swing { order, ref x, ref forcing, .. } = *self;
         // The velocity of the centre of mass, after zeros: each term of the forcing multiplies as many numbers.
-        let (mut power, mut velocity) = ([0.0; SERIES], [0.0; 2 * SERIES]);
+        let (mut power, mut velocity) = ([0.0; SERIES + 1], [0.0; 2 * SERIES + 1]);
         for n in 1..order + 1 {
             velocity[SERIES + n] = x[n] * NUMBER[n];
-            power[n] = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
-            power[n] += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
         }
-        for j in 0..forcing.terms.min(order) {
-            let term = forcing.x[j];
-            let velocity = &velocity[SERIES - j..][..SERIES];
-            for n in 0..SERIES {
-                power[n] -= velocity[n] * term;
-            }
+        // Written out, so that the loops have constant bounds.
+        macro_rules! terms {
+            ($($j:literal)*) => {
+                $(for n in $j & !1..SERIES + 1 {
+                    power[n] += velocity[SERIES - $j + n] * forcing.x[$j];
+                })*
+            };
         }
+        terms!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
         let mut work = 0.0;
-        for n in (1..order + 1).rev() {
+        for n in (1..SERIES).rev() {
             work = work * part + power[n] * RECIPROCAL[n];
         }
         work * part
@@ -376,37 +446,38 @@ impl Swing {
     /// Bounds of the motion over the swing.
     #[inline]
     pub fn bounds(&self, block: &Block, corner: Corner) -> Bounds {
-        let Swing { size, order, ref theta, ref x, ref q, ref forcing } = *self;
+        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = *self;
         let away = -corner.sign();
         let per_second = 1.0 / (size * size);
         let mut spread = theta[1].abs() + theta[2].abs();
         let (mut steepest, mut bend) = (theta[2].abs() * 2.0, 0.0);
-        for k in 3..order.min(ORDER) + 1 {
+        let (mut reaction, mut horizontal) = (0.0, 0.0);
+        for k in 3..self.force_order() + 1 {
             let term = theta[k].abs();
             spread += term;
             steepest += term * NUMBER[k];
-            bend += term * (NUMBER[k] * NUMBER[k - 1]);
+            bend += term * PRODUCT[k];
+            if k > 3 {
+                let squares = per_second * PRODUCT[k];
+                reaction += (q[k] * squares).abs();
+                horizontal += (x[k] * squares + forcing.x[k - 2]).abs();
+            }
         }
         let [last, _] = self.theta_at(1.0);
         let (first, last) = (theta[0] * away, last * away);
         // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
-        let turns_back = bend + theta[2] * (2.0 * away) < 0.0;
+        let turn = theta[2] * (2.0 * away);
+        let (turns_back, turns_away) = (bend + turn < 0.0, bend < turn);
         let leaves = first > 0.0 || (first == 0.0 && theta[1] * away > 0.0);
-        let (mut reaction, mut horizontal) = (0.0, 0.0);
-        for k in 4..order.min(ORDER) + 1 {
-            let squares = per_second * (NUMBER[k] * NUMBER[k - 1]);
-            reaction += (q[k] * squares).abs();
-            horizontal += (x[k] * squares + forcing.x[k - 2]).abs();
-        }
         reaction += (q[3] * (6.0 * per_second) + forcing.z[1]).abs();
         horizontal += (x[3] * (6.0 * per_second) + forcing.x[1]).abs();
         let first_reaction = block.gravity + forcing.z[0] + q[2] * (2.0 * per_second);
         let first_horizontal = x[2] * (2.0 * per_second) + forcing.x[0];
         Bounds {
-            is_certain: first > spread || (turns_back && leaves),
+            is_certain: first > spread || (leaves && (turns_back || (turns_away && theta[1] * away >= 0.0))),
             last,
             turns_back,
-            is_monotone: theta[1].abs() > steepest,
+            is_greatest_at_end: theta[1].abs() > steepest || turns_away,
             theta: first.abs() + spread,
             reaction: [first_reaction - reaction, first_reaction + reaction],
             horizontal: first_horizontal.abs() + horizontal,

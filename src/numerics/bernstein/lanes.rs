@@ -2,7 +2,7 @@
 //!
 //! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
-use super::{DEGREE, MOST_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope};
+use super::{DEGREE, MOST_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
 use crate::numerics::Real;
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
@@ -12,6 +12,14 @@ pub struct Bernsteins<V> {
     degree: usize,
     powers: Row<Wide<V>>,
     coefficients: Row<Wide<V>>,
+}
+
+/// Two polynomials p and q on [0, 1] in each lane.
+pub struct Pairs<V> {
+    /// The highest degree of all lanes.
+    degree: usize,
+    powers: Row<[Wide<V>; 2]>,
+    coefficients: Row<[Wide<V>; 2]>,
 }
 
 /// The changes of sign in a sequence.
@@ -53,6 +61,54 @@ fn signs<V: Simd>(numbers: &Row<Wide<V>>, count: usize) -> Signs<V> {
         falls: changed.and(begins_above),
         rises: changed.and(begins_below),
         crossing: (index + before / (before - after)) / Wide::from((count - 1) as f64),
+    }
+}
+
+/// The lanes in which coefficients inside exceed `most` and those at both ends, and so may the polynomial.
+#[inline(always)]
+fn exceeding<V: Simd>(coefficients: &Row<Wide<V>>, most: Wide<V>) -> Lanes<V> {
+    let value = coefficients[0].max(coefficients[DEGREE]).max(most);
+    let mut exceeds = value.less(value);
+    for &coefficient in &coefficients[1..DEGREE] {
+        exceeds = exceeds.or(value.less(coefficient));
+    }
+    exceeds
+}
+
+impl<V: Simd> Pairs<V> {
+    /// The polynomials with these coefficients of the powers. Those beyond the degree of a lane are zero.
+    #[inline(always)]
+    pub fn of(powers: Row<[Wide<V>; 2]>, degree: usize) -> Pairs<V> {
+        Pairs { degree, powers, coefficients: convert(&powers) }
+    }
+
+    /// The coefficients of both, see [`coefficients`](super::Pair::coefficients).
+    #[inline(always)]
+    pub fn coefficients(&self) -> &Row<[Wide<V>; 2]> {
+        &self.coefficients
+    }
+
+    /// The values at a place.
+    #[inline(always)]
+    pub fn at(&self, place: Wide<V>) -> [Wide<V>; 2] {
+        values(&self.powers, self.degree, place)
+    }
+
+    /// The greatest value of `a p + b q` in some lanes, see [`Bernsteins::highest`].
+    #[inline(always)]
+    pub fn highest(&self, lanes: Lanes<V>, [a, b]: [Wide<V>; 2], most: Wide<V>) -> Highest<V> {
+        let zero = Wide::default();
+        let (mut powers, mut coefficients) = ([zero; DEGREE + 1], [zero; DEGREE + 1]);
+        for (coefficient, &[p, q]) in coefficients.iter_mut().zip(&self.coefficients) {
+            *coefficient = a * p + b * q;
+        }
+        if !exceeding(&coefficients, most).and(lanes).any() {
+            return Highest { place: zero, exceeds: lanes.except(lanes), known: lanes };
+        }
+        for (power, &[p, q]) in powers.iter_mut().zip(&self.powers) {
+            *power = a * p + b * q;
+        }
+        Bernsteins { degree: self.degree, powers, coefficients }.highest(lanes, most)
     }
 }
 
@@ -109,11 +165,7 @@ impl<V: Simd> Bernsteins<V> {
     pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<V> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
         let value = coefficients[0].max(coefficients[DEGREE]).max(most);
-        let mut exceeds = lanes.except(lanes);
-        for &coefficient in &coefficients[1..DEGREE] {
-            exceeds = exceeds.or(value.less(coefficient));
-        }
-        let exceeds = exceeds.and(lanes);
+        let exceeds = exceeding(coefficients, most).and(lanes);
         let nothing = lanes.except(exceeds);
         if !exceeds.any() {
             return Highest { place: zero, exceeds, known: nothing };

@@ -6,6 +6,7 @@
 //! So do runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base.
 
 mod bounds;
+mod force_peaks;
 mod kernel;
 mod pulses;
 mod swings;

@@ -4,17 +4,17 @@
 use crate::block::{Block, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::Real;
-use crate::numerics::bernstein::{DEGREE, Row};
 use crate::numerics::control::is_resolved;
-use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, MOST_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
+use crate::simulation::force_peaks::{PRESSED, visible};
+use crate::simulation::lanes::force_peaks::{ForcePeaks, Ways};
 use crate::simulation::lanes::{Kind, Lane};
-use crate::simulation::outputs::MOST_FRICTION_DEMAND;
-use crate::simulation::rigid_base::{PRESSED, UPRIGHT, allowed_error, longest_swing, visible};
+use crate::simulation::rigid_base::{UPRIGHT, allowed_error, longest_swing};
 use crate::system::events::Surface;
 use crate::system::instant::State;
-use crate::system::swing::Swing;
-use crate::system::swing::lanes::{Pivoting, Swings};
+use crate::system::swing::lanes::Swings;
+use crate::system::swing::{Pivoting, Swing};
 
 /// What a run on the rigid base needs for a swing in a lane.
 #[derive(Clone, Debug)]
@@ -83,6 +83,8 @@ pub struct Swung {
     highest: Array,
     /// Peaks of N, H and friction demand, without those at the ends.
     peaks: [Array; 3],
+    /// Evaluations of the equations of motion for these peaks.
+    evaluations: Array,
     /// The swings of the lanes in which they were not taken.
     pub known: [Option<Box<Swing>>; MOST_LANES],
 }
@@ -94,11 +96,11 @@ pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> Swung {
     for (place, run) in runs.iter_mut().zip(group) {
         *place = run;
     }
-    width.run(Together { is_wave, runs, count })
+    width.run(GroupSwing { is_wave, runs, count })
 }
 
 /// The swing of a group.
-struct Together<'g> {
+struct GroupSwing<'g> {
     /// Whether pulses act, or only what is linear in time.
     is_wave: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
@@ -107,7 +109,7 @@ struct Together<'g> {
     count: usize,
 }
 
-impl Together<'_> {
+impl GroupSwing<'_> {
     /// A number of each lane.
     #[inline(always)]
     fn each<V: Simd>(&self, number: impl Fn(&Lane) -> f64) -> Wide<V> {
@@ -115,12 +117,12 @@ impl Together<'_> {
     }
 }
 
-impl Task for Together<'_> {
+impl Task for GroupSwing<'_> {
     type Output = Swung;
 
     #[inline(always)]
     fn run<V: Simd>(self) -> Swung {
-        let pivoting = Pivoting::<V> {
+        let pivoting = Pivoting::<Wide<V>> {
             offset: self.each(|lane| lane.swinging.offset),
             h: self.each(|lane| lane.block().h),
             i0: self.each(|lane| lane.block().i0),
@@ -160,7 +162,7 @@ impl Task for Together<'_> {
         let usual = is_decided.and(advances).and(is_finite);
 
         let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
-        let may_turn = usual.except(bounds.is_monotone.or(bounds.theta.less(peak_theta)));
+        let may_turn = usual.except(bounds.is_greatest_at_end.or(bounds.theta.less(peak_theta)));
         let (mut taken, mut highest) = (usual, zero);
         if may_turn.any() {
             let turns_back = may_turn.and(bounds.turns_back);
@@ -178,20 +180,19 @@ impl Task for Together<'_> {
             reaction: self.each(|lane| lane.simulation.peaks.reaction),
             horizontal: self.each(|lane| lane.simulation.peaks.horizontal),
             friction_demand: self.each(|lane| lane.simulation.peaks.friction_demand),
+            evaluations: zero,
         };
         let [least, greatest] = bounds.reaction;
-        let pressed = pivoting.gravity * PRESSED;
-        let is_below = pressed
+        let is_below = (pivoting.gravity * PRESSED)
             .less(least)
             .and((greatest * mass).less(peaks.reaction))
             .and((bounds.horizontal * mass).less(peaks.horizontal))
             .and(bounds.horizontal.less(peaks.friction_demand * least));
         let others = taken.except(is_below);
         if others.any() {
-            let forces = swings.forces(part, pivoting.gravity);
-            let continues = ends_before.except(lands);
+            let ways = Ways { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, part };
             let visible = self.each(|lane| lane.swinging.visible);
-            let holds = peaks.raise(others, &forces, mass, pressed, continues, visible);
+            let holds = peaks.raise(others, &ways, ends_before.except(lands), visible);
             taken = taken.except(others.except(holds));
         }
 
@@ -212,83 +213,10 @@ impl Task for Together<'_> {
             input: input.store(),
             highest: highest.store(),
             peaks: [peaks.reaction.store(), peaks.horizontal.store(), peaks.friction_demand.store()],
+            evaluations: peaks.evaluations.store(),
             known,
         }
     }
-}
-
-/// Peaks of N (N), H (N) and the friction demand (1).
-struct ForcePeaks<V> {
-    reaction: Wide<V>,
-    horizontal: Wide<V>,
-    friction_demand: Wide<V>,
-}
-
-impl<V: Simd> ForcePeaks<V> {
-    /// Raises the peaks of some lanes to the forces at the beginning of a swing with these Bernstein coefficients of N/M and H/M.
-    ///
-    /// Returns the lanes in which the corner is certainly pressed on and no force exceeds its peak later. In lanes that `continues` the end
-    /// does not count: the next swing begins with its forces.
-    #[inline(always)]
-    fn raise(
-        &mut self,
-        lanes: Lanes<V>,
-        forces: &Row<[Wide<V>; 2]>,
-        mass: Wide<V>,
-        pressed: Wide<V>,
-        continues: Lanes<V>,
-        visible: Wide<V>,
-    ) -> Lanes<V> {
-        let [n, h] = forces[0];
-        self.reaction = self.reaction.max(mass * n).in_lanes(lanes, self.reaction);
-        self.horizontal = self.horizontal.max(mass * h.abs()).in_lanes(lanes, self.horizontal);
-        self.friction_demand = self.friction_demand.max(h.abs() / n).in_lanes(lanes, self.friction_demand);
-        let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
-        let mut exceeds = lanes.except(lanes);
-        let (mut holds, mut exceeds_at_end) = (lanes, exceeds);
-        for &[n, h] in forces {
-            holds = holds.and(pressed.less(n));
-            exceeds_at_end = most.less(n).or(steepest.less(h.abs())).or((demand * n).less(h.abs()));
-            exceeds = exceeds.or(exceeds_at_end);
-        }
-        holds = holds.except(exceeds_at_end.except(continues));
-        if !holds.and(exceeds).any() {
-            return holds;
-        }
-        // As in the search of a run alone, which would find nothing.
-        let per_mass = visible / mass;
-        let [n, h] = forces[DEGREE];
-        let is_little = h.abs().less(n * MOST_FRICTION_DEMAND);
-        let at_end = (h.abs() / n).in_lanes(is_little, Wide::from(MOST_FRICTION_DEMAND));
-        let demand = visible * demand.max(at_end);
-        let zero = [[Wide::default()]; DEGREE + 1];
-        let (mut reaction, mut shear) = (zero, [zero; 2]);
-        let mut slip = shear;
-        for k in 0..DEGREE + 1 {
-            let [n, h] = forces[k];
-            reaction[k] = [n];
-            (shear[0][k], shear[1][k]) = ([h], [-h]);
-            (slip[0][k], slip[1][k]) = ([-demand * n + h], [-demand * n - h]);
-        }
-        let mut rises = may_exceed(&reaction, per_mass * self.reaction);
-        for side in 0..2 {
-            rises = rises.or(may_exceed(&shear[side], per_mass * self.horizontal));
-            rises = rises.or(may_exceed(&slip[side], Wide::default()));
-        }
-        holds.except(exceeds.and(rises))
-    }
-}
-
-/// The lanes in which a polynomial with these Bernstein coefficients may exceed `most` and its values at both ends: those in which
-/// [`highest`](crate::numerics::bernstein::Bernstein::highest) would search.
-#[inline(always)]
-fn may_exceed<V: Simd>(coefficients: &Row<[Wide<V>; 1]>, most: Wide<V>) -> Lanes<V> {
-    let value = coefficients[0][0].max(coefficients[DEGREE][0]).max(most);
-    let mut exceeds = value.less(value);
-    for &[coefficient] in &coefficients[1..DEGREE] {
-        exceeds = exceeds.or(value.less(coefficient));
-    }
-    exceeds
 }
 
 impl Lane {
@@ -297,7 +225,7 @@ impl Lane {
     pub(super) fn arrive_by_swing(&mut self, swung: &Swung, lane: usize) {
         let Lane { simulation, swinging, begins, budget, .. } = self;
         let [end, theta, theta_dot] = [swung.end[0][lane], swung.end[1][lane], swung.end[2][lane]];
-        simulation.counts.evaluations += 1;
+        simulation.counts.evaluations += 1 + swung.evaluations[lane] as u64;
         simulation.counts.steps += 1;
         simulation.raise_rotation(swung.highest[lane]);
         simulation.raise_rotation(theta.abs());

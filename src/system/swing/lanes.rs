@@ -5,30 +5,15 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{
-    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, RECIPROCAL, STILL, Series, Swing,
-    TOP_WIDTH, shortening,
+    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL,
+    STILL, Series, Swing, TOP_WIDTH, shortening, way_and_moment,
 };
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::bernstein::lanes::{Bernsteins, Highest};
-use crate::numerics::bernstein::{DEGREE, Row, convert};
+use crate::numerics::bernstein::DEGREE;
+use crate::numerics::bernstein::lanes::{Bernsteins, Highest, Pairs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 use crate::numerics::{Real, Scalar};
-
-/// Blocks that turn about a corner each.
-#[derive(Clone, Copy)]
-pub struct Pivoting<V> {
-    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
-    pub offset: Wide<V>,
-    /// Its height (m).
-    pub h: Wide<V>,
-    /// `I0/M` (m²).
-    pub i0: Wide<V>,
-    /// g (m/s²).
-    pub gravity: Wide<V>,
-    /// The sign of a rotation away from the base.
-    pub away: Wide<V>,
-}
 
 /// A swing in each lane.
 pub struct Swings<V> {
@@ -46,8 +31,8 @@ pub struct LaneBounds<V: Simd> {
     pub last: Wide<V>,
     /// Whether θ̈ points to the base all the time.
     pub turns_back: Lanes<V>,
-    /// Whether |θ| only rises or only falls.
-    pub is_monotone: Lanes<V>,
+    /// Whether |θ| is greatest at an end, until the block comes down.
+    pub is_greatest_at_end: Lanes<V>,
     /// The greatest |θ| (rad).
     pub theta: Wide<V>,
     /// The least and the greatest N/M (m/s²).
@@ -62,6 +47,17 @@ fn term<V: Simd>(series: &Series<Wide<V>>, k: usize) -> Wide<V> {
     if k < ORDER + 1 { series[k] } else { Wide::default() }
 }
 
+/// The work of a force that is linear in time on the motion with this series.
+#[inline(always)]
+fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order: usize, part: Wide<V>) -> Wide<V> {
+    let zero = Wide::default();
+    if !zero.less(value.abs()).or(zero.less(rate.abs())).any() {
+        return zero;
+    }
+    let [way, moment] = way_and_moment(series, order, part);
+    value * way + rate * moment
+}
+
 impl<V: Simd> Swing<Wide<V>> {
     /// The coefficients n of X and Q, from those of θ̇ up to n and their own up to n − 1.
     #[inline(always)]
@@ -73,18 +69,6 @@ impl<V: Simd> Swing<Wide<V>> {
             up = up - slopes[j] * xs[n - 1 - j];
         }
         [across * RECIPROCAL[n], up * RECIPROCAL[n]]
-    }
-
-    /// The coefficient n of the work of the excitation per unit mass, from the rates of X times their powers.
-    #[inline(always)]
-    fn work_term(&self, n: usize, velocity: &Series<Wide<V>>) -> Wide<V> {
-        let Swing { theta, q, forcing, .. } = self;
-        let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
-        power = power + (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
-        for j in 0..forcing.terms.min(n) {
-            power = power - velocity[n - j] * forcing.x[j];
-        }
-        power * RECIPROCAL[n]
     }
 }
 
@@ -99,7 +83,13 @@ impl<V: Simd> Swings<V> {
 
     /// The swings from `[θ, θ̇]` on, see [`Swing::of`]. They are made where they stand: a copy would take longer than a term.
     #[inline(always)]
-    pub fn make(&mut self, block: &Pivoting<V>, [theta, theta_dot]: [Wide<V>; 2], longest: Wide<V>, allowed: Wide<V>) {
+    pub fn make(
+        &mut self,
+        block: &Pivoting<Wide<V>>,
+        [theta, theta_dot]: [Wide<V>; 2],
+        longest: Wide<V>,
+        allowed: Wide<V>,
+    ) {
         let zero = Wide::default();
         let (sin, cos) = theta.sin_cos();
         let lever = Lever::of(block.offset, block.h, sin, cos);
@@ -128,71 +118,72 @@ impl<V: Simd> Swings<V> {
         (series.x[1], series.q[1]) = (slope[1] * series.q[0], -slope[1] * series.x[0]);
         let mut rest = zero;
         let mut done = zero.less(zero);
-        for k in 0..ORDER - 1 {
-            let n = k + 2;
-            let theta = series.turning(k, weight) * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
-            // A lane that is done gets no further terms.
-            series.theta[n] = zero.in_lanes(done, theta);
-            slope[n] = series.theta[n] * NUMBER[n];
-            let [x, q] = series.lever_terms(n, &slope);
-            (series.x[n], series.q[n]) = (zero.in_lanes(done, x), zero.in_lanes(done, q));
-            series.order = n;
-            *orders = orders.in_lanes(done, Wide::from(n as f64));
-            if n >= LEAST {
-                rest = rest.in_lanes(done, slope[n].abs() + slope[n - 1].abs());
-                done = done.or(rest.less(allowed));
-                if done.all() {
-                    return;
-                }
-            }
+        // Written out, so that the loops over products have constant bounds.
+        macro_rules! terms {
+            ($($n:literal)*) => {
+                $({
+                    const N: usize = $n;
+                    let theta = series.turning(N - 2, weight) * scale * (RECIPROCAL[N - 1] * RECIPROCAL[N]);
+                    // A lane that is done gets no further terms.
+                    series.theta[N] = zero.in_lanes(done, theta);
+                    slope[N] = series.theta[N] * NUMBER[N];
+                    let [x, q] = series.lever_terms(N, &slope);
+                    (series.x[N], series.q[N]) = (zero.in_lanes(done, x), zero.in_lanes(done, q));
+                    series.order = N;
+                    *orders = orders.in_lanes(done, Wide::from(N as f64));
+                    if N >= LEAST {
+                        rest = rest.in_lanes(done, slope[N].abs() + slope[N - 1].abs());
+                        done = done.or(rest.less(allowed));
+                        if done.all() {
+                            return;
+                        }
+                    }
+                })*
+            };
         }
+        terms!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
         series.scale(Wide::from(1.0).in_lanes(done, shortening(allowed / rest)));
     }
 
     /// See [`Swing::bounds`].
     #[inline(always)]
-    pub fn bounds(&self, block: &Pivoting<V>) -> LaneBounds<V> {
-        let Swing { size, order, ref theta, ref x, ref q, ref forcing } = self.series;
+    pub fn bounds(&self, block: &Pivoting<Wide<V>>) -> LaneBounds<V> {
+        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = self.series;
         let (zero, away) = (Wide::default(), block.away);
         let per_second = Wide::from(1.0) / (size * size);
         let mut spread = theta[1].abs() + theta[2].abs();
         let (mut steepest, mut bend) = (theta[2].abs() * 2.0, zero);
-        for k in 3..order.min(ORDER) + 1 {
+        let (mut reaction, mut horizontal) = (zero, zero);
+        for k in 3..self.series.force_order() + 1 {
             let term = theta[k].abs();
             spread = spread + term;
             steepest = steepest + term * NUMBER[k];
-            bend = bend + term * (NUMBER[k] * NUMBER[k - 1]);
+            bend = bend + term * PRODUCT[k];
+            if k > 3 {
+                let squares = per_second * PRODUCT[k];
+                reaction = reaction + (q[k] * squares).abs();
+                horizontal = horizontal + (x[k] * squares + forcing.x[k - 2]).abs();
+            }
         }
         let [last, _] = self.series.theta_at(Wide::from(1.0));
         let (first, last) = (theta[0] * away, last * away);
-        let turns_back = (bend + theta[2] * (away * 2.0)).less(zero);
+        let turn = theta[2] * (away * 2.0);
+        let (turns_back, turns_away) = ((bend + turn).less(zero), bend.less(turn));
+        let turns = turns_back.or(turns_away.except((theta[1] * away).less(zero)));
         let leaves = zero.less(first.in_lanes(zero.less(first.abs()), theta[1] * away));
-        let (mut reaction, mut horizontal) = (zero, zero);
-        for k in 4..order.min(ORDER) + 1 {
-            let squares = per_second * (NUMBER[k] * NUMBER[k - 1]);
-            reaction = reaction + (q[k] * squares).abs();
-            let force = (x[k] * squares + forcing.x[k - 2]).abs();
-            horizontal = horizontal + force.in_lanes(self.reach(k), zero);
-        }
         reaction = reaction + (q[3] * (per_second * 6.0) + forcing.z[1]).abs();
         horizontal = horizontal + (x[3] * (per_second * 6.0) + forcing.x[1]).abs();
         let first_reaction = block.gravity + forcing.z[0] + q[2] * (per_second * 2.0);
         let first_horizontal = x[2] * (per_second * 2.0) + forcing.x[0];
         LaneBounds {
-            is_certain: spread.less(first).or(turns_back.and(leaves)),
+            is_certain: spread.less(first).or(leaves.and(turns)),
             last,
             turns_back,
-            is_monotone: steepest.less(theta[1].abs()),
+            is_greatest_at_end: steepest.less(theta[1].abs()).or(turns_away),
             theta: first.abs() + spread,
             reaction: [first_reaction - reaction, first_reaction + reaction],
             horizontal: first_horizontal.abs() + horizontal,
         }
-    }
-
-    /// The lanes whose order is at least k.
-    #[inline(always)]
-    fn reach(&self, k: usize) -> Lanes<V> {
-        Wide::from(k as f64 - 0.5).less(self.orders)
     }
 
     /// The part after which the block comes down in these lanes, see [`Swing::landing`], and 1 in the others.
@@ -261,19 +252,11 @@ impl<V: Simd> Swings<V> {
         (theta.abs().in_lanes(exceeds, Wide::default()), known)
     }
 
-    /// The Bernstein coefficients of N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
+    /// N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
     #[inline(always)]
-    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Row<[Wide<V>; 2]> {
-        let Swing { size, order, .. } = self.series;
-        let (zero, per_second) = (Wide::default(), Wide::from(1.0) / (size * size));
-        let (mut forces, mut power) = ([[zero; 2]; DEGREE + 1], Wide::from(1.0));
-        for (k, force) in forces.iter_mut().enumerate().take(order.min(ORDER) - 1) {
-            let ([n, h], within) = (self.series.force_terms(k, per_second), self.reach(k + 2));
-            *force = [(n * power).in_lanes(within, zero), (h * power).in_lanes(within, zero)];
-            power = power * part;
-        }
-        forces[0][0] = forces[0][0] + gravity;
-        convert(&forces)
+    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Pairs<V> {
+        let (forces, degree) = self.series.force_series(part, gravity);
+        Pairs::of(forces, degree)
     }
 
     /// The greatest rotation (rad) inside, up to a part, in these lanes, whose θ̈ points to the base all the time, if it exceeds `most`, and
@@ -310,16 +293,37 @@ impl<V: Simd> Swings<V> {
     /// See [`Swing::work`], which has the same sums.
     #[inline(always)]
     pub fn work(&self, part: Wide<V>) -> Wide<V> {
-        let Swing { order, ref x, .. } = self.series;
+        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = self.series;
         let order = order.min(ORDER);
+        let of_x = match forcing.terms > 2 {
+            true => self.work_of_wave(part),
+            false => linear([forcing.x[0], forcing.x[1]], x, order, part),
+        };
+        linear(forcing.moment, theta, order, part) - linear(forcing.z, q, order, part) - of_x
+    }
+
+    /// See [`Swing::work_of_wave`].
+    #[inline(always)]
+    fn work_of_wave(&self, part: Wide<V>) -> Wide<V> {
+        let Swing { order, ref x, ref forcing, .. } = self.series;
         let mut velocity: Series<Wide<V>> = [Wide::default(); ORDER + 1];
-        for n in 1..order + 1 {
+        for n in 1..order.min(ORDER) + 1 {
             velocity[n] = x[n] * NUMBER[n];
         }
         let mut work = Wide::default();
-        for n in (1..order + 1).rev() {
-            work = (work * part + self.series.work_term(n, &velocity)).in_lanes(self.reach(n), work);
+        // Written out, so that the loops have constant bounds.
+        macro_rules! terms {
+            ($($n:literal)*) => {
+                $({
+                    let mut power = Wide::default();
+                    for j in 0..$n {
+                        power = power + velocity[$n - j] * forcing.x[j];
+                    }
+                    work = work * part + power * RECIPROCAL[$n];
+                })*
+            };
         }
+        terms!(16 15 14 13 12 11 10 9 8 7 6 5 4 3 2 1);
         work * part
     }
 

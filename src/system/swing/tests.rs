@@ -192,7 +192,11 @@ fn free_swings_are_certain() {
             let swing = Swing::of(&block, corner, &excitation, start, longest, 1e-10);
             let bounds = swing.bounds(&block, corner);
             assert!(bounds.is_certain, "{theta}, {theta_dot}: {bounds:?}");
-            assert_eq!((bounds.last < 0.0, !bounds.is_monotone), (lands, turns), "{theta}, {theta_dot}: {bounds:?}");
+            assert_eq!(
+                (bounds.last < 0.0, !bounds.is_greatest_at_end),
+                (lands, turns),
+                "{theta}, {theta_dot}: {bounds:?}"
+            );
         }
     }
 }
