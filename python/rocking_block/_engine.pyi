@@ -40,7 +40,7 @@ class Block:
         inertia: float | None = None,
         eccentricity: float = 0.0,
         friction: float = 0.0,
-        ties: Sequence[Tie] = ...,
+        ties: Sequence[Tie] | Tie | None = ...,
     ) -> Self: ...
     def parameters(self) -> dict[str, Any]: ...
     @property

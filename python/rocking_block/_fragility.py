@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._record import Record
-from rocking_block._table import Table
+from rocking_block._table import Table, read_table
 from rocking_block._html import html_table
 from rocking_block._words import Floats, Outcome, chosen, ticking
 
@@ -202,7 +202,7 @@ def _limit_word(limit: str | float) -> str:
 
 
 def fragility(
-    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike]",
+    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike] | str | os.PathLike[str]",
     im: str,
     limit: str | float = "overturned",
     *,
@@ -220,8 +220,9 @@ def fragility(
 
     Parameters
     ----------
-    table : Table, DataFrame or mapping
-        Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or your own table
+    table : Table, DataFrame, mapping or path
+        Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
+        `rocking sweep`; or your own table
         with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
@@ -260,6 +261,12 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
+    if isinstance(table, str | os.PathLike):
+        table = read_table(table)
+    elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
+        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file")
+    if not isinstance(im, str):
+        raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
     slip = _slip(limit)
     if isinstance(limit, str) and limit.lower() == "overturned":
         limit = "overturned"

@@ -101,6 +101,7 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     for limit, said in (("overturned", "overturned"), (0.5, "theta/alpha>0.5")):
         for intervals, more in (("profile", []), ("bootstrap", ["--bootstrap", "50"])):
             fit = rb.fragility(table, "PGV", limit, intervals=intervals, samples=50)
+            assert repr(rb.fragility(tmp_path / "table.csv", "PGV", limit, intervals=intervals, samples=50)) == repr(fit)
             found = rocking.json("fragility", tmp_path / "table.csv", "--im", "PGV", "--limit", said, *more)
             (curve,) = found["measures"]
             found = [curve[name] for name in ("median", "beta", "intercept", "slope", "AUC", "Brier", "efficiency")]
@@ -136,6 +137,24 @@ def test_what_has_no_curve_is_refused(options, message):
     options = {"table": planted(), "im": "PGV"} | options
     with pytest.raises(ValueError, match=message):
         rb.fragility(**options)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"table": None}, TypeError, "table = None; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file"),
+        ({"im": ["PGV", "PGA"]}, TypeError, "im = \\['PGV', 'PGA'\\]; expected the name of one column, such as 'PGV'"),
+        ({"table": "missing.csv"}, FileNotFoundError, "missing.csv"),
+        ({"table": "short.csv"}, ValueError, "short.csv: row 1 has 1 fields; expected 2, as in the heading"),
+        ({"table": "empty.csv"}, ValueError, "empty.csv: found no lines; expected a table of"),
+    ],
+)
+def test_arguments_of_another_kind_are_named(options, error, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.csv").write_text("# a study\nPGV [m/s],outcome\n1,completed\n2\n")
+    (tmp_path / "empty.csv").write_text("# a study\n")
+    with pytest.raises(error, match=message):
+        rb.fragility(**{"table": planted(), "im": "PGV"} | options)
 
 
 def test_exports_are_those_of_the_program(rocking, tmp_path):

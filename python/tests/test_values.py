@@ -189,12 +189,23 @@ def test_what_is_not_valid_is_refused(call, message):
         (lambda: BLOCK.run(theta="0.1"), "theta = '0.1'; expected a number"),
         (lambda: rb.search_overturning(BLOCK, pulse=PULSE, tolerance="1e-6"), "tolerance = '1e-6'; expected a number"),
         (lambda: rb.Pulse("c1", "3"), "amplitude = '3'; expected a number"),
+        (lambda: rb.Block(mass=1e3, ties=["a"]), "ties has 'a'; expected Ties"),
+        (lambda: rb.Block(mass=1e3, ties=3), "ties has 3; expected Ties"),
+        (lambda: rb.floor_motions(RECORD, None), "building = None; expected a Building"),
     ],
 )
 def test_what_is_of_another_type_is_refused(call, message):
     with pytest.raises(TypeError) as refused:
         call()
     assert str(refused.value) == message
+
+
+def test_one_name_or_tie_needs_no_list():
+    one, several = (BLOCK.run(pulse=PULSE, duration=1.0, gradients=names) for names in ("eta", ["eta"]))
+    assert list(one.gradients) == ["eta"] and np.array_equal(one.gradients["eta"]["theta"], several.gradients["eta"]["theta"])
+    tie = rb.Tie(block_z=1.0, ground_x=2.0, stiffness=1e5)
+    assert rb.Block(mass=1e3, ties=tie) == rb.Block(mass=1e3, ties=[tie]) and rb.Block(ties=None).ties == ()
+    assert [block.ties for block in rb.blocks(mass=1e3, p=[1.0, 2.0], ties=tie)] == [(tie,)] * 2
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits the addresses of a process")
