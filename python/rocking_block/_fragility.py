@@ -245,8 +245,8 @@ def fragility(
     Raises
     ------
     ValueError
-        The measure does not exist, no best curve exists (a single class, or classes that do not overlap), or an option
-        is invalid.
+        The measure does not exist, no best curve exists (a single class, or classes that do not overlap), the rows are searches for
+        least levels, or an option is invalid.
 
     Examples
     --------
@@ -276,6 +276,10 @@ def fragility(
         shown = f'"{limit}"' if isinstance(limit, str) else limit
         raise ValueError(f'limit = {shown}; expected "overturned", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
+    searched = [str(name) for name in table if str(name).startswith("least.")]
+    if searched:
+        expected = "an outcome at one level in each row, as from a sweep with scales or levels"
+        raise ValueError(f"found the least levels of searches, {searched[0]}; expected {expected}")
     outcome = _outcomes(table)
     if "peak.theta/alpha" in table or not isinstance(limit, str):
         peak = _numbers(table, "peak.theta/alpha")
