@@ -236,7 +236,7 @@ def fragility(
         Normal or logistic distribution: a lognormal curve, or logistic regression.
     intervals : {"profile", "bootstrap"}
         Profile-likelihood intervals, clustered by record if several runs share one, or intervals from a bootstrap of
-        whole records. `Fragility.independence` names the rule. Runs without records are independent.
+        whole records, which needs ten or more. `Fragility.independence` names the rule. Runs without records are independent.
     samples, seed : int
         Number of bootstrap samples, and their random seed.
     progress : bool, optional
@@ -320,7 +320,10 @@ def fragility(
     labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        return Fragility(rows, options, labels, tick)
+        fit = Fragility(rows, options, labels, tick)
+    for warning in fit.warnings():
+        warnings.warn(warning, stacklevel=2)
+    return fit
 
 
 def export_fragility(

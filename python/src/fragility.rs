@@ -120,6 +120,11 @@ impl Fragility {
         self.0.independence.to_string()
     }
 
+    /// Returns warnings of missing intervals.
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings()
+    }
+
     /// Returns the probabilities at measures above zero.
     fn probabilities<'py>(
         &self,
