@@ -248,6 +248,11 @@ def fragility(
         The measure does not exist, no best curve exists (a single class, or classes that do not overlap), the rows are searches for
         least levels, or an option is invalid.
 
+    Warns
+    -----
+    UserWarning
+        The probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
+
     Examples
     --------
     >>> import rocking_block as rb
@@ -321,7 +326,7 @@ def fragility(
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         fit = Fragility(rows, options, labels, tick)
-    for warning in fit.warnings():
+    for warning in fit.warnings(f"{im} [{unit}]" if unit else im):
         warnings.warn(warning, stacklevel=2)
     return fit
 

@@ -65,6 +65,13 @@ def test_a_bootstrap_of_few_records_has_no_intervals():
     assert rb.annual_rate(hazard, fit).rate_ci == (0.0, np.inf)
 
 
+def test_a_falling_curve_is_warned_of():
+    table = planted()
+    falling = rb.Table({"1/PGV": 1 / table["PGV"], "outcome": table["outcome"]}, {"1/PGV": "s/m"})
+    with pytest.warns(UserWarning, match=r"1/PGV \[s/m\]: the probability of exceeding the limit falls as the measure grows \(beta -0"):
+        assert rb.fragility(falling, "1/PGV").beta < 0
+
+
 def test_a_frame_does_as_well():
     table = planted()
     assert repr(rb.fragility(table.to_frame(), "PGV")) == repr(rb.fragility(table, "PGV"))

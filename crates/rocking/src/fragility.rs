@@ -105,7 +105,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
         intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
         // That of missing intervals is the same for all measures.
-        let new = assessment.warnings().into_iter().filter(|warning| !warnings.contains(warning));
+        let new = assessment.warnings(heading).into_iter().filter(|warning| !warnings.contains(warning));
         let new: Vec<String> = new.collect();
         warnings.extend(new);
         let p_value = |other: &String| {

@@ -150,7 +150,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         written.push((file, report.table().into_bytes()));
     }
     Pending::write(written)?;
-    let of_curve = fragility.assessment.iter().flat_map(Assessment::warnings);
+    let of_curve = fragility.assessment.iter().flat_map(|assessment| assessment.warnings(&heading));
     let warnings: Vec<String> = of_curve.chain(report.warnings()).collect();
     for warning in &warnings {
         eprintln!("rocking: warning: {warning}");

@@ -140,8 +140,8 @@ impl Assessment {
         self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
     }
 
-    /// Returns warnings of missing intervals.
-    pub fn warnings(&self) -> Vec<String> {
+    /// Returns warnings of missing intervals, and of a curve that falls; `heading` is the name and unit of the measure.
+    pub fn warnings(&self, heading: &str) -> Vec<String> {
         let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
             let units = if self.independence == Independence::Rows { "rows" } else { "records" };
             format!(
@@ -150,7 +150,14 @@ impl Assessment {
                 found.groups
             )
         });
-        few.into_iter().collect()
+        let beta = self.fit.dispersion();
+        let falls = (beta < 0.0).then(|| {
+            format!(
+                "{heading}: the probability of exceeding the limit falls as the measure grows (beta {beta:.4}); expected a measure with \
+                 which it grows"
+            )
+        });
+        few.into_iter().chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.

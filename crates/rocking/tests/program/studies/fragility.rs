@@ -292,6 +292,26 @@ fn efficiency_covers_the_blocks_that_rocked() {
     assert!(rocking > 50 && words.contains(&format!("  {rocking}")), "{words}");
 }
 
+/// A probability that falls as the measure grows is no fragility, which the median and the sign of beta alone do not say.
+#[test]
+fn a_falling_curve_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("row,PGV [m/s],PGV/PGA [s],outcome\n");
+    for (row, observation) in synthetic(Link::Probit, 0.6, 0.5, 100, 11).iter().enumerate() {
+        let outcome = if observation.fraction == 1.0 { "overturned" } else { "completed" };
+        text += &format!("{row},{},{},{outcome}\n", observation.measures[0], 0.1 / observation.measures[0]);
+    }
+    std::fs::write(folder.path().join("t.csv"), text).unwrap();
+    let arguments = ["fragility", "t.csv", "--im", "PGV", "--im", "PGV/PGA"];
+    let (_, warned) = succeeds(&mut program(folder.path(), &[&arguments]));
+    let words =
+        "rocking: warning: PGV/PGA [s]: the probability of exceeding the limit falls as the measure grows (beta -0.";
+    assert!(warned.starts_with(words) && warned.lines().count() == 1, "{warned}");
+    let json = stdout(folder.path(), &[&arguments[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["warnings"][0].as_str().unwrap().starts_with("PGV/PGA [s]: the probability"), "{json}");
+}
+
 /// A bootstrap of few records has no intervals, like the profile likelihood of two, and the report says why.
 #[test]
 fn a_bootstrap_of_few_records_has_no_intervals() {
