@@ -57,8 +57,8 @@ class Block(_engine.Block):
         slenderness angles of both sides.
     friction : float, default 0
         Coulomb's coefficient of friction μ of the feet [1]; 0 for no limit, so that they do not slide.
-    ties : sequence of Tie
-        Ties to the ground, up to eight; they need `mass`.
+    ties : Tie or sequence of Tie
+        One or several ties to the ground, up to eight; they need `mass`.
 
     Raises
     ------
@@ -126,7 +126,7 @@ class Block(_engine.Block):
         on_overturning: OnOverturning = "terminate",
         duration: float | None = None,
         step: float | None = None,
-        gradients: Sequence[str] = (),
+        gradients: Sequence[str] | str = (),
         progress: bool | None = None,
     ) -> Run:
         """Simulates the block under a record or a pulse, or in free motion.
@@ -158,8 +158,8 @@ class Block(_engine.Block):
             Duration [s]; by default the run continues until the ground has come to rest and the block has come down.
         step : float, optional
             Time between two rows [s]; by default the record's time step, or 0.01 s.
-        gradients : sequence of str
-            Parameters with respect to which `Run.gradients` has exact derivatives, through all events: "alpha", "eta",
+        gradients : str or sequence of str
+            One or several parameters with respect to which `Run.gradients` has exact derivatives, through all events: "alpha", "eta",
             "scale", "pulse.period", "initial.theta", "tie_1.stiffness" and so on, by the names of the FMU.
         progress : bool, optional
             Whether to show a tqdm progress bar.
@@ -192,7 +192,8 @@ class Block(_engine.Block):
         horizontal = None if record is None else as_record("record", record, self.g)
         vertical = None if vertical is None else as_record("vertical", vertical, self.g)
         with ticking(progress) as tick:
-            factor, parameters = number("scale", scale), [str(name) for name in gradients]
+            factor = number("scale", scale)
+            parameters = [gradients] if isinstance(gradients, str) else [str(name) for name in gradients]
             result = _engine.history(
                 self, horizontal, vertical, factor, as_pulse(pulse), initial, options, parameters, tick
             )

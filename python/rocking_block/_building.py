@@ -101,6 +101,8 @@ def floor_motions(
     >>> table = rb.outcomes(rb.blocks(alpha=0.2, p=[2.0, 3.0], eta=60, xi_v=0.1), motions.records)
     """
     ground = as_record("record", record, g)
+    if not isinstance(building, _engine.Building):
+        raise TypeError(f"building = {building!r}; expected a Building")
     chosen = list(range(1, building.floors + 1)) if floors is None else list(floors)
     for floor in chosen:
         if floor not in range(building.floors + 1):

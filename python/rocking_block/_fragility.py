@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._record import Record
-from rocking_block._table import Table
+from rocking_block._table import Table, read_table
 from rocking_block._html import html_table
 from rocking_block._words import Floats, Outcome, chosen, ticking
 
@@ -202,7 +202,7 @@ def _limit_word(limit: str | float) -> str:
 
 
 def fragility(
-    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike]",
+    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike] | str | os.PathLike[str]",
     im: str,
     limit: str | float = "overturned",
     *,
@@ -220,8 +220,9 @@ def fragility(
 
     Parameters
     ----------
-    table : Table, DataFrame or mapping
-        Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or your own table
+    table : Table, DataFrame, mapping or path
+        Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
+        `rocking sweep`; or your own table
         with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
@@ -235,7 +236,7 @@ def fragility(
         Normal or logistic distribution: a lognormal curve, or logistic regression.
     intervals : {"profile", "bootstrap"}
         Profile-likelihood intervals, clustered by record if several runs share one, or intervals from a bootstrap of
-        whole records. `Fragility.independence` names the rule. Runs without records are independent.
+        whole records, which needs ten or more. `Fragility.independence` names the rule. Runs without records are independent.
     samples, seed : int
         Number of bootstrap samples, and their random seed.
     progress : bool, optional
@@ -244,8 +245,13 @@ def fragility(
     Raises
     ------
     ValueError
-        The measure does not exist, no best curve exists (a single class, or classes that do not overlap), or an option
-        is invalid.
+        The measure does not exist, no best curve exists (a single class, or classes that do not overlap), the rows are searches for
+        least levels, or an option is invalid.
+
+    Warns
+    -----
+    UserWarning
+        The probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
 
     Examples
     --------
@@ -260,6 +266,12 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
+    if isinstance(table, str | os.PathLike):
+        table = read_table(table)
+    elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
+        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file")
+    if not isinstance(im, str):
+        raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
     slip = _slip(limit)
     if isinstance(limit, str) and limit.lower() == "overturned":
         limit = "overturned"
@@ -269,6 +281,10 @@ def fragility(
         shown = f'"{limit}"' if isinstance(limit, str) else limit
         raise ValueError(f'limit = {shown}; expected "overturned", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
+    searched = [str(name) for name in table if str(name).startswith("least.")]
+    if searched:
+        expected = "an outcome at one level in each row, as from a sweep with scales or levels"
+        raise ValueError(f"found the least levels of searches, {searched[0]}; expected {expected}")
     outcome = _outcomes(table)
     if "peak.theta/alpha" in table or not isinstance(limit, str):
         peak = _numbers(table, "peak.theta/alpha")
@@ -309,7 +325,10 @@ def fragility(
     labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        return Fragility(rows, options, labels, tick)
+        fit = Fragility(rows, options, labels, tick)
+    for warning in fit.warnings(f"{im} [{unit}]" if unit else im):
+        warnings.warn(warning, stacklevel=2)
+    return fit
 
 
 def export_fragility(

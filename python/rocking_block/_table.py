@@ -1,5 +1,6 @@
 """Results of many runs: columns of equal length."""
 
+import csv
 import math
 import os
 from collections import Counter
@@ -216,3 +217,26 @@ def of_program(headings: list[str], columns: list[Any]) -> Table:
         if unit is not None:
             units[name] = unit
     return Table(named, units)
+
+
+def read_table(path: str | os.PathLike[str]) -> Table:
+    """Reads a table of the program. Columns of numbers and empty fields are numeric, except for the names of records."""
+    with open(path, newline="", encoding="utf-8") as file:
+        lines = [row for row in csv.reader(line for line in file if not line.startswith("#")) if row]
+    if not lines:
+        raise ValueError(f"{os.fspath(path)}: found no lines; expected a table of `rocking sweep`")
+    headings, rows = lines[0], lines[1:]
+    for number, row in enumerate(rows):
+        if len(row) != len(headings):
+            raise ValueError(f"{os.fspath(path)}: row {number} has {len(row)} fields; expected {len(headings)}, as in the heading")
+    columns = [[row[i] for row in rows] for i in range(len(headings))]
+    named = zip(headings, columns, strict=True)
+    return of_program(headings, [column if name in ("record", "vertical") else _numbers(column) for name, column in named])
+
+
+def _numbers(column: list[str]) -> list[Any]:
+    """Returns a column as numbers, with nan for empty fields, or as it is if it has words."""
+    try:
+        return [float(field) if field else math.nan for field in column]
+    except ValueError:
+        return column

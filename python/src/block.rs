@@ -159,7 +159,7 @@ impl Block {
     #[pyo3(signature = (
         *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=3.0,
         epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None, center_height=None, inertia=None,
-        eccentricity=0.0, friction=0.0, ties=Vec::new(),
+        eccentricity=0.0, friction=0.0, ties=None,
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
     fn new(
@@ -182,7 +182,7 @@ impl Block {
         inertia: Option<f64>,
         eccentricity: f64,
         friction: f64,
-        ties: Vec<Tie>,
+        ties: Option<&Bound<PyAny>>,
     ) -> PyResult<Block> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let (stiffness, damping) = (K, C);
@@ -213,6 +213,7 @@ impl Block {
             eccentricity,
             friction,
         };
+        let ties = ties.map_or(Ok(Vec::new()), Tie::one_or_several)?;
         let ties: Vec<restraints::Tie> = ties.iter().map(Tie::of_engine).collect();
         let block = explicit.block(&common)?.with_ties(&ties).map_err(invalid)?;
         for (name, is_given, why) in [

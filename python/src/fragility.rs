@@ -120,6 +120,11 @@ impl Fragility {
         self.0.independence.to_string()
     }
 
+    /// Returns warnings of missing intervals, and of a curve that falls; `heading` is the name and unit of the measure.
+    fn warnings(&self, heading: &str) -> Vec<String> {
+        self.0.warnings(heading)
+    }
+
     /// Returns the probabilities at measures above zero.
     fn probabilities<'py>(
         &self,

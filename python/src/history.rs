@@ -1,7 +1,7 @@
 //! A block and its excitation → columns over time.
 
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rocking_block::block::restraints::TieState;
@@ -13,7 +13,7 @@ use rocking_gradients::{Grazing, Parameters};
 use rocking_studies::run::gradients::{Derivatives, Gradients};
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::table;
-use rocking_studies::run::{History, Run};
+use rocking_studies::run::{History, MemoryError, Run};
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, invalid};
@@ -85,12 +85,10 @@ pub fn history<'py>(
     let (parameterization, common) = block.get().parameterization();
     let (block, settings) = (block.get().block, options.settings()?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
-    let duration = run.longest_duration();
-    let rows = duration / output_step;
-    if rows >= 1e8 {
-        let message = format!("{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8");
-        return Err(PyValueError::new_err(message));
-    }
+    run.check_memory(gradients.len()).map_err(|error| match error {
+        MemoryError::TooManyRows { .. } => invalid(error),
+        MemoryError::Refused { .. } => PyMemoryError::new_err(error.to_string()),
+    })?;
     let parameters = Parameters {
         parameterization,
         common,

@@ -20,6 +20,7 @@ use rocking_studies::run::Run;
 use rocking_studies::run::batch;
 use rocking_studies::run::outcome::{Holds, Outcome};
 use rocking_studies::run::sliding;
+use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
@@ -187,7 +188,7 @@ fn columns<'py>(py: Python<'py>, outcomes: &[(Outcome, f64, Vec<f64>)], holds: H
     Ok(columns)
 }
 
-/// Returns the table of a study file; columns with a unit are numeric.
+/// Returns the table of a study file; columns with a unit are numeric, except for overturning ranges.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn sweep<'py>(
@@ -223,7 +224,7 @@ pub fn sweep<'py>(
     let failure = study_rows.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {
         let fields = study_rows.iter().map(|row| row.fields.get(number).unwrap_or_default());
-        if !heading.ends_with(']') {
+        if !Sweep::is_numeric(heading) {
             return Ok(fields.collect::<Vec<_>>().into_pyobject(py)?.into_any());
         }
         // A missing number is an empty cell.

@@ -1,5 +1,6 @@
 //! A tie of Python ↔ one of the engine.
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::block::restraints as engine;
@@ -19,6 +20,19 @@ pub struct Tie {
 }
 
 impl Tie {
+    /// Returns the ties of an argument.
+    pub fn one_or_several(ties: &Bound<PyAny>) -> PyResult<Vec<Tie>> {
+        let wrong = |found: &Bound<PyAny>| -> PyErr {
+            let found = found.repr().map_or_else(|_| "an object".into(), |found| found.to_string());
+            PyTypeError::new_err(format!("ties has {found}; expected Ties"))
+        };
+        if let Ok(tie) = ties.extract() {
+            return Ok(vec![tie]);
+        }
+        let several = ties.try_iter().map_err(|_| wrong(ties))?;
+        several.map(|tie| tie.and_then(|tie| tie.extract().map_err(|_| wrong(&tie)))).collect()
+    }
+
     /// Returns it for the engine.
     pub fn of_engine(&self) -> engine::Tie {
         let Tie { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength } = *self;

@@ -150,6 +150,29 @@ def test_a_sweep_is_that_of_the_program(rocking, path, tmp_path):
     assert made["Sa(0.5 s)"].min() > 0 and made.units["Sa(0.5 s)"] == "m/s2"
 
 
+def test_a_sweep_for_least_levels_is_that_of_the_program(rocking, path, tmp_path):
+    """Overturning ranges are text, though their heading has a unit."""
+    study = {
+        "study": {"design": "grid", "least": {"im": "PGV", "from": 0.1, "to": 2.0, "points": 20, "resolution": 0.01}},
+        "parameters": {"foundation": "rigid", "alpha": 0.15, "p": [2.0, 3.0]},
+        "records": [path],
+    }
+    from rocking_block import _toml
+
+    file = tmp_path / "study.toml"
+    file.write_text(_toml.text(study))
+    table = rocking("sweep", file, csv=tmp_path / "table.csv")
+    made = rb.sweep(study)
+    assert made["overturning.PGV"].tolist() == table["overturning.PGV [m/s]"] and made.units["overturning.PGV"] == "m/s"
+    assert " to " in made["overturning.PGV"][0]
+    assert same(made["least.PGV"], table["least.PGV [m/s]"]) and same(made["overturning_ranges"], table["overturning_ranges [1]"])
+    assert made["least.bound"].tolist() == ["none", "none"] and len(made.to_frame()) == 2
+    assert made.plot("p", "least.PGV").get_ylabel() == "least.PGV [m/s]"
+    for table in (made, tmp_path / "table.csv"):
+        with pytest.raises(ValueError, match="^found the least levels of searches, least.PGV.*; expected an outcome at one level in each row"):
+            rb.fragility(table, im="PGV")
+
+
 def test_columns_have_one_name_and_words_one_spelling(path):
     """A study of block parameters has the columns of `outcomes`, except those that `outcomes` derives."""
     parameters = {"alpha": [0.2], "p": [2.0], "eta": [50], "xi_v": [0.1], "epsilon": [0.1], "foundation": ["viscoelastic"]}

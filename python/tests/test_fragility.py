@@ -1,6 +1,7 @@
 """Fragility curves compared with statsmodels and with known curves."""
 
 import pickle
+import warnings
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -52,6 +53,25 @@ def test_intervals_and_bands_lie_about_the_curve(intervals):
     assert again.median_ci == fit.median_ci and np.array_equal(again.band(x), fit.band(x)) and repr(again) == repr(fit)
 
 
+@pytest.mark.filterwarnings("ignore:.*of the rate")
+def test_a_bootstrap_of_few_records_has_no_intervals():
+    table = planted()
+    few = {**{name: table[name] for name in table}, "record": np.arange(table.rows) % 9}
+    with pytest.warns(UserWarning, match="no intervals: a bootstrap of 9 records understates the scatter; expected at least 10"):
+        fit = rb.fragility(few, "PGV", intervals="bootstrap", samples=20)
+    assert fit.median_ci == (0.0, np.inf) and fit.beta_ci == (0.0, np.inf) and fit.band(0.5) == (0.0, 1.0)
+    assert fit.coefficients == rb.fragility(few, "PGV").coefficients
+    hazard = rb.Hazard([0.01, 10.0], [1.0, 1e-6], im="PGV")
+    assert rb.annual_rate(hazard, fit).rate_ci == (0.0, np.inf)
+
+
+def test_a_falling_curve_is_warned_of():
+    table = planted()
+    falling = rb.Table({"1/PGV": 1 / table["PGV"], "outcome": table["outcome"]}, {"1/PGV": "s/m"})
+    with pytest.warns(UserWarning, match=r"1/PGV \[s/m\]: the probability of exceeding the limit falls as the measure grows \(beta -0"):
+        assert rb.fragility(falling, "1/PGV").beta < 0
+
+
 def test_a_frame_does_as_well():
     table = planted()
     assert repr(rb.fragility(table.to_frame(), "PGV")) == repr(rb.fragility(table, "PGV"))
@@ -100,7 +120,10 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     table = rb.sweep(study)
     for limit, said in (("overturned", "overturned"), (0.5, "theta/alpha>0.5")):
         for intervals, more in (("profile", []), ("bootstrap", ["--bootstrap", "50"])):
-            fit = rb.fragility(table, "PGV", limit, intervals=intervals, samples=50)
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "no intervals: a bootstrap of 2 records")
+                fit = rb.fragility(table, "PGV", limit, intervals=intervals, samples=50)
+                assert repr(rb.fragility(tmp_path / "table.csv", "PGV", limit, intervals=intervals, samples=50)) == repr(fit)
             found = rocking.json("fragility", tmp_path / "table.csv", "--im", "PGV", "--limit", said, *more)
             (curve,) = found["measures"]
             found = [curve[name] for name in ("median", "beta", "intercept", "slope", "AUC", "Brier", "efficiency")]
@@ -136,6 +159,24 @@ def test_what_has_no_curve_is_refused(options, message):
     options = {"table": planted(), "im": "PGV"} | options
     with pytest.raises(ValueError, match=message):
         rb.fragility(**options)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"table": None}, TypeError, "table = None; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file"),
+        ({"im": ["PGV", "PGA"]}, TypeError, "im = \\['PGV', 'PGA'\\]; expected the name of one column, such as 'PGV'"),
+        ({"table": "missing.csv"}, FileNotFoundError, "missing.csv"),
+        ({"table": "short.csv"}, ValueError, "short.csv: row 1 has 1 fields; expected 2, as in the heading"),
+        ({"table": "empty.csv"}, ValueError, "empty.csv: found no lines; expected a table of"),
+    ],
+)
+def test_arguments_of_another_kind_are_named(options, error, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.csv").write_text("# a study\nPGV [m/s],outcome\n1,completed\n2\n")
+    (tmp_path / "empty.csv").write_text("# a study\n")
+    with pytest.raises(error, match=message):
+        rb.fragility(**{"table": planted(), "im": "PGV"} | options)
 
 
 def test_exports_are_those_of_the_program(rocking, tmp_path):

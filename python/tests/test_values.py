@@ -4,6 +4,8 @@ import copy
 import multiprocessing
 import pickle
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -123,7 +125,9 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: BLOCK.run(RECORD, duration=-1.0), "duration = -1; expected a time > 0 s"),
         (lambda: BLOCK.run(RECORD, step=0.0), "step = 0; expected a time > 0 s"),
         (lambda: BLOCK.run(RECORD, step=1e-9, duration=1.0),
-         "1 s in steps of 0.000000001 s are 1000000000 rows; expected fewer than 1e8"),
+         "1 s in steps of 0.000000001 s are 1000000000 rows; expected at most 1e7, which need about 10 GB of memory"),
+        (lambda: BLOCK.run(theta=0.1, step=1e-6, duration=36.0),
+         "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 10 GB of memory"),
         (lambda: BLOCK.run(RECORD, on_separation="float"),
          'on_separation = "float"; expected one of "terminate", "hold", "fly"'),
         (lambda: BLOCK.run(pulse=rb.Pulse("c1", period=1.0)),
@@ -185,12 +189,38 @@ def test_what_is_not_valid_is_refused(call, message):
         (lambda: BLOCK.run(theta="0.1"), "theta = '0.1'; expected a number"),
         (lambda: rb.search_overturning(BLOCK, pulse=PULSE, tolerance="1e-6"), "tolerance = '1e-6'; expected a number"),
         (lambda: rb.Pulse("c1", "3"), "amplitude = '3'; expected a number"),
+        (lambda: rb.Block(mass=1e3, ties=["a"]), "ties has 'a'; expected Ties"),
+        (lambda: rb.Block(mass=1e3, ties=3), "ties has 3; expected Ties"),
+        (lambda: rb.floor_motions(RECORD, None), "building = None; expected a Building"),
     ],
 )
 def test_what_is_of_another_type_is_refused(call, message):
     with pytest.raises(TypeError) as refused:
         call()
     assert str(refused.value) == message
+
+
+def test_one_name_or_tie_needs_no_list():
+    one, several = (BLOCK.run(pulse=PULSE, duration=1.0, gradients=names) for names in ("eta", ["eta"]))
+    assert list(one.gradients) == ["eta"] and np.array_equal(one.gradients["eta"]["theta"], several.gradients["eta"]["theta"])
+    tie = rb.Tie(block_z=1.0, ground_x=2.0, stiffness=1e5)
+    assert rb.Block(mass=1e3, ties=tie) == rb.Block(mass=1e3, ties=[tie]) and rb.Block(ties=None).ties == ()
+    assert [block.ties for block in rb.blocks(mass=1e3, p=[1.0, 2.0], ties=tie)] == [(tie,)] * 2
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits the addresses of a process")
+def test_rows_beyond_the_memory_are_a_memory_error():
+    code = """
+import resource, rocking_block as rb
+resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
+try:
+    rb.Block().run(theta=0.1, step=1e-5, duration=36.0)
+except MemoryError as error:
+    print(error)
+"""
+    made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    expected = "36 s in steps of 0.00001 s are 3600000 rows, for which the system does not provide about 3.6 GB of memory; expected"
+    assert made.stdout.startswith(expected) and made.returncode == 0, made.stderr
 
 
 def test_words_may_be_in_any_case():

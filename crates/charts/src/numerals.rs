@@ -9,8 +9,13 @@ pub fn short(value: f64) -> String {
 
 /// Formats a number with at most `digits` significant digits, without trailing zeros.
 pub fn significant(value: f64, digits: usize) -> String {
+    signed(readable(value, digits))
+}
+
+/// The same with the hyphen as minus sign, for text that other programs read.
+pub fn readable(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    signed(if rounded == 0.0 { "0".into() } else { format!("{rounded}") })
+    if rounded == 0.0 { "0".into() } else { format!("{rounded}") }
 }
 
 /// Formats a tick of an axis with enough digits to distinguish neighbouring ticks.
@@ -37,6 +42,7 @@ mod tests {
         let words = ["0.25", "1.25664", "0.825", "0.825", "0.00001", "−0.00012", "0.3", "0", "0", "900", "1234570"];
         assert_eq!(numbers.map(short), words);
         assert_eq!([0.68, 0.00012345].map(|x| significant(x, 3)), ["0.68", "0.000123"]);
+        assert_eq!([-0.00012345, -0.0].map(|x| readable(x, 3)), ["-0.000123", "0"]);
     }
 
     /// Neighbouring ticks differ even far from zero, and zero is `0`.

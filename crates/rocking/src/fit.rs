@@ -13,7 +13,7 @@ use crate::output::{NamedFile, Pending, check_distinct};
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
 use crate::run_options::ThreadOptions;
-use rocking_charts::numerals::significant;
+use rocking_charts::numerals::readable;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fit::{Estimate, Fit, TestFit, file, fit};
 use rocking_studies::input::study_file::StudyFileError;
@@ -114,7 +114,7 @@ fn summary(fit: &Fit) -> String {
     let percent = 100.0 * fit.level;
     for Estimate { name, unit, value, standard_error, interval, quadratic_interval, .. } in &fit.estimates {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-        let shown = |value: f64| significant(value, 5);
+        let shown = |value: f64| readable(value, 5);
         let interval = match interval {
             Some([low, high]) => {
                 let [low, high] = [low, high].map(|end| end.map_or("the bound".into(), shown));
@@ -124,7 +124,7 @@ fn summary(fit: &Fit) -> String {
                 format!("{percent} %, quadratic: {} to {}", shown(quadratic_interval[0]), shown(quadratic_interval[1]))
             }
         };
-        line(name, format!("{} ± {}{unit}; {interval}", shown(*value), significant(*standard_error, 2)));
+        line(name, format!("{} ± {}{unit}; {interval}", shown(*value), readable(*standard_error, 2)));
     }
     for (number, test) in (1..).zip(&fit.tests) {
         let TestFit { output, unit, times, rms, durbin_watson, autocorrelation, .. } = test;
@@ -134,7 +134,7 @@ fn summary(fit: &Fit) -> String {
                 "{output}, {} values; residuals {} {unit} (root mean square), Durbin–Watson {durbin_watson:.2}, autocorrelation \
                  {autocorrelation:.2}",
                 times.len(),
-                significant(*rms, 3)
+                readable(*rms, 3)
             ),
         );
     }
@@ -142,7 +142,7 @@ fn summary(fit: &Fit) -> String {
         line("chi-squared", format!("{reduced:.3} per degree of freedom"));
     }
     if let (Some(noise), Some(test)) = (fit.noise, fit.tests.first()) {
-        line("noise", format!("{} {} by the residuals", significant(noise, 3), test.unit));
+        line("noise", format!("{} {} by the residuals", readable(noise, 3), test.unit));
     }
     if let Some(least) = fit.combinations.iter().rfind(|combination| combination.is_determined) {
         line("weakest", least.meaning.clone());

@@ -104,6 +104,10 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         let values = column(measure)?;
         let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
         intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
+        // That of missing intervals is the same for all measures.
+        let new = assessment.warnings(heading).into_iter().filter(|warning| !warnings.contains(warning));
+        let new: Vec<String> = new.collect();
+        warnings.extend(new);
         let p_value = |other: &String| {
             let found = sufficiency_of_cases(&found.cases, &values, &column(other)?, *link);
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
@@ -122,7 +126,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         }
         if let Some(program) = options.export {
             let component = options.component(&table, heading, &assessment, explicit).with_context(at)?;
-            warnings = component.crossings();
+            warnings.extend(component.crossings());
             exported = match program {
                 LossProgram::Pelicun => pelicun(&[component], options.block.g)?.to_vec(),
                 LossProgram::OpenQuake => vec![openquake(&[component], options.block.g)?],

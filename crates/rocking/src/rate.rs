@@ -150,7 +150,8 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         written.push((file, report.table().into_bytes()));
     }
     Pending::write(written)?;
-    let warnings = report.warnings();
+    let of_curve = fragility.assessment.iter().flat_map(|assessment| assessment.warnings(&heading));
+    let warnings: Vec<String> = of_curve.chain(report.warnings()).collect();
     for warning in &warnings {
         eprintln!("rocking: warning: {warning}");
     }

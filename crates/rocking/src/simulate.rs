@@ -150,6 +150,7 @@ impl Options {
         if self.gradients.is_empty() {
             return Ok((run.history(progress)?, Gradients::default()));
         }
+        run.check_memory(self.gradients.len())?;
         let (parameterization, common) = self.block.parameters()?;
         let parameters = Parameters {
             parameterization,

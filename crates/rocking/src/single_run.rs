@@ -25,7 +25,7 @@ pub struct SingleRunOptions {
 }
 
 impl SingleRunOptions {
-    /// Returns the run of a block from an initial state.
+    /// Returns the run of a block from an initial state, whose rows fit into memory.
     pub fn run(
         &self,
         block: Block,
@@ -42,12 +42,7 @@ impl SingleRunOptions {
         checked("duration", duration, |x| x > 0.0, "a time > 0 s")?;
         let settings = Settings { tolerance, on_separation, ..Settings::default() };
         let run = Run { block, settings, initial, pulse, ground, duration, output_step };
-        let duration = run.longest_duration();
-        let rows = duration / output_step;
-        anyhow::ensure!(
-            rows < 1e8,
-            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
-        );
+        run.check_memory(0)?;
         Ok(run)
     }
 }

@@ -107,6 +107,16 @@ fn errors_name_the_line() {
     }
 }
 
+/// Minus signs are those that other programs read, and the weakest combination has its changes in units.
+#[test]
+fn numbers_of_the_summary_can_be_read() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let summary = stdout(root, &["fit", "examples/fit/release.toml"]);
+    assert!(summary.contains("test_2.zero          -0.00144") && !summary.contains('\u{2212}'), "{summary}");
+    let weakest = "one standard deviation of the data is a joint change of width by +0.62 %, height by +0.32 % and test_1.delay by +0.002 s";
+    assert!(summary.contains(weakest), "{summary}");
+}
+
 /// The example of docs/fit.md: the planted values of examples/python/release_test.py lie within the intervals.
 #[test]
 fn the_example_finds_the_planted_block() {

@@ -6,7 +6,7 @@ use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 
-use crate::program::{Table, files, refused, stdout};
+use crate::program::{Table, fails_with, files, refused, stdout};
 
 /// Column of a table.
 fn column(path: &Path, name: &str) -> Vec<f64> {
@@ -95,6 +95,34 @@ fn the_time_above_a_friction_is_an_additional_column() {
     assert!(times.clone().all(|time| (0.0..0.5).contains(&time)) && times.clone().any(|time| time > 0.1));
     let printed = stdout(folder.path(), &["simulate", "--theta", "0.2", "--friction-demand", "0.2", "--csv", "y.csv"]);
     assert!(printed.contains("|H|/(N_L + N_R) exceeds 0.2 for at most 0."), "{printed}");
+}
+
+/// Rows that do not fit into memory are refused with their number before the run begins.
+#[test]
+fn rows_beyond_the_memory_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = ["simulate", "--theta", "0.1", "--duration", "36", "--csv", "x.csv"];
+    for (more, words) in [
+        (
+            &["--step", "1e-6"][..],
+            "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 10 GB",
+        ),
+        (
+            &["--step", "1e-5", "--gradients", "alpha,eta,xi_v"],
+            "are 14400000 rows with the derivatives for 3 parameters; expected at most 1e7",
+        ),
+    ] {
+        refused(folder.path(), &[&run[..], more].concat(), &[words]);
+    }
+    // A shell whose memory is limited to 3 GB of addresses.
+    if cfg!(target_os = "linux") {
+        let mut shell = std::process::Command::new("sh");
+        let command = r#"ulimit -v 3000000; exec "$0" "$@""#;
+        shell.args(["-c", command, env!("CARGO_BIN_EXE_rocking")]).args(run).args(["--step", "1e-5"]);
+        let words =
+            ["3600000 rows, for which the system does not provide about 3.6 GB of memory; expected longer steps"];
+        fails_with(shell.current_dir(folder.path()), &words);
+    }
 }
 
 #[test]

@@ -11,6 +11,9 @@ const UNDETERMINED: f64 = 0.5;
 /// Weights below this one, relative to the largest, are left out of the words.
 const SMALL: f64 = 0.15;
 
+/// Largest change of a parameter in the words on a combination that the data do not determine.
+const JOINT_CHANGE: f64 = 0.1;
+
 /// A direction of the parameters: a right singular vector of the Jacobian over the noise.
 ///
 /// Coordinates are the logarithms of the parameters, or, for one that may be negative, the parameter over half its range.
@@ -51,33 +54,61 @@ pub fn combinations(triangle: &Triangle, unknowns: &[Unknown], variance: f64) ->
 
 fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined: bool) -> String {
     let largest = weights.iter().copied().fold(0.0, f64::max);
-    let terms: Vec<(String, f64, bool)> = unknowns
+    let terms: Vec<(String, f64, &Unknown)> = unknowns
         .iter()
         .zip(weights)
         .filter(|(_, weight)| weight.abs() >= SMALL * largest)
-        .map(|(unknown, weight)| (unknown.full_name(), weight / largest, unknown.is_logarithmic))
+        .map(|(unknown, weight)| (unknown.full_name(), weight / largest, unknown))
         .collect();
-    let logarithmic = terms.iter().all(|term| term.2);
-    let to = match logarithmic {
-        true => format!("{:.2} %", 100.0 * deviation),
-        false => format!("{:.2} % of half a range", 100.0 * deviation),
-    };
+    let logarithmic = terms.iter().all(|term| term.2.is_logarithmic);
     let product = terms.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
-    let changes = terms.iter().map(|(name, weight, _)| format!("{weight:+.2} {name}")).collect::<Vec<_>>().join(" ");
+    // Joint changes, the largest of which is this part of the value or of half its range.
+    let changes = |part: f64| {
+        let changes =
+            terms.iter().map(|(name, weight, unknown)| format!("{name} by {}", change(unknown, part * weight)));
+        listed(&changes.collect::<Vec<_>>())
+    };
     match (is_determined, &terms[..]) {
-        (true, [(name, ..)]) => format!("the data determine {name} to {to}"),
-        (true, _) if logarithmic => format!("the data determine {product} to {to}"),
-        (true, _) => format!("the data determine {changes} to {to}"),
+        (true, _) if logarithmic => format!("the data determine {product} to {:.2} %", 100.0 * deviation),
+        (true, [(name, _, unknown)]) => {
+            format!("the data determine {name} to {}", change(unknown, deviation).trim_start_matches('+'))
+        }
+        (true, _) => {
+            format!("one standard deviation of the data is a joint change of {}", changes(deviation * largest))
+        }
         (false, [(name, ..)]) => format!("the data do not determine {name}"),
         // The product that is constant along the direction.
-        (false, [(a, one, true), (b, two, true)]) => {
+        (false, [(a, one, _), (b, two, _)]) if logarithmic => {
             let product = match one.abs() > two.abs() {
                 true => format!("{}·{b}", powered(a, -two / one)),
                 false => format!("{a}·{}", powered(b, -one / two)),
             };
             format!("the data determine {product} at best, but neither {a} nor {b} alone")
         }
-        (false, _) => format!("the data do not determine changes in the proportion {changes}"),
+        (false, _) => format!("the data do not determine a joint change of {}", changes(JOINT_CHANGE)),
+    }
+}
+
+/// Formats a change of a coordinate of the Jacobian: in per cent, or in the unit of a parameter that may be negative.
+fn change(unknown: &Unknown, part: f64) -> String {
+    if unknown.is_logarithmic {
+        return format!("{} %", signed(100.0 * part));
+    }
+    let value = signed(0.5 * (unknown.bounds[1] - unknown.bounds[0]) * part);
+    if unknown.unit == "1" { value } else { format!("{value} {}", unknown.unit) }
+}
+
+/// Formats a number with its sign and two significant digits.
+fn signed(value: f64) -> String {
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    format!("{rounded:+}")
+}
+
+/// Joins words by commas and "and".
+fn listed(words: &[String]) -> String {
+    match words {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => words.join(", "),
     }
 }
 
@@ -127,5 +158,33 @@ mod tests {
         let found = combinations(&triangle, &[logarithmic("p"), logarithmic("epsilon")], 1.0);
         assert_eq!(found[0].meaning, "the data determine p to 2.00 %");
         assert_eq!(found[1].meaning, "the data do not determine epsilon");
+    }
+
+    /// Changes are in per cent of positive parameters, and in the unit of others, whose coordinate is over half the range.
+    #[test]
+    fn joint_changes_are_in_units() {
+        let tilt = Unknown {
+            name: "initial.theta".into(),
+            unit: "rad".into(),
+            bounds: [-0.1, 0.1],
+            is_logarithmic: false,
+            ..logarithmic("")
+        };
+        let of = |second: f64| {
+            let r = DMatrix::from_row_slice(2, 2, &[300.0, 600.0, 0.0, second]);
+            combinations(&Triangle { r, projected: DVector::zeros(2) }, &[logarithmic("width"), tilt.clone()], 1.0)
+        };
+        assert_eq!(
+            of(70.0)[1].meaning,
+            "one standard deviation of the data is a joint change of width by +2 % and initial.theta by -0.002 rad"
+        );
+        assert_eq!(
+            of(0.001)[1].meaning,
+            "the data do not determine a joint change of width by +10 % and initial.theta by -0.01 rad"
+        );
+        let alone =
+            Triangle { r: DMatrix::from_row_slice(2, 2, &[300.0, 0.0, 0.0, 400.0]), projected: DVector::zeros(2) };
+        let found = combinations(&alone, &[logarithmic("width"), tilt.clone()], 1.0);
+        assert!(found.iter().any(|of| of.meaning == "the data determine initial.theta to 0.0005 rad"), "{found:?}");
     }
 }

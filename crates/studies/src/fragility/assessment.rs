@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::fragility::bootstrap::{Bootstrap, bootstrap};
+use crate::fragility::bootstrap::{Bootstrap, MIN_GROUPS, bootstrap};
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
@@ -138,6 +138,26 @@ impl Assessment {
     /// Interval of a feature over the curves of the bootstrap, if a bootstrap was made.
     pub fn bootstrap_interval(&self, of: impl Fn(&Fit) -> f64) -> Option<Interval> {
         self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
+    }
+
+    /// Returns warnings of missing intervals, and of a curve that falls; `heading` is the name and unit of the measure.
+    pub fn warnings(&self, heading: &str) -> Vec<String> {
+        let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
+            let units = if self.independence == Independence::Rows { "rows" } else { "records" };
+            format!(
+                "no intervals: a bootstrap of {} {units} understates the scatter; expected at least {MIN_GROUPS} {units}, or intervals \
+                 of the profile likelihood",
+                found.groups
+            )
+        });
+        let beta = self.fit.dispersion();
+        let falls = (beta < 0.0).then(|| {
+            format!(
+                "{heading}: the probability of exceeding the limit falls as the measure grows (beta {beta:.4}); expected a measure with \
+                 which it grows"
+            )
+        });
+        few.into_iter().chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.

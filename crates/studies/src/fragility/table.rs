@@ -60,6 +60,17 @@ pub enum SweepTableError {
         /// Name of the measure.
         im: String,
     },
+    /// The rows are searches for the least level, whose outcomes belong to no level.
+    #[error(
+        "{file}: found the least levels of searches, {column}; expected an outcome at one level in each row, as from a sweep with scales \
+         or levels"
+    )]
+    Search {
+        /// The table.
+        file: String,
+        /// Heading of the column of the least levels.
+        column: String,
+    },
     /// No row has the requested value.
     #[error("{file}: no row has {column} = {value}")]
     NoRow {
@@ -180,8 +191,11 @@ impl SweepTable {
     /// Compares each row with a limit: the probability of its ensemble if the table has one, else its single run.
     ///
     /// # Errors
-    /// The table has no outcomes, or an unknown one.
+    /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
     pub fn cases(&self, limit: Limit) -> Result<Cases, SweepTableError> {
+        if let Some(column) = self.columns.iter().find(|column| column.starts_with("least.")) {
+            return Err(SweepTableError::Search { file: self.file.clone(), column: column.clone() });
+        }
         let ends = self.ends()?;
         let numbers = |name: &str| match self.position(name) {
             Ok(_) => self.numbers(name),

@@ -97,6 +97,57 @@ pub const MAX_DURATION: f64 = 1e6;
 /// Shortest time between two stops of a run in a study (s); shorter ones would be typing errors.
 pub const MIN_STEP: f64 = 1e-6;
 
+/// Greatest number of rows of a history, including those of its derivatives; they need some 10 GB of memory.
+pub const MAX_ROWS: f64 = 1e7;
+/// Memory for a row (bytes): two in a vector that doubles its capacity, and the numbers of the table.
+const MEMORY_OF_ROW: f64 = 2.0 * size_of::<Row>() as f64 + 256.0;
+
+/// The reason why the history of a run does not fit into memory.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MemoryError {
+    /// More rows than any reasonable history.
+    #[error(
+        "{duration} s in steps of {step} s are {rows:.0} rows{}; expected at most 1e7, which need about {:.0} GB of memory",
+        with_derivatives(*.parameters),
+        1e-9 * MAX_ROWS * MEMORY_OF_ROW
+    )]
+    TooManyRows {
+        /// Longest duration of the run (s).
+        duration: f64,
+        /// Time between two rows (s).
+        step: f64,
+        /// Rows of the history and of all derivatives.
+        rows: f64,
+        /// Number of parameters of the derivatives.
+        parameters: usize,
+    },
+    /// The system refuses the memory.
+    #[error(
+        "{duration} s in steps of {step} s are {rows:.0} rows{}, for which the system does not provide about {:.1} GB of memory; \
+         expected longer steps or a shorter duration",
+        with_derivatives(*.parameters),
+        1e-9 * .rows * MEMORY_OF_ROW
+    )]
+    Refused {
+        /// Longest duration of the run (s).
+        duration: f64,
+        /// Time between two rows (s).
+        step: f64,
+        /// Rows of the history and of all derivatives.
+        rows: f64,
+        /// Number of parameters of the derivatives.
+        parameters: usize,
+    },
+}
+
+fn with_derivatives(parameters: usize) -> String {
+    match parameters {
+        0 => String::new(),
+        1 => " with the derivatives for 1 parameter".into(),
+        several => format!(" with the derivatives for {several} parameters"),
+    }
+}
+
 impl Run {
     /// A run from rest without ground motion, ended by [`stopping_rule`].
     pub fn at_rest(block: Block, settings: Settings) -> Run {
@@ -109,6 +160,25 @@ impl Run {
             duration: None,
             output_step: f64::INFINITY,
         }
+    }
+
+    /// Checks that the history fits into memory, with its derivatives with respect to a number of parameters.
+    ///
+    /// # Errors
+    /// Rows beyond [`MAX_ROWS`], or beyond the memory that the system provides now.
+    pub fn check_memory(&self, parameters: usize) -> Result<(), MemoryError> {
+        let (duration, step) = (self.longest_duration(), self.output_step);
+        let rows = duration / step * (1 + parameters) as f64;
+        if !(rows <= MAX_ROWS) {
+            return Err(MemoryError::TooManyRows { duration, step, rows, parameters });
+        }
+        // A failed allocation later would abort the process.
+        Vec::<u8>::new().try_reserve_exact((rows * MEMORY_OF_ROW) as usize).map_err(|_| MemoryError::Refused {
+            duration,
+            step,
+            rows,
+            parameters,
+        })
     }
 
     /// Makes the run; `progress` receives the fraction done, 0 to 1.

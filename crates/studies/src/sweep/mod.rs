@@ -336,6 +336,11 @@ impl Study for Sweep {
 }
 
 impl Sweep {
+    /// Whether the column with this heading has numbers and empty fields, rather than words or ranges.
+    pub fn is_numeric(heading: &str) -> bool {
+        heading.ends_with(']') && !heading.starts_with(RANGES)
+    }
+
     /// The fields before the outcome.
     fn input_fields(&self, inputs: &RowInputs) -> Fields {
         let RowInputs { combination, motion, scale, .. } = inputs;
@@ -372,6 +377,9 @@ impl Sweep {
     }
 }
 
+/// Beginning of the heading of the column of overturning ranges, such as "0.79 to 0.8; 0.85 to 3", in the unit of their ends.
+const RANGES: &str = "overturning.";
+
 /// Names and units of the columns filled by [`write_least`].
 fn least_columns(measure: Measure) -> [String; 6] {
     let unit = measure.unit();
@@ -381,7 +389,7 @@ fn least_columns(measure: Measure) -> [String; 6] {
         "least.bound".into(),
         format!("always_from.{measure} [{unit}]"),
         "overturning_ranges [1]".into(),
-        format!("overturning.{measure} [{unit}]"),
+        format!("{RANGES}{measure} [{unit}]"),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! Fragility curves of synthetic data with known parameters.
 
-use crate::program::{refused, stdout};
+use crate::program::{program, refused, stdout, succeeds};
 use crate::studies::labels;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -290,6 +290,58 @@ fn efficiency_covers_the_blocks_that_rocked() {
     let words = stdout(folder.path(), &["fragility", "all.csv", "--im", "pgv"]);
     let rocking = among["rocking"].as_u64().unwrap();
     assert!(rocking > 50 && words.contains(&format!("  {rocking}")), "{words}");
+}
+
+/// A probability that falls as the measure grows is no fragility, which the median and the sign of beta alone do not say.
+#[test]
+fn a_falling_curve_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("row,PGV [m/s],PGV/PGA [s],outcome\n");
+    for (row, observation) in synthetic(Link::Probit, 0.6, 0.5, 100, 11).iter().enumerate() {
+        let outcome = if observation.fraction == 1.0 { "overturned" } else { "completed" };
+        text += &format!("{row},{},{},{outcome}\n", observation.measures[0], 0.1 / observation.measures[0]);
+    }
+    std::fs::write(folder.path().join("t.csv"), text).unwrap();
+    let arguments = ["fragility", "t.csv", "--im", "PGV", "--im", "PGV/PGA"];
+    let (_, warned) = succeeds(&mut program(folder.path(), &[&arguments]));
+    let words =
+        "rocking: warning: PGV/PGA [s]: the probability of exceeding the limit falls as the measure grows (beta -0.";
+    assert!(warned.starts_with(words) && warned.lines().count() == 1, "{warned}");
+    let json = stdout(folder.path(), &[&arguments[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["warnings"][0].as_str().unwrap().starts_with("PGV/PGA [s]: the probability"), "{json}");
+}
+
+/// A bootstrap of few records has no intervals, like the profile likelihood of two, and the report says why.
+#[test]
+fn a_bootstrap_of_few_records_has_no_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("hazard.csv"), "PGV [m/s],rate [1/year]\n0.1,1e-2\n1,1e-4\n").unwrap();
+    let warning = |count: usize| {
+        format!("no intervals: a bootstrap of {count} records understates the scatter; expected at least 10 records")
+    };
+    for (count, few) in [(2, true), (9, true), (10, false)] {
+        let mut text = String::from("row,record,PGV [m/s],PGA [m/s2],outcome\n");
+        for (row, observation) in synthetic(Link::Probit, 0.6, 0.5, 200, 11).iter().enumerate() {
+            let outcome = if observation.fraction == 1.0 { "overturned" } else { "completed" };
+            let pgv = observation.measures[0];
+            text += &format!("{row},r{},{pgv},{},{outcome}\n", row % count, 10.0 * pgv);
+        }
+        std::fs::write(folder.path().join("t.csv"), text).unwrap();
+        let common = ["t.csv", "--im", "PGV", "--bootstrap", "50"];
+        let arguments = [&["fragility"], &common[..], &["--im", "PGA"]].concat();
+        let (printed, warned) = succeeds(&mut program(folder.path(), &[&arguments]));
+        assert_eq!(printed.matches("(? to ?)").count(), if few { 4 } else { 0 }, "{printed}");
+        assert_eq!(warned.matches(&warning(count)).count(), usize::from(few), "{warned}");
+        let json = stdout(folder.path(), &[&arguments[..], &["--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["measures"][0]["median_interval"][0].is_null(), few);
+        assert_eq!(json["warnings"].as_array().unwrap().len(), usize::from(few));
+        let rate = [&["rate", "hazard.csv", "--table"], &common[..]].concat();
+        let (printed, warned) = succeeds(&mut program(folder.path(), &[&rate]));
+        assert_eq!(printed.contains("per year (95 % interval ? to ?)"), few, "{printed}");
+        assert_eq!(warned.contains(&warning(count)), few, "{warned}");
+    }
 }
 
 /// The report names the units that its intervals treat as independent.

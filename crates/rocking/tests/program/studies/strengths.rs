@@ -108,6 +108,24 @@ fn least_levels_and_islands_are_those_of_a_search() {
     assert!(most > 1, "no island");
 }
 
+/// The outcome of a search belongs to no level, least of all to the measure of the unscaled record in the same row.
+#[test]
+fn searches_for_least_levels_give_no_fragility_curve() {
+    let least = "least = { im = \"PGV\", from = 0.2, to = 4, points = 5, resolution = 0.1 }";
+    let folder = folder(&study(least));
+    let hazard = "PGV [m/s],rate [1/year]\n0.1,1e-2\n1,1e-4\n";
+    std::fs::write(folder.path().join("hazard.csv"), hazard).unwrap();
+    stdout(folder.path(), &["sweep", "study.toml", "--csv", "t.csv"]);
+    let words =
+        ["t.csv: found the least levels of searches, least.PGV [m/s]; expected an outcome at one level in each row"];
+    for im in ["PGV", "least.PGV"] {
+        refused(folder.path(), &["fragility", "t.csv", "--im", im], &words);
+        for more in [&[][..], &["--empirical"]] {
+            refused(folder.path(), &[&["rate", "hazard.csv", "--table", "t.csv", "--im", im], more].concat(), &words);
+        }
+    }
+}
+
 /// A range that begins with overturning, or ends without, bounds the least level.
 #[test]
 fn a_least_level_at_an_end_of_the_range_is_a_bound() {
