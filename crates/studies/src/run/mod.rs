@@ -169,7 +169,7 @@ impl Run {
     pub fn check_memory(&self, parameters: usize) -> Result<(), MemoryError> {
         let (duration, step) = (self.longest_duration(), self.output_step);
         let rows = duration / step * (1 + parameters) as f64;
-        if !(rows <= MAX_ROWS) {
+        if rows.is_nan() || rows > MAX_ROWS {
             return Err(MemoryError::TooManyRows { duration, step, rows, parameters });
         }
         // A failed allocation later would abort the process.
