@@ -301,7 +301,7 @@ impl<L: Law> Together<'_, L> {
     #[inline(always)]
     fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
         let mut rows = [of(self.runs[0]); MOST_LANES];
-        for (row, run) in rows.iter_mut().zip(&self.runs).take(V::LANES).skip(1) {
+        for (row, run) in rows[..V::LANES].iter_mut().zip(&self.runs) {
             *row = of(run);
         }
         Wide::columns(rows)
