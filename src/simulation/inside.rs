@@ -80,7 +80,7 @@ pub(super) struct Fall {
     pub(super) rise_unseen: bool,
 }
 
-/// The first surface through which the motion falls between two instants.
+/// The first surface through which the motion falls between two instants, in a step of at most `longest` (s).
 #[inline(always)]
 pub(super) fn first_event<L: Law, const N: usize>(
     here: &Evaluation,
@@ -95,15 +95,20 @@ pub(super) fn first_event<L: Law, const N: usize>(
         let [start, end] = [here, there].map(|now| surface.sample_on(law.foundation(), now));
         let rounding = rounding(law, surface, here.block, [start, end]);
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
+    longest: f64,
         if !hidden && !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
         let mut sample = |elapsed| inside.sample(surface, elapsed);
         // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
+    // In flight, heights of corners may turn faster than the motion that limits steps.
+    let bounded = inside.is_on_supports();
+    let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
         // support one may, where the angular momentum is kept.
         let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
-        let fall = if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, sample) };
+        let fall =
+            if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, pieces, bounded, sample) };
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
@@ -129,7 +134,8 @@ fn first_event_beyond<L: Law, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let fall = roots::first_fall(start, end, rounding, duration, |elapsed| surface.sample(&inside.at(elapsed)));
+        let sample = |elapsed| surface.sample(&inside.at(elapsed));
+        let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
