@@ -251,6 +251,14 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
+/// [`may_fall`] where the bounds of the ends count for a function that begins at zero, too: it may have fallen only if it has come below its
+/// rounding.
+#[inline]
+pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
+    let floor = if start.value > rounding { 0.0 } else { -rounding };
+    start.value < -rounding || may_be_below(floor, start, end, duration)
+}
+
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`, from its samples at both ends.
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {

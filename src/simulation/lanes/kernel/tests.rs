@@ -106,7 +106,7 @@ impl Case {
             may_hold_event: may_hold_event(law, &here, &there),
             may_fall: surfaces(law).map(|surface| {
                 let (start, end) = (surface.sample(&here), surface.sample(&there));
-                roots::may_fall(start, end, surface.rounding(&system.block), duration)
+                roots::may_fall_by_bounds(start, end, surface.rounding(&system.block), duration)
             }),
             rests: excitation.is_constant() && here.rests(),
             may_rise_inside,
