@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Foundation, Regime, Restraints};
+use crate::block::{Block, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, Step};
@@ -314,8 +314,11 @@ impl<L: Law> Together<'_, L> {
         if let Some(standing) = self.law.regime().pivot() {
             let LiftedSupports { depth, since, rate, free_height } = *lifted;
             let elapsed = time - since;
-            let elapsed = elapsed.in_lanes(Wide::default().less(elapsed), Wide::default());
-            let sunk = depth * (-(rate * elapsed)).exp();
+            let (zero, exponent) =
+                (Wide::default(), rate * elapsed.in_lanes(Wide::default().less(elapsed), Wide::default()));
+            let recovered = Wide::from(RECOVERED).less(exponent);
+            let (depth, exponent) = (zero.in_lanes(recovered, depth), zero.in_lanes(recovered, exponent));
+            let sunk = if zero.less(depth.abs()).any() { depth * (-exponent).exp() } else { zero };
             heights[standing.other().index()] = Sample { value: free_height - sunk, rate: rate * sunk };
         }
         heights
