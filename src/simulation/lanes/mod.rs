@@ -38,7 +38,6 @@ pub struct Lane {
     /// The run's own, which a step can borrow while the simulation changes: to share it for each step would take longer than many a swing.
     system: Arc<System>,
     simulation: Simulation,
-    inputs: Inputs,
     /// Time of the next stop (s).
     until: f64,
     /// Time to which the excitation is smooth (s).
@@ -230,7 +229,6 @@ impl Lane {
             course,
             system: Arc::clone(&simulation.system),
             simulation,
-            inputs: Inputs::default(),
             until: time,
             stop: time,
             since: time,
@@ -255,13 +253,12 @@ impl Lane {
         &self.simulation
     }
 
-    /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does.
+    /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does. All further calls until it arrives need the same inputs.
     #[inline(always)]
     pub fn send(&mut self, until: f64, inputs: &Inputs) {
-        (self.until, self.inputs, self.budget) = (until, *inputs, MOST_STEPS);
+        (self.until, self.budget) = (until, MOST_STEPS);
         self.stop = self.simulation.pose.time;
         if self.stop < until && self.simulation.ending.is_none() {
-            // Not with the copy, which the processor has not yet finished.
             self.begin_piece(inputs);
         }
     }
@@ -298,9 +295,9 @@ impl Lane {
         counts.evaluations += 1;
     }
 
-    /// The next action of the run.
+    /// The next action of the run under the inputs of [`Lane::send`].
     #[inline]
-    pub fn next_step(&mut self) -> Next {
+    pub fn next_step(&mut self, inputs: &Inputs) -> Next {
         if self.is_landing() {
             return Next::Alone;
         }
@@ -312,8 +309,7 @@ impl Lane {
             return Next::Arrived;
         }
         if time >= self.stop {
-            let inputs = self.inputs;
-            self.begin_piece(&inputs);
+            self.begin_piece(inputs);
         }
         self.kind().map_or(Next::Alone, Next::Together)
     }
@@ -346,12 +342,11 @@ impl Lane {
         Some(Kind::Step { regime, short: is_short })
     }
 
-    /// Takes a step alone, or rests as long as that lasts, and reports each event to `observer`.
-    pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+    /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
+    pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let landing = self.take_landing();
         let rests = self.course.is_none();
-        let Lane { system, simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } =
-            self;
+        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
@@ -411,8 +406,7 @@ impl Lane {
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
         [*theta, *reaction, *horizontal, *uplift] = fours.peaks;
         [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = fours.sums;
-        self.begins = false;
-        self.short_failed = false;
+        (self.begins, self.short_failed) = (false, false);
         self.budget -= 1;
     }
 

@@ -100,7 +100,7 @@ pub fn course(
             next +=
                 advance_with_samples(&mut simulation, &mut followers, stop, &piece.inputs, &times[next..], &mut take)?;
             if stop == piece.end {
-                piece = run.ground.piece_after(&piece);
+                run.ground.go_on(&mut piece);
             }
             if followers.is_empty() && simulation.time() >= times[next] {
                 break;
