@@ -46,7 +46,7 @@ pub struct Stepped {
     pub sums: [Array; 2],
     /// Peaks of θ, N, H, uplift and friction demand since then.
     pub peaks: [Array; 5],
-    /// A bit for each lane in which a short step made too great an error.
+    /// A bit for each lane in which the step made too great an error.
     pub failed: u32,
     /// A bit for each lane in which a short step is accurate enough, but may hold an event or a peak.
     pub eventful: u32,
@@ -453,7 +453,7 @@ impl<L: Law> Task for Together<'_, L> {
             taken: usual & !(events | inside) & runs,
             eventful: if self.short { eventful } else { 0 },
             accepted,
-            failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
+            failed: !error_is_fine & !rests & runs,
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
             sums: [(input + work.0[0]).store(), (dashpots + work.0[1]).store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],

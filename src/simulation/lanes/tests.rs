@@ -27,12 +27,16 @@ fn a_run_that_has_no_steps_left_gives_up() {
     let mut group = [Box::new(lane())];
     group[0].send(10.0, &Inputs::default());
     group[0].budget = 2;
-    // The first step makes peaks where there were none, and is taken alone.
-    for in_lane in [false, true] {
-        let next = group[0].next_step(&Inputs::default());
-        let Next::Together(kind) = next else { panic!("{next:?}") };
-        let went = VectorWidth::widest().map(|width| step_group(width, kind, &mut group));
-        assert!(went.is_none_or(|went| went == u32::from(in_lane)), "{went:?}");
+    for _ in 0..2 {
+        let went = loop {
+            let next = group[0].next_step(&Inputs::default());
+            let Next::Together(kind) = next else { panic!("{next:?}") };
+            let went = VectorWidth::widest().map(|width| step_group(width, kind, &mut group));
+            // One with too great an error is repeated.
+            if !group[0].retries {
+                break went;
+            }
+        };
         if went != Some(1) {
             group[0].step_alone(&Inputs::default(), &mut |_| ()).unwrap();
         }

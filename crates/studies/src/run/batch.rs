@@ -15,7 +15,7 @@ const RUNS_PER_LANE: usize = 8;
 /// Numbers of steps taken in lanes and alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaneUse {
-    /// Steps taken in lanes, including short ones that were ruled out.
+    /// Steps taken in lanes, including those that were ruled out.
     pub in_lanes: u64,
     /// Steps of single runs.
     pub alone: u64,
