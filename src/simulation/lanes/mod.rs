@@ -2,7 +2,7 @@
 //!
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
 //! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
-//! only an event or a peak may be inside.
+//! only an event or a peak may be inside. A step on supports with too great an error is repeated in a lane.
 //! So do runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base.
 
 mod bounds;
