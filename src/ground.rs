@@ -96,29 +96,31 @@ impl Ground {
     /// Returns the piece from `time` (s), the reference time of its inputs, to the next sample of any record.
     pub fn piece_from(&self, time: f64) -> Piece {
         let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
-        self.piece_near(time, [guess(&self.horizontal), guess(&self.vertical)])
+        let samples = [guess(&self.horizontal), guess(&self.vertical)];
+        let mut piece = Piece { inputs: Inputs::default(), end: f64::INFINITY, samples };
+        self.find_piece(time, &mut piece);
+        piece
     }
 
-    /// Returns the piece that begins where `piece` ends.
+    /// Makes `piece` the one that begins where it ends.
     #[inline]
-    pub fn piece_after(&self, piece: &Piece) -> Piece {
-        self.piece_near(piece.end, piece.samples)
+    pub fn go_on(&self, piece: &mut Piece) {
+        self.find_piece(piece.end, piece);
     }
 
-    /// Returns the piece from `time` (s) on; the search for the samples before `time` begins at these indices.
+    /// Makes `piece` the one from `time` (s) on; the search for the samples before `time` begins at those of `piece`.
     #[inline(always)]
-    fn piece_near(&self, time: f64, [mut horizontal, mut vertical]: [usize; 2]) -> Piece {
-        let mut end = f64::INFINITY;
-        let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
-            Some(record) => {
+    fn find_piece(&self, time: f64, piece: &mut Piece) {
+        // Number by number: a copy of all at once would wait until the processor has stored them.
+        let Piece { inputs: Inputs { time: start, a_gx, a_gz, .. }, end, samples: [horizontal, vertical] } = piece;
+        (*start, *end) = (time, f64::INFINITY);
+        for (record, near, place) in [(&self.horizontal, horizontal, a_gx), (&self.vertical, vertical, a_gz)] {
+            if let Some(record) = record {
                 let (ramp, end_of_ramp) = ramp_from(record, time, near);
-                end = end.min(end_of_ramp);
-                ramp
+                *place = ramp;
+                *end = if end_of_ramp < *end { end_of_ramp } else { *end };
             }
-            None => Ramp::default(),
-        };
-        let (a_gx, a_gz) = (ramp(&self.horizontal, &mut horizontal), ramp(&self.vertical, &mut vertical));
-        Piece { inputs: Inputs { time, a_gx, a_gz, ..Inputs::default() }, end, samples: [horizontal, vertical] }
+        }
     }
 }
 

@@ -91,7 +91,7 @@ impl Building {
         let found = py.detach(|| self.building.floor_motions(record));
         let shown = |motion: FloorMotion| {
             let FloorMotion { floor, record, pfa, pfv } = motion;
-            (floor, PyArray1::from_vec(py, record.acceleration), pfa, pfv)
+            (floor, PyArray1::from_slice(py, &record.acceleration), pfa, pfv)
         };
         found.into_iter().map(shown).collect()
     }

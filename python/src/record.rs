@@ -55,7 +55,7 @@ impl Record {
             unit: Unit::MetrePerSecondSquared,
             start_time: start,
             time_step: dt,
-            acceleration,
+            acceleration: acceleration.into(),
             processing: Processing::default(),
         };
         Record::of(py, record)
@@ -121,7 +121,7 @@ impl Record {
         let processing = Processing { baseline, band_pass, resample };
         let record = self.record.clone();
         let record = py.detach(|| processing.apply(record)).map_err(PyValueError::new_err)?;
-        Ok((PyArray1::from_vec(py, record.acceleration).unbind(), record.time_step, processing.to_string()))
+        Ok((PyArray1::from_slice(py, &record.acceleration).unbind(), record.time_step, processing.to_string()))
     }
 
     #[getter]
@@ -178,7 +178,7 @@ pub fn rotate(
 ) -> PyResult<(Py<PyArray1<f64>>, String)> {
     let rotated = measures_of::rotated(&record.get().record, &transverse.get().record, angle);
     let engine::Record { acceleration, title, .. } = rotated.map_err(PyValueError::new_err)?;
-    Ok((PyArray1::from_vec(py, acceleration).unbind(), title))
+    Ok((PyArray1::from_slice(py, &acceleration).unbind(), title))
 }
 
 /// Returns the name of each intensity measure with a percentile of it over all directions of a pair of components.
@@ -254,7 +254,7 @@ pub fn read_record(
         return Err(PyValueError::new_err(format!("{} has no effect without {needed}", name.key())));
     }
     let engine::Record { title, start_time, time_step, acceleration, .. } = record;
-    Ok((PyArray1::from_vec(py, acceleration).unbind(), time_step, title, start_time))
+    Ok((PyArray1::from_slice(py, &acceleration).unbind(), time_step, title, start_time))
 }
 
 /// Converts errors of the operating system to an `OSError`, and errors in a file to a `ValueError`.

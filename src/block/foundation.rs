@@ -27,6 +27,9 @@ pub struct Creep<T = f64> {
     pub since: T,
 }
 
+/// The time after lift-off, times the rate of the creep, from which a support stands at its free height: e⁻⁵⁰ is far below round-off.
+pub(crate) const RECOVERED: f64 = 50.0;
+
 impl<T: Elementary> Creep<T> {
     /// Returns the height of the support's top above its position at rest (m), and its rate (m/s).
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
@@ -34,14 +37,15 @@ impl<T: Elementary> Creep<T> {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
                 let rate = block.creep_rate();
-                // A support without damping recovers at once.
-                if self.depth.is_zero() || rate.value().is_infinite() {
-                    return Sample { value: block.free_height(corner), rate: T::from(0.0) };
-                }
                 // Rounding of the clock may give a time before lift-off.
                 let elapsed = time - self.since;
                 let elapsed = T::select_less(0.0, elapsed.value(), elapsed, T::from(0.0));
-                let sunk = self.depth * (-(rate * elapsed)).exp();
+                let exponent = rate * elapsed;
+                // Without damping it recovers at once.
+                if self.depth.is_zero() || rate.value().is_infinite() || exponent.value() > RECOVERED {
+                    return Sample { value: block.free_height(corner), rate: T::from(0.0) };
+                }
+                let sunk = self.depth * (-exponent).exp();
                 Sample { value: block.free_height(corner) - sunk, rate: rate * sunk }
             }
         }

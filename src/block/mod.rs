@@ -20,6 +20,8 @@ use crate::numerics::scalar::{Elementary, Scalar};
 use parameters::{check_common, not_negative, open_range, positive};
 
 pub use contact::{Contact, Contacts, Regime};
+#[cfg(feature = "lanes")]
+pub(crate) use foundation::RECOVERED;
 pub use foundation::{Creep, Foundation};
 pub use geometry::{Corner, Foot, Kinematics, Lever};
 pub use parameters::{BlockError, Common, Dimensionless, Parameterization, Physical};

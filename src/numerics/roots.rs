@@ -25,15 +25,29 @@ impl<R: std::ops::Neg<Output = R>> Sample<R> {
     }
 }
 
-/// Number of pieces into which a step that may hide a root is cut. A step is shorter than a third of the shortest period of the motion, so
-/// that a piece is shorter than 1/24 of it and close to a cubic.
-const PIECES: u32 = 8;
+/// Number of pieces into which the longest step is cut where it may hide a root. A step is shorter than a third of the shortest period of
+/// the motion, so that a piece is shorter than 1/24 of it and close to a cubic.
+pub const PIECES: u32 = 8;
 
-/// Maximum number of halvings of a piece that may still hide a root.
-const HALVINGS_OF_A_PIECE: u32 = 6;
+/// Returns the number of pieces of a step that is this part of the longest.
+///
+/// None is longer than a piece of the longest step.
+pub fn pieces(part_of_longest: f64) -> u32 {
+    // NaN gives one piece.
+    ((f64::from(PIECES) * part_of_longest).ceil() as u32).clamp(1, PIECES)
+}
+
+/// Maximum number of halvings of a step, pieces included, that may still hide a root.
+const HALVINGS: u32 = 9;
 
 /// Maximum number of halvings of a step that may still hide a peak.
 const HALVINGS_OF_A_STEP: u32 = 6;
+
+/// Maximum number of interpolations before the ITP method takes over. A function close to a cubic takes three or four.
+const INTERPOLATIONS: u32 = 8;
+
+/// A time and the sample of a function there.
+type TimedSample = (f64, Sample);
 
 /// Whether a function that is not below `floor` at the start may fall below it within `duration`, by the bounds of [`may_rise_inside`].
 #[inline]
@@ -69,70 +83,88 @@ fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it
 /// has left zero upwards; [`leaves_downwards`] decides whether it does. Between samples it may dip below zero and come back; the bottom of a
-/// dip is sought where the rate changes sign. The result is within round-off of a sign change, see [`sign_change`].
+/// dip is sought where the rate changes sign. All `pieces` are searched in turn; if the ends of longer intervals bound the function as well
+/// (`bounded`), only those that may hold the first fall. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
     start: Sample,
     end: Sample,
     rounding: f64,
     duration: f64,
+    pieces: u32,
+    bounded: bool,
     mut function: impl FnMut(f64) -> Sample,
 ) -> Option<f64> {
     if start.value < -rounding {
         return Some(0.0);
     }
-    let mut muted = start.value <= rounding;
+    let (piece, last) = (duration / f64::from(pieces), (duration, end));
     // A function that leaves zero with a rate of zero may dip by errors of the step.
     let rises = start.rate * duration > rounding;
-    let (mut low, mut left) = (0.0, start);
-    for piece in 1..=PIECES {
-        let (high, right) = if piece == PIECES {
-            (duration, end)
-        } else {
-            let high = duration * f64::from(piece) / f64::from(PIECES);
-            (high, function(high))
-        };
+    let (mut left, mut muted, mut passed) = ((0.0, start), start.value <= rounding, 0);
+    while (muted || !bounded) && passed < pieces {
+        passed += 1;
+        let time = duration * f64::from(passed) / f64::from(pieces);
+        let right = if passed == pieces { last } else { (time, function(time)) };
         let floor = if muted { -rounding } else { 0.0 };
         let found = match muted && !rises {
-            true => (right.value < floor).then_some((high, right.value)),
-            false => below(floor, [(low, left), (high, right)], HALVINGS_OF_A_PIECE, &mut function),
+            true => (right.1.value < floor).then_some([left, right]),
+            false => first_below(floor, [left, right], piece, HALVINGS, &mut function),
         };
-        if let Some((time, value)) = found {
-            let value_at = |t: f64| function(t).value;
+        if let Some([above, below]) = found {
             return Some(match muted {
-                true => fall_after_zero(low, time, value, value_at),
-                false => sign_change(low, time, left.value, value, value_at),
+                true => fall_after_zero(left.0, below, &mut function),
+                false => fall([above, below], &mut function),
             });
         }
-        muted &= right.value <= rounding;
-        (low, left) = (high, right);
+        muted &= right.1.value <= rounding;
+        left = right;
     }
-    None
-}
-
-/// Returns a time in an interval at which a function is below `floor`, with its value there; it begins above.
-fn below(
-    floor: f64,
-    [(low, left), (high, right)]: [(f64, Sample); 2],
-    halvings: u32,
-    function: &mut impl FnMut(f64) -> Sample,
-) -> Option<(f64, f64)> {
-    if right.value < floor {
-        return Some((high, right.value));
-    }
-    if !may_be_below(floor, left, right, high - low) {
+    if passed == pieces {
         return None;
     }
-    if left.rate < 0.0 && right.rate > 0.0 {
-        let bottom = sign_change(low, high, -left.rate, -right.rate, |t| -function(t).rate);
-        let value = function(bottom).value;
-        return (value < floor).then_some((bottom, value));
+    let bracket = first_below(0.0, [left, last], piece, HALVINGS, &mut function)?;
+    Some(fall(bracket, &mut function))
+}
+
+/// Returns an interval in which a function first falls below `floor`: above it at the beginning, below it at the end.
+///
+/// An interval longer than `piece` is halved where it may hold more than one fall.
+fn first_below(
+    floor: f64,
+    [left, right]: [TimedSample; 2],
+    piece: f64,
+    halvings: u32,
+    function: &mut impl FnMut(f64) -> Sample,
+) -> Option<[TimedSample; 2]> {
+    let [(low, at_low), (high, at_high)] = [left, right];
+    let is_piece = high - low <= piece;
+    if at_high.value < floor {
+        if is_piece || descends(at_low, at_high, high - low) {
+            return Some([left, right]);
+        }
+    } else if !may_be_below(floor, at_low, at_high, high - low) {
+        return None;
+    }
+    if is_piece && at_low.rate < 0.0 && at_high.rate > 0.0 {
+        let bottom = sign_change(low, high, -at_low.rate, -at_high.rate, |t| -function(t).rate);
+        let sample = function(bottom);
+        return (sample.value < floor).then_some([left, (bottom, sample)]);
     }
     // The curvature changes sign inside.
     let halvings = halvings.checked_sub(1)?;
     let half = 0.5 * (low + high);
     let middle = (half, function(half));
-    below(floor, [(low, left), middle], halvings, function)
-        .or_else(|| below(floor, [middle, (high, right)], halvings, function))
+    if middle.1.value < floor {
+        return first_below(floor, [left, middle], piece, halvings, function);
+    }
+    first_below(floor, [left, middle], piece, halvings, function)
+        .or_else(|| first_below(floor, [middle, right], piece, halvings, function))
+}
+
+/// Whether the control polygon of the cubic with these ends descends, and with it the cubic.
+fn descends(start: Sample, end: Sample, duration: f64) -> bool {
+    let third = duration * (1.0 / 3.0);
+    start.rate <= 0.0 && end.rate <= 0.0 && start.value + third * start.rate >= end.value - third * end.rate
 }
 
 /// Whether a function that begins at zero first leaves the band of its round-off downwards.
@@ -149,19 +181,62 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
     false
 }
 
-/// Returns the time at which a function that is zero at `low` and negative at `high` falls through zero: `low`, unless it rises first.
-fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
+/// Returns the time at which a function that is zero at `low` and negative at `below` falls through zero: after a rise, however short, or
+/// else `low`.
+fn fall_after_zero(low: f64, mut below: TimedSample, function: &mut impl FnMut(f64) -> Sample) -> f64 {
     const HALVINGS: u32 = 40;
-    let (mut below, mut value_below) = (high, at_high);
     for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + below);
-        let value = function(middle);
-        if value > 0.0 {
-            return sign_change(middle, below, value, value_below, function);
+        let time = 0.5 * (low + below.0);
+        let middle = (time, function(time));
+        if middle.1.value > 0.0 {
+            return fall([middle, below], function);
         }
-        (below, value_below) = (middle, value);
+        below = middle;
     }
     low
+}
+
+/// Finds the [`sign_change`] of a function with known rates in a third of the evaluations. Needs a value ≥ 0 at `left` and < 0 at `right`.
+///
+/// The time is interpolated over values and rates at both ends of the bracket until a point is within round-off of zero by its rate. As
+/// round-off of the function may prevent that, each point is moved by half the final width towards the end farther from zero, so that the
+/// bracket closes from both sides.
+fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) -> Sample) -> f64 {
+    let half_width = 2.0 * f64::EPSILON * right.0;
+    let mut shift = half_width;
+    for _ in 0..INTERPOLATIONS {
+        if right.0 - left.0 <= 2.0 * half_width {
+            break;
+        }
+        let is_nearer_left = left.1.value < -right.1.value;
+        let point = interpolated_fall(left, right) + if is_nearer_left { shift } else { -shift };
+        let point = between(left.0, point, right.0);
+        let sample = function(point);
+        if sample.value.abs() <= 2.0 * half_width * -sample.rate {
+            return point;
+        }
+        let is_left = sample.value >= 0.0;
+        *if is_left { &mut left } else { &mut right } = (point, sample);
+        // Round-off of the function may exceed the width.
+        shift = if is_left == is_nearer_left { 4.0 * shift } else { half_width };
+    }
+    sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, |t| function(t).value)
+}
+
+/// Returns the time at value zero on the cubic of time over value with these ends; NaN unless the function falls at both.
+fn interpolated_fall((low, left): TimedSample, (high, right): TimedSample) -> f64 {
+    if !(left.rate < 0.0 && right.rate < 0.0) {
+        return f64::NAN;
+    }
+    let fall = left.value - right.value;
+    let x = left.value / fall;
+    let y = 1.0 - x;
+    low + x * (x * (3.0 - 2.0 * x) * (high - low) + y * fall * (x / right.rate - y / left.rate))
+}
+
+/// Returns `point` if it lies between two others, or else their middle.
+fn between(low: f64, point: f64, high: f64) -> f64 {
+    if point > low && point < high { point } else { 0.5 * (low + high) }
 }
 
 /// Whether a function may fall through zero; false only if its values and rates at both ends exclude it.
@@ -175,12 +250,19 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
+/// The same as [`may_fall`], but bounds also exclude a fall of a function that begins at zero: it has to come below its `rounding`.
+#[inline]
+pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
+    let floor = if start.value > rounding { 0.0 } else { -rounding };
+    start.value < -rounding || may_be_below(floor, start, end, duration)
+}
+
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`, from its samples at both ends.
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
-        // The error of the value at a maximum is the square of that of its time.
-        highest(most, [(0.0, start), (duration, end)], 1e-8 * duration, HALVINGS_OF_A_STEP, &mut function)
+        // The value at a maximum is as exact as the square of its place, with the rise to it the cube.
+        highest(most, [(0.0, start), (duration, end)], 1e-6 * duration, HALVINGS_OF_A_STEP, &mut function)
     } else {
         most.max(start.value).max(end.value)
     }
@@ -188,26 +270,67 @@ pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut functi
 
 fn highest(
     most: f64,
-    [(low, left), (high, right)]: [(f64, Sample); 2],
+    [left, right]: [TimedSample; 2],
     width: f64,
     halvings: u32,
     function: &mut impl FnMut(f64) -> Sample,
 ) -> f64 {
-    let inside = may_rise_inside(most, left, right, high - low);
-    let most = most.max(left.value).max(right.value);
+    let inside = may_rise_inside(most, left.1, right.1, right.0 - left.0);
+    let most = most.max(left.1.value).max(right.1.value);
     if !inside {
         return most;
     }
-    if left.rate > 0.0 && right.rate < 0.0 {
-        let top = sign_change_within(width, low, high, left.rate, right.rate, |t| function(t).rate);
-        return most.max(function(top).value);
+    if left.1.rate > 0.0 && right.1.rate < 0.0 {
+        return top(most, [left, right], width, function);
     }
     // The curvature changes sign inside.
     let Some(halvings) = halvings.checked_sub(1) else { return most };
-    let half = 0.5 * (low + high);
+    let half = 0.5 * (left.0 + right.0);
     let middle = (half, function(half));
-    let most = highest(most, [(low, left), middle], width, halvings, function);
-    highest(most, [middle, (high, right)], width, halvings, function)
+    let most = highest(most, [left, middle], width, halvings, function);
+    highest(most, [middle, right], width, halvings, function)
+}
+
+/// Returns the greatest of `most` and the values of a function between `left`, where it rises, and `right`, where it falls; the place of its top
+/// is found within `width`, and the rise to it added.
+///
+/// The first points are tops of cubics; later ones follow from the rates alone, which need not be those of the values to the last digit.
+fn top(
+    mut most: f64,
+    [mut left, mut right]: [TimedSample; 2],
+    width: f64,
+    function: &mut impl FnMut(f64) -> Sample,
+) -> f64 {
+    let mut nearest = [left, right];
+    let mut next = top_of_cubic(nearest);
+    for evaluations in 1..=INTERPOLATIONS {
+        let time = between(left.0, next, right.0);
+        let sample = function(time);
+        most = most.max(sample.value);
+        *if sample.rate >= 0.0 { &mut left } else { &mut right } = (time, sample);
+        let [first, second] = nearest;
+        let other = if (time - first.0).abs() < (time - second.0).abs() { first } else { second };
+        nearest = [other, (time, sample)];
+        let distance = sample.rate * (time - other.0) / (other.1.rate - sample.rate);
+        if distance.abs() <= width {
+            return most.max(sample.value + 0.5 * sample.rate * distance);
+        }
+        if !may_rise_inside(most, left.1, right.1, right.0 - left.0) {
+            return most;
+        }
+        next = if evaluations == 1 { top_of_cubic(nearest) } else { time + distance };
+    }
+    let time = sign_change_within(width, left.0, right.0, left.1.rate, right.1.rate, |t| function(t).rate);
+    most.max(function(time).value)
+}
+
+/// Returns the time of the maximum of a cubic with these samples; not a number if it has none.
+fn top_of_cubic([(first, a), (second, b)]: [TimedSample; 2]) -> f64 {
+    let duration = second - first;
+    let (start, end, rise) = (duration * a.rate, duration * b.rate, 3.0 * (b.value - a.value));
+    // The derivative is `start + 2 linear x + square x²`, and its slope there is negative.
+    let (linear, square) = (rise - 2.0 * start - end, 3.0 * (start + end) - 2.0 * rise);
+    first + duration * start / ((linear * linear - square * start).sqrt() - linear)
 }
 
 /// Finds a sign change of a continuous function with `f(low) ≥ 0 > f(high)` to round-off (4 ulp of `high`).

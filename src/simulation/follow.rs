@@ -103,7 +103,7 @@ impl Steps {
             return Ok(None);
         }
         let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &simulation.system.block);
-        let start = StepStart { of_piece: std::mem::take(&mut self.begins), short_failed: false };
+        let start = StepStart { of_piece: std::mem::take(&mut self.begins), short_failed: false, attempt: None };
         let (system, swing) = (Arc::clone(&simulation.system), Cell::new(None));
         let piece = SmoothPiece::new(&system.block, &excitation, time, [self.stop; 2], AtEvent::Stop);
         let piece = SmoothPiece { single: true, swing: Some(&swing), ..piece };

@@ -49,13 +49,23 @@ fn rounding(law: impl Law, surface: Surface, block: &Block, [start, end]: [Sampl
     if tilts && is_arc && matches!(surface, Surface::Gap(_)) { 0.0 } else { surface.rounding(block) }
 }
 
+/// Whether a function may fall through zero between samples at both ends of a step: on supports by their bounds.
+#[inline(always)]
+fn may_fall(law: impl Law, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
+    match law.is_known() && law.foundation() == Foundation::Viscoelastic {
+        true => roots::may_fall_by_bounds(start, end, rounding, duration),
+        // The gap of a block that tilts on a rigid base has no round-off, and one that slides or is held may soon be back at zero.
+        false => roots::may_fall(start, end, rounding, duration),
+    }
+}
+
 /// Whether a surface may be fallen through between two instants.
 #[inline(always)]
 pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluation) -> bool {
     let may_fall = |surface: Surface| {
         let start = surface.sample_on(law.foundation(), here);
         let end = surface.sample_on(law.foundation(), there);
-        roots::may_fall(start, end, rounding(law, surface, here.block, [start, end]), there.time - here.time)
+        may_fall(law, start, end, rounding(law, surface, here.block, [start, end]), there.time - here.time)
     };
     watched(law).into_iter().flatten().any(may_fall) || (!law.is_known() && may_hold_event_beyond(law, here, there))
 }
@@ -80,22 +90,26 @@ pub(super) struct Fall {
     pub(super) rise_unseen: bool,
 }
 
-/// The first surface through which the motion falls between two instants.
+/// The first surface through which the motion falls between two instants, in a step of at most `longest` (s).
 #[inline(always)]
 pub(super) fn first_event<L: Law, const N: usize>(
     here: &Evaluation,
     there: &Evaluation,
+    longest: f64,
     inside: &mut Inside<L, N>,
 ) -> Option<Fall> {
     let mut first: Option<Fall> = None;
     let duration = there.time - here.time;
     let law = inside.motion.law();
+    // In flight, heights of corners may turn faster than the motion that limits steps.
+    let bounded = inside.is_on_supports();
+    let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
     let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
     for surface in watched(law).into_iter().flatten() {
         let [start, end] = [here, there].map(|now| surface.sample_on(law.foundation(), now));
         let rounding = rounding(law, surface, here.block, [start, end]);
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
-        if !hidden && !roots::may_fall(start, end, rounding, duration) {
+        if !hidden && !may_fall(law, start, end, rounding, duration) {
             continue;
         }
         let mut sample = |elapsed| inside.sample(surface, elapsed);
@@ -103,7 +117,8 @@ pub(super) fn first_event<L: Law, const N: usize>(
         // support one may, where the angular momentum is kept.
         let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
-        let fall = if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, sample) };
+        let fall =
+            if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, pieces, bounded, sample) };
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
@@ -129,7 +144,8 @@ fn first_event_beyond<L: Law, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let fall = roots::first_fall(start, end, rounding, duration, |elapsed| surface.sample(&inside.at(elapsed)));
+        let sample = |elapsed| surface.sample(&inside.at(elapsed));
+        let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use crate::block::Block;
 use crate::excitation::Excitation;
-use crate::numerics::control::is_resolved;
+use crate::numerics::control::{Attempt, is_resolved};
 #[cfg(feature = "lanes")]
 use crate::numerics::dop853::Step;
 use crate::simulation::{AtEvent, Simulation, SimulationError};
@@ -50,6 +50,8 @@ pub(super) struct StepStart {
     pub(super) of_piece: bool,
     /// Whether a short step from exactly here has already made too great an error.
     pub(super) short_failed: bool,
+    /// The step of order 8 that comes next, if one from exactly here has already made too great an error.
+    pub(super) attempt: Option<Attempt>,
 }
 
 /// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
@@ -87,7 +89,7 @@ impl Simulation {
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let mut start = StepStart { of_piece: begins, short_failed: false };
+        let mut start = StepStart { of_piece: begins, short_failed: false, attempt: None };
         while self.pose.time < piece.stop && self.ending.is_none() && self.pending.is_none() {
             self.steps(piece, start, None, budget, observer)?;
             start.of_piece = false;

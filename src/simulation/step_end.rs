@@ -53,7 +53,7 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Finished, SimulationError> {
         let (law, size) = (inside.motion.law(), there.time - here.time);
-        let mut event = first_event(here, &there, &mut inside);
+        let mut event = first_event(here, &there, end.longest, &mut inside);
         if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
             if size > SHORTEST_RISE * end.longest && self.pose.time + LEAST_SHORTENED * size > self.pose.time {
                 self.counts.evaluations += inside.evaluations;

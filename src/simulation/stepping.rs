@@ -1,7 +1,9 @@
 //! Steps of a smooth piece of the excitation → the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation, Regime, restraints};
-use crate::numerics::control::{LONGEST, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor};
+use crate::numerics::control::{
+    Attempt, LONGEST, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor,
+};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, may_hold_event, turn_in_flight};
@@ -91,7 +93,7 @@ impl Simulation {
             return Ok(());
         }
         let limits = self.limits(law, excitation.frequency());
-        let mut short_failed = start.short_failed;
+        let (mut short_failed, mut attempt) = (start.short_failed, start.attempt);
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
@@ -108,7 +110,7 @@ impl Simulation {
             let step = match accepted.take() {
                 Some(step) => step,
                 None => {
-                    own = self.accepted_step(stop, &motion, &here, &limits)?;
+                    own = self.accepted_step(stop, &motion, &here, &limits, attempt.take())?;
                     &own
                 }
             };
@@ -223,7 +225,7 @@ impl Simulation {
         true
     }
 
-    /// A step within the tolerance, from `here` towards `stop`, and the instant at its end.
+    /// A step within the tolerance, from `here` towards `stop`: this `attempt`, if there is one, or a shorter one.
     #[inline(always)]
     fn accepted_step<'a, L: Law, const N: usize>(
         &mut self,
@@ -231,11 +233,12 @@ impl Simulation {
         motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits<N>,
+        attempt: Option<Attempt>,
     ) -> Result<Step<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let time = here.time;
         let shortest = shortest(time, stop);
-        let mut attempt = self.control.attempt(stop - time, longest, shortest);
+        let mut attempt = attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest));
         loop {
             let mut step = Step::attempt(time, attempt.size, start, first, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;

@@ -257,7 +257,7 @@ impl Unit {
         let (progress, stopped) = loop {
             *acting = if ground.is_empty() { *inputs } else { piece.inputs.plus(inputs) };
             match advance(simulation, piece.end.min(until), acting) {
-                Ok((Progress::Reached, false)) if piece.end < until => piece = ground.piece_after(&piece),
+                Ok((Progress::Reached, false)) if piece.end < until => ground.go_on(&mut piece),
                 Ok(progress) => break progress,
                 Err(error) => {
                     *phase = Phase::Error;

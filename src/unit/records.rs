@@ -59,7 +59,7 @@ impl Values {
                     unit: rocking_records::Unit::MetrePerSecondSquared,
                     start_time: 0.0,
                     time_step,
-                    acceleration: acceleration.to_vec(),
+                    acceleration: acceleration.into(),
                     processing: rocking_records::Processing::default(),
                 })
             });

@@ -143,7 +143,7 @@ pub fn record_named(motion: &Motion, gravity: f64) -> Result<Option<Record>, Str
     let unit = dt.map(|_| Unit::G);
     let options = ReadOptions { unit, time_step: dt, gravity, ..ReadOptions::default() };
     let record = rocking_records::read(&path, &options).unwrap().scaled(motion.scale);
-    Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration }))
+    Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration.to_vec() }))
 }
 
 impl Case {

@@ -1,6 +1,7 @@
 //! A record → the same without its linear trend, filtered, or with another time step.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use super::processing::Processing;
 use super::record::Record;
@@ -42,10 +43,10 @@ impl Processing {
             }
         }
         if baseline {
-            subtract_line(&mut record.acceleration);
+            subtract_line(Arc::make_mut(&mut record.acceleration));
         }
         if let Some(corners) = band_pass {
-            filter(&mut record.acceleration, record.time_step, corners);
+            filter(Arc::make_mut(&mut record.acceleration), record.time_step, corners);
         }
         if let Some(step) = resample {
             record = with_step(record, step);
@@ -182,7 +183,7 @@ mod tests {
         let processing = Processing { baseline: true, ..Processing::default() };
         let [found, alone] = [offset, record(wave)].map(|record| processing.apply(record).unwrap());
         assert_eq!(found.processing.to_string(), "baseline removed");
-        for (i, (a, b)) in found.acceleration.iter().zip(&alone.acceleration).enumerate() {
+        for (i, (a, b)) in found.acceleration.iter().zip(alone.acceleration.iter()).enumerate() {
             assert!((a - b).abs() < 1e-13 && (b - wave(i as f64 * STEP)).abs() < 1e-12, "sample {i}: {a}, {b}");
         }
     }

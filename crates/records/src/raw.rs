@@ -101,9 +101,9 @@ impl Raw {
         };
         let unit_line = self.unit.map(|(line, _)| line);
         let title = if self.title.is_empty() { file() } else { self.title };
-        let Raw { format, start_time, values: acceleration, .. } = self;
+        let Raw { format, start_time, values, .. } = self;
         let processing = Processing::default();
-        let record = Record { title, format, unit, start_time, time_step, acceleration, processing };
+        let record = Record { title, format, unit, start_time, time_step, acceleration: values.into(), processing };
         let record = record.scaled(unit.factor(options.gravity));
         let Peak { acceleration, time } = record.peak();
         // Written so that infinity and NaN from an overflow are refused as well.

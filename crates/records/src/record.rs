@@ -1,5 +1,7 @@
 //! A ground acceleration that is linear between evenly spaced samples.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::format::Format;
@@ -19,8 +21,8 @@ pub struct Record {
     pub start_time: f64,
     /// Time between two samples (s), above zero.
     pub time_step: f64,
-    /// Ground accelerations [m/s²], finite, at least two, with the sign of the file.
-    pub acceleration: Vec<f64>,
+    /// Ground accelerations [m/s²], finite, at least two, with the sign of the file; all runs under a record share them.
+    pub acceleration: Arc<[f64]>,
     /// Changes since the file.
     pub processing: Processing,
 }
@@ -77,13 +79,13 @@ impl Record {
         let Record { start_time, time_step, acceleration, .. } = self;
         acceleration.len() >= 2
             && *time_step > 0.0
-            && [start_time, time_step].into_iter().chain(acceleration).all(|x| x.is_finite())
+            && [start_time, time_step].into_iter().chain(acceleration.iter()).all(|x| x.is_finite())
     }
 
     /// Multiplies all accelerations by `factor` (1).
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Record {
-        self.acceleration.iter_mut().for_each(|a| *a *= factor);
+        Arc::make_mut(&mut self.acceleration).iter_mut().for_each(|a| *a *= factor);
         self
     }
 

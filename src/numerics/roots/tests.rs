@@ -2,6 +2,32 @@
 
 use super::*;
 
+/// The first fall, piece by piece.
+fn first_fall(start: Sample, end: Sample, rounding: f64, duration: f64, f: impl FnMut(f64) -> Sample) -> Option<f64> {
+    super::first_fall(start, end, rounding, duration, PIECES, false, f)
+}
+
+/// Where the ends bound longer intervals, the same falls are found with fewer evaluations.
+#[test]
+fn bounded_functions_are_searched_where_they_may_fall() {
+    for at in [0.1, 0.4, 0.77] {
+        let cubic = |t: f64| {
+            let [a, b, c] = [t - at, t - 1.3, t + 0.4];
+            Sample { value: a * b * c, rate: a * b + a * c + b * c }
+        };
+        let mut calls = [0; 2];
+        let [every, bounded] = [false, true].map(|bounded| {
+            let function = |t: f64| {
+                calls[usize::from(bounded)] += 1;
+                cubic(t)
+            };
+            super::first_fall(cubic(0.0), cubic(1.0), 1e-15, 1.0, PIECES, bounded, function).unwrap()
+        });
+        assert!((every - at).abs() < 4e-15 && (bounded - at).abs() < 4e-15, "{every}, {bounded}, {at}");
+        assert!(calls[1] <= 10, "{at}: {calls:?} evaluations");
+    }
+}
+
 #[test]
 fn finds_a_simple_root_in_a_few_evaluations() {
     let mut calls = 0;

@@ -1,9 +1,8 @@
 //! Functions of the motion at both ends of a step, in each lane → where one may fall through zero or rise to a new peak inside.
 //!
-//! They decide as [`roots::may_fall`](crate::numerics::roots::may_fall) and
+//! They decide as [`roots::may_fall_by_bounds`](crate::numerics::roots::may_fall_by_bounds) and
 //! [`Peaks`](crate::simulation::peaks::Peaks) do, with the same operations.
 
-use crate::numerics::Real;
 use crate::numerics::roots::Sample;
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
@@ -63,10 +62,8 @@ impl<V: Simd> Ends<V> {
         let Ends { start, end, duration } = self;
         let zero = Wide::default();
         let negated = Ends { start: start.negated(), end: end.negated(), duration };
-        let above = rounding.less(start.value).bits();
-        let dips = negated.may_rise_inside(zero) | zero.less(negated.greater_end()).bits();
-        let near = start.value.less(-rounding).bits() | rounding.less(end.value.abs()).bits();
-        (above & dips) | (!above & near)
+        let depth = zero.in_lanes(rounding.less(start.value), rounding);
+        negated.may_rise_inside(depth) | depth.less(negated.greater_end()).bits()
     }
 }
 
@@ -133,7 +130,7 @@ mod tests {
                     let (start, end, duration) = (at(&cases.start), at(&cases.end), cases.duration[i]);
                     let rises = roots::may_rise_inside(cases.above[i], start, end, duration);
                     prop_assert_eq!(may_rise >> i & 1 == 1, rises, "{} of {:?}", i, &cases);
-                    let falls = roots::may_fall(start, end, cases.rounding[i], duration);
+                    let falls = roots::may_fall_by_bounds(start, end, cases.rounding[i], duration);
                     prop_assert_eq!(may_fall >> i & 1 == 1, falls, "{} of {:?}", i, &cases);
                 }
             }

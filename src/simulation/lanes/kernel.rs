@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Foundation, Regime, Restraints};
+use crate::block::{Block, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, Step};
@@ -46,7 +46,7 @@ pub struct Stepped {
     pub sums: [Array; 2],
     /// Peaks of θ, N, H, uplift and friction demand since then.
     pub peaks: [Array; 5],
-    /// A bit for each lane in which a short step made too great an error.
+    /// A bit for each lane in which the step made too great an error.
     pub failed: u32,
     /// A bit for each lane in which a short step is accurate enough, but may hold an event or a peak.
     pub eventful: u32,
@@ -301,7 +301,7 @@ impl<L: Law> Together<'_, L> {
     #[inline(always)]
     fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
         let mut rows = [of(self.runs[0]); MOST_LANES];
-        for (row, run) in rows.iter_mut().zip(&self.runs).take(V::LANES).skip(1) {
+        for (row, run) in rows[..V::LANES].iter_mut().zip(&self.runs) {
             *row = of(run);
         }
         Wide::columns(rows)
@@ -314,8 +314,11 @@ impl<L: Law> Together<'_, L> {
         if let Some(standing) = self.law.regime().pivot() {
             let LiftedSupports { depth, since, rate, free_height } = *lifted;
             let elapsed = time - since;
-            let elapsed = elapsed.in_lanes(Wide::default().less(elapsed), Wide::default());
-            let sunk = depth * (-(rate * elapsed)).exp();
+            let (zero, exponent) =
+                (Wide::default(), rate * elapsed.in_lanes(Wide::default().less(elapsed), Wide::default()));
+            let recovered = Wide::from(RECOVERED).less(exponent);
+            let (depth, exponent) = (zero.in_lanes(recovered, depth), zero.in_lanes(recovered, exponent));
+            let sunk = if zero.less(depth.abs()).any() { depth * (-exponent).exp() } else { zero };
             heights[standing.other().index()] = Sample { value: free_height - sunk, rate: rate * sunk };
         }
         heights
@@ -450,7 +453,7 @@ impl<L: Law> Task for Together<'_, L> {
             taken: usual & !(events | inside) & runs,
             eventful: if self.short { eventful } else { 0 },
             accepted,
-            failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
+            failed: !error_is_fine & !rests & runs,
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
             sums: [(input + work.0[0]).store(), (dashpots + work.0[1]).store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],

@@ -2,7 +2,7 @@
 //!
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
 //! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
-//! only an event or a peak may be inside.
+//! only an event or a peak may be inside. A step on supports with too great an error is repeated in a lane.
 //! So do runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base.
 
 mod bounds;
@@ -39,7 +39,6 @@ pub struct Lane {
     /// The run's own, which a step can borrow while the simulation changes: to share it for each step would take longer than many a swing.
     system: Arc<System>,
     simulation: Simulation,
-    inputs: Inputs,
     /// Time of the next stop (s).
     until: f64,
     /// Time to which the excitation is smooth (s).
@@ -69,6 +68,8 @@ pub struct Lane {
     grows: bool,
     /// Whether a short step has just been ruled out here.
     short_failed: bool,
+    /// Whether the step that comes next is a shorter attempt of one of order 8 that made too great an error.
+    retries: bool,
     /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
     accepted: Option<Step>,
     /// The swings of a run on the rigid base.
@@ -231,7 +232,6 @@ impl Lane {
             course,
             system: Arc::clone(&simulation.system),
             simulation,
-            inputs: Inputs::default(),
             until: time,
             stop: time,
             since: time,
@@ -246,6 +246,7 @@ impl Lane {
             attempt: Attempt::to_stop(0.0),
             grows: false,
             short_failed: false,
+            retries: false,
             accepted: None,
             swinging,
         }
@@ -256,13 +257,12 @@ impl Lane {
         &self.simulation
     }
 
-    /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does.
+    /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does. All further calls until it arrives need the same inputs.
     #[inline(always)]
     pub fn send(&mut self, until: f64, inputs: &Inputs) {
-        (self.until, self.inputs, self.budget) = (until, *inputs, MOST_STEPS);
+        (self.until, self.budget) = (until, MOST_STEPS);
         self.stop = self.simulation.pose.time;
         if self.stop < until && self.simulation.ending.is_none() {
-            // Not with the copy, which the processor has not yet finished.
             self.begin_piece(inputs);
         }
     }
@@ -299,9 +299,9 @@ impl Lane {
         counts.evaluations += 1;
     }
 
-    /// The next action of the run.
+    /// The next action of the run under the inputs of [`Lane::send`].
     #[inline]
-    pub fn next_step(&mut self) -> Next {
+    pub fn next_step(&mut self, inputs: &Inputs) -> Next {
         if self.is_landing() {
             return Next::Alone;
         }
@@ -313,8 +313,7 @@ impl Lane {
             return Next::Arrived;
         }
         if time >= self.stop {
-            let inputs = self.inputs;
-            self.begin_piece(&inputs);
+            self.begin_piece(inputs);
         }
         self.kind().map_or(Next::Alone, Next::Together)
     }
@@ -335,11 +334,14 @@ impl Lane {
             return None;
         }
         let control = &self.simulation.control;
-        let short = if self.short_failed { ShortStepTo::TooFar } else { control.short_step(size, longest) };
+        let short = match self.short_failed || self.retries {
+            true => ShortStepTo::TooFar,
+            false => control.short_step(size, longest),
+        };
         let is_short = short == ShortStepTo::Stop;
         if is_short {
             self.attempt = Attempt::to_stop(size);
-        } else {
+        } else if !self.retries {
             self.attempt = control.attempt(size, longest, shortest(time, stop));
             self.grows = short == ShortStepTo::NotYet;
         }
@@ -347,12 +349,12 @@ impl Lane {
         Some(Kind::Step { regime, short: is_short })
     }
 
-    /// Takes a step alone, or rests as long as that lasts, and reports each event to `observer`.
-    pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+    /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
+    pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let landing = self.take_landing();
         let rests = self.course.is_none();
-        let Lane { system, simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } =
-            self;
+        let attempt = std::mem::take(&mut self.retries).then_some(self.attempt);
+        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
@@ -362,7 +364,7 @@ impl Lane {
         let done = if let Some(surface) = landing {
             simulation.apply_alone(surface, block, &excitation, observer)
         } else {
-            let start = StepStart { of_piece: *begins, short_failed: *short_failed };
+            let start = StepStart { of_piece: *begins, short_failed: *short_failed, attempt };
             (*begins, *short_failed) = (false, false);
             let known = swinging.known.take();
             let (step, swing) = (accepted.as_ref(), known.as_deref());
@@ -412,8 +414,7 @@ impl Lane {
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
         [*theta, *reaction, *horizontal, *uplift] = fours.peaks;
         [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = fours.sums;
-        self.begins = false;
-        self.short_failed = false;
+        (self.begins, self.short_failed, self.retries) = (false, false, false);
         self.budget -= 1;
     }
 
@@ -426,6 +427,21 @@ impl Lane {
         if self.grows {
             simulation.control.grow_short();
         }
+    }
+
+    /// Takes note that the error of a step of order 8 is too great. A shorter one comes next, unless the clock does not resolve it: returns
+    /// whether it does.
+    fn reject(&mut self, root: f64) -> bool {
+        let Lane { simulation, attempt, stop, .. } = self;
+        let factor = size_factor(root);
+        if attempt.size * factor < shortest(simulation.pose.time, *stop) {
+            return false;
+        }
+        *attempt = simulation.control.reject(attempt, factor);
+        simulation.counts.evaluations += EVALUATIONS_PER_STEP;
+        simulation.counts.rejected += 1;
+        self.retries = true;
+        true
     }
 
     /// Takes note that a short step does not do. One of order 8 comes next.
@@ -461,9 +477,13 @@ fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
 /// The same for steps on supports.
 fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]) -> u32 {
     let mut stepped = kernel::step(width, regime, short, group);
+    let mut rejected = 0;
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
             run.arrive(&stepped, lane, short);
+        } else if !short {
+            let fails = stepped.failed >> lane & 1 == 1;
+            rejected |= u32::from(fails && run.reject(stepped.root[lane])) << lane;
         } else if (stepped.failed | stepped.eventful) >> lane & 1 == 1 {
             if stepped.failed >> lane & 1 == 1 {
                 run.simulation.control.reject_short(run.attempt.size, stepped.root[lane]);
@@ -476,9 +496,10 @@ fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]
         run.accept(&stepped, lane);
         run.simulation.counts.steps += 1;
         step.end_time = run.end_time();
-        (run.accepted, run.short_failed) = (Some(step), true);
+        (run.accepted, run.short_failed, run.retries) = (Some(step), true, false);
     }
-    stepped.taken | stepped.failed | stepped.eventful
+    let ruled_out = if short { stepped.failed | stepped.eventful } else { rejected };
+    stepped.taken | ruled_out
 }
 
 #[cfg(test)]

@@ -126,7 +126,7 @@ fn rinaldi_equals_its_rotated_components() {
     let original = without_options(&folder, "paper/NGA_no_1063_RRS228.AT2");
     let derived = without_options(&folder, "paper_derived/RRS228_unrotated.AT2");
     assert_eq!(original.acceleration.len(), derived.acceleration.len());
-    for (a, b) in original.acceleration.iter().zip(&derived.acceleration) {
+    for (a, b) in original.acceleration.iter().zip(derived.acceleration.iter()) {
         assert!((a - b).abs() <= 1.8e-7 * GRAVITY * (1.0 + 1e-6), "{a} and {b} m/s²");
     }
 }

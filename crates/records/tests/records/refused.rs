@@ -86,7 +86,7 @@ fn units() {
         "made-up, line 2: the peak is 3.000e1 g at 0.02 s in the file's unit, g; expected at most 20 g",
     );
     let metric = ReadOptions { gravity: 10.0, ..none };
-    assert_eq!(accelerations(&file("G"), &metric).acceleration, [1.0, 2.0, 3.0]);
+    assert_eq!(*accelerations(&file("G"), &metric).acceleration, [1.0, 2.0, 3.0]);
 }
 
 #[test]
@@ -216,5 +216,5 @@ fn interpolation() {
     let text: String = (0..1000).map(|i| format!("{}\n", 0.001 * f64::from(i))).collect();
     let long = accelerations(&text, &unit_and_step(Unit::MetrePerSecondSquared, 0.005));
     assert_eq!(long.at(long.start_time + long.duration()), 0.999);
-    assert_eq!(record.scaled(-0.5).acceleration, [-0.5, -1.5, 2.0]);
+    assert_eq!(*record.scaled(-0.5).acceleration, [-0.5, -1.5, 2.0]);
 }

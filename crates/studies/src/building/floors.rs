@@ -73,7 +73,7 @@ impl Building {
             FloorMotion { floor: 0, record: ground.clone(), pfa: pga(ground), pfv: crate::intensity::pgv(ground) };
         let floors = histories.into_iter().zip(1..).map(|(History { acceleration, pfv, .. }, floor)| {
             let title = format!("{}, floor {floor}", ground.title);
-            let record = Record { title, acceleration, ..ground.clone() };
+            let record = Record { title, acceleration: acceleration.into(), ..ground.clone() };
             FloorMotion { floor, pfa: pga(&record), pfv, record }
         });
         std::iter::once(ground_motion).chain(floors).collect()
@@ -157,7 +157,7 @@ mod tests {
         let ground = record_of(&samples, 0.01);
         let stiff = Building::shear(&[1.0; 3], &[1e10; 3], &Damping::All(0.05)).unwrap();
         for motion in stiff.floor_motions(&ground) {
-            let exact = ground.acceleration.iter().zip(&motion.record.acceleration);
+            let exact = ground.acceleration.iter().zip(motion.record.acceleration.iter());
             assert!(
                 exact.clone().count() == 400 && exact.clone().all(|(a, b)| (a - b).abs() < 1e-4),
                 "{}",

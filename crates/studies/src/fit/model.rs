@@ -105,7 +105,7 @@ pub fn course(
                 &mut record,
             )?;
             if stop == piece.end {
-                piece = run.ground.piece_after(&piece);
+                run.ground.go_on(&mut piece);
             }
             if followers.is_empty() && simulation.time() >= times[next] {
                 break;

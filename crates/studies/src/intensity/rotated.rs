@@ -82,7 +82,7 @@ mod tests {
             near(quarter, (0.25 * below + 0.75 * above) * whole, 1e-12);
         }
         let [most, none] = [37.0, 127.0].map(|angle| rotated(&line[0], &line[1], angle).unwrap().acceleration);
-        for ((most, none), along) in most.into_iter().zip(none).zip(along(3.0).acceleration) {
+        for ((most, none), along) in most.iter().zip(none.iter()).zip(along(3.0).acceleration.iter()) {
             assert!((most - along).abs() < 1e-14 && none.abs() < 1e-14, "{most} along {along}, {none} across");
         }
         let circle = [0.0, 0.5 * std::f64::consts::PI].map(|phase: f64| {

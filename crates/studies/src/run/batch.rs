@@ -15,7 +15,7 @@ const RUNS_PER_LANE: usize = 8;
 /// Numbers of steps taken in lanes and alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaneUse {
-    /// Steps taken in lanes, including short ones that were ruled out.
+    /// Steps taken in lanes, including those that were ruled out.
     pub in_lanes: u64,
     /// Steps of single runs.
     pub alone: u64,
@@ -114,7 +114,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     /// Advances a run, or its successors once it has ended, until one waits for a group.
     fn advance(&mut self, mut lane: Box<Lane>) {
         loop {
-            let continues = match lane.next_step() {
+            let continues = match lane.next_step(self.active[lane.tag].schedule.inputs()) {
                 Next::Together(kind) => {
                     self.waiting[kind.number()].push(lane);
                     return;
@@ -135,18 +135,19 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     fn next_stop(&mut self, lane: &mut Lane) -> bool {
         let ActiveRun { run, schedule, .. } = &mut self.active[lane.tag];
         schedule.stopped(run, lane.simulation());
-        match schedule.next_stop(lane.simulation()) {
+        let stop = schedule.next_stop(lane.simulation());
+        match stop {
             Some(stop) => lane.send(stop, schedule.inputs()),
             None => self.end(lane, None),
         }
-        self.outcomes[self.active[lane.tag].number].is_none()
+        stop.is_some()
     }
 
     /// Takes a step of a single run; returns whether it continues.
     fn step_alone(&mut self, lane: &mut Lane) -> bool {
-        let flights = &mut self.active[lane.tag].flights;
+        let ActiveRun { schedule, flights, .. } = &mut self.active[lane.tag];
         self.lane_use.alone += 1;
-        match lane.step_alone(&mut |event| flights.count_event(event)) {
+        match lane.step_alone(schedule.inputs(), &mut |event| flights.count_event(event)) {
             Ok(()) => true,
             Err(error) => {
                 self.end(lane, Some(error));

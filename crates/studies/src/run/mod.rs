@@ -389,7 +389,7 @@ impl Schedule {
     #[inline]
     pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
         let continues = simulation.time() < self.end && !self.is_over(simulation);
-        self.stop = self.piece.end.min(self.next_row).min(self.next_check);
+        self.stop = earlier(self.piece.end, earlier(self.next_row, self.next_check));
         continues.then_some(self.stop)
     }
 
@@ -405,7 +405,7 @@ impl Schedule {
     pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
         let ended = self.is_over(simulation);
         if !ended && self.stop == self.piece.end {
-            self.piece = run.ground.piece_after(&self.piece);
+            run.ground.go_on(&mut self.piece);
         }
         self.check(simulation);
         let Schedule { start, end, .. } = *self;
@@ -416,6 +416,12 @@ impl Schedule {
         self.find_next_row();
         Some(((simulation.time() - start) / (end - start)).min(1.0))
     }
+}
+
+/// The earlier of two times, none of which is NaN: a third of the instructions of `f64::min`.
+#[inline]
+fn earlier(first: f64, second: f64) -> f64 {
+    if second < first { second } else { first }
 }
 
 impl History {

@@ -125,16 +125,16 @@ fn inputs(intervals: &[(f64, f64, f64)]) -> Vec<(Inputs, f64)> {
 }
 
 /// Takes the runs of a group through an interval, in lanes where possible; returns the number of steps in lanes.
-fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>]) -> u64 {
+fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>], inputs: &Inputs) -> u64 {
     let mut taken = 0;
     loop {
         let mut waiting: [Vec<usize>; Kind::COUNT] = Default::default();
         for (number, place) in lanes.iter_mut().enumerate() {
             let lane = place.as_mut().unwrap();
             loop {
-                match lane.next_step() {
+                match lane.next_step(inputs) {
                     Next::Arrived => break,
-                    Next::Alone => lane.step_alone(&mut |_| ()).unwrap(),
+                    Next::Alone => lane.step_alone(inputs, &mut |_| ()).unwrap(),
                     Next::Together(kind) => {
                         waiting[kind.number()].push(number);
                         break;
@@ -151,7 +151,7 @@ fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>]) -> u64 {
         taken += u64::from(went.count_ones());
         for (place, (mut lane, &number)) in group.into_iter().zip(numbers).enumerate() {
             if went >> place & 1 == 0 {
-                lane.step_alone(&mut |_| ()).unwrap();
+                lane.step_alone(inputs, &mut |_| ()).unwrap();
             }
             lanes[number] = Some(lane);
         }
@@ -171,7 +171,7 @@ fn compare(runs: &[Simulation], intervals: &[(f64, f64, f64)]) -> Result<[u64; 2
                 run.advance(until, &inputs, &mut |_| ()).unwrap();
                 lane.as_mut().unwrap().send(until, &inputs);
             }
-            in_lanes += through(width, &mut lanes);
+            in_lanes += through(width, &mut lanes, &inputs);
             for (run, lane) in single.iter().zip(&lanes) {
                 let lane = lane.as_ref().unwrap().simulation();
                 prop_assert_eq!(lane, run);

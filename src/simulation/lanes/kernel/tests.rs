@@ -30,6 +30,7 @@ struct Found {
 #[derive(Clone, Debug)]
 struct Case {
     lane: Lane,
+    inputs: Inputs,
     there: [f64; 4],
 }
 
@@ -89,9 +90,9 @@ fn surfaces(law: impl Law) -> [Surface; 3] {
 impl Case {
     /// What a run finds alone.
     fn alone(&self, law: impl Law) -> Found {
-        let Case { lane, there } = self;
+        let Case { lane, inputs, there } = self;
         let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
-        let excitation = lane.simulation.excitation(&lane.inputs);
+        let excitation = lane.simulation.excitation(inputs);
         let motion = Motion::under(law, &system.block, pose, &excitation);
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), instant::State::from(*there));
@@ -106,7 +107,7 @@ impl Case {
             may_hold_event: may_hold_event(law, &here, &there),
             may_fall: surfaces(law).map(|surface| {
                 let (start, end) = (surface.sample(&here), surface.sample(&there));
-                roots::may_fall(start, end, surface.rounding(&system.block), duration)
+                roots::may_fall_by_bounds(start, end, surface.rounding(&system.block), duration)
             }),
             rests: excitation.is_constant() && here.rests(),
             may_rise_inside,
@@ -189,10 +190,10 @@ prop_compose! {
         }
         let mut lane = Lane::new(simulation, 0);
         lane.send(time + 100.0, &inputs);
-        lane.next_step();
+        lane.next_step(&inputs);
         lane.attempt = Attempt::to_stop(duration * lane.longest);
         lane.stop = time + lane.attempt.size;
-        let mut case = Case { lane, there: state(there) };
+        let mut case = Case { lane, inputs, there: state(there) };
         // Peaks near those of the step.
         let of = |state: [f64; 4]| {
             let pose = &case.lane.simulation.pose;
