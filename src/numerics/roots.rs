@@ -261,7 +261,7 @@ pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
-        // The value at a maximum is as exact as the square of its place, with the rise to it the cube.
+        // The error of the value is the square of that of the time, with the rise to the maximum added its cube.
         highest(most, [(0.0, start), (duration, end)], 1e-6 * duration, HALVINGS_OF_A_STEP, &mut function)
     } else {
         most.max(start.value).max(end.value)
