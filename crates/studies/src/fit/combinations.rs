@@ -171,16 +171,16 @@ mod tests {
             ..logarithmic("")
         };
         let of = |second: f64| {
-            let r = DMatrix::from_row_slice(2, 2, &[300.0, 600.0, 0.0, second]);
+            let r = DMatrix::from_row_slice(2, 2, &[300.0, 660.0, 0.0, second]);
             combinations(&Triangle { r, projected: DVector::zeros(2) }, &[logarithmic("width"), tilt.clone()], 1.0)
         };
         assert_eq!(
             of(70.0)[1].meaning,
-            "one standard deviation of the data is a joint change of width by +2 % and initial.theta by -0.002 rad"
+            "one standard deviation of the data is a joint change of width by +3.2 % and initial.theta by -0.0029 rad"
         );
         assert_eq!(
             of(0.001)[1].meaning,
-            "the data do not determine a joint change of width by +10 % and initial.theta by -0.01 rad"
+            "the data do not determine a joint change of width by +10 % and initial.theta by -0.0091 rad"
         );
         let alone =
             Triangle { r: DMatrix::from_row_slice(2, 2, &[300.0, 0.0, 0.0, 400.0]), projected: DVector::zeros(2) };
