@@ -54,5 +54,5 @@ def test_a_bar_shows_how_far_the_work_is(capsys):
     pytest.importorskip("tqdm")
     import rocking_block as rb
 
-    rb.spectrum(p=[1.0 + 0.0001 * i for i in range(3000)], pulse=rb.Pulse("one-sine", 6.0, 1.25), progress=True)
-    assert "/3000" in capsys.readouterr().err
+    rb.spectrum(p=[1.0 + 0.00001 * i for i in range(60_000)], pulse=rb.Pulse("one-sine", 6.0, 1.25), progress=True)
+    assert "/60000" in capsys.readouterr().err
