@@ -1,7 +1,7 @@
 //! Results → plain English.
 
-use crate::numbers::{exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
-use rocking_studies::assess::{Comparison, ObjectResult, Report, StateResult};
+use crate::numbers::{self, exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
+use rocking_studies::assess::{Comparison, Counts, ObjectResult, Report, StateResult};
 
 /// Writes the result in a few sentences.
 pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
@@ -56,7 +56,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
             percent(found.probability)
         ));
     }
-    sentences.extend(best_variant(report));
+    sentences.extend(best_variants(report));
     sentences.extend(strongest_assumption(report));
     sentences
 }
@@ -86,20 +86,40 @@ fn object(object: &ObjectResult) -> String {
     )
 }
 
-/// The variant with the fewest runs beyond the limit, if it has fewer than the object.
-fn best_variant(report: &Report) -> Option<String> {
+/// Names the variants with the fewest runs beyond the limit, if these are fewer than those of the object, and how far they slip.
+fn best_variants(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
     // A run with an unknown outcome may exceed the limit.
     let worst = |variant: &Comparison| variant.runs.exceeded + variant.runs.left_out;
-    let best = variants.iter().min_by_key(|variant| worst(variant))?;
+    let least = variants.iter().map(worst).min()?;
     let exceed = exceed(&report.states[report.compared_state].limit);
-    match worst(best) < plain.runs.exceeded {
-        true => Some(format!(
-            "Of the variants, “{}” helps most: {} of {} runs {exceed} instead of {}.",
-            best.name, best.runs.exceeded, best.runs.known, plain.runs.exceeded
-        )),
-        false => Some(format!("No variant reduces the number of runs that {exceed}.")),
+    if least >= plain.runs.exceeded {
+        return Some(format!("No variant reduces the number of runs that {exceed}."));
     }
+    let best: Vec<&Comparison> = variants.iter().filter(|variant| worst(variant) == least).collect();
+    let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
+    let Counts { exceeded, known, .. } = best[0].runs;
+    let mut text = format!(
+        "Of the variants, {} {} most: {exceeded} of {known} runs {exceed} instead of {}.",
+        join(&names),
+        if best.len() == 1 { "helps" } else { "help" },
+        plain.runs.exceeded
+    );
+    for (variant, name) in best.iter().zip(&names) {
+        let Some(slip) = variant.peak_slip.filter(|slip| *slip > 0.0) else { continue };
+        let is_beyond = |state: &&StateResult| {
+            state
+                .limit
+                .strip_prefix("slip>")
+                .and_then(|limit| limit.parse::<f64>().ok())
+                .is_some_and(|limit| slip > limit)
+        };
+        let beyond: Vec<String> =
+            report.states.iter().filter(is_beyond).map(|state| format!("“{}”", state.name)).collect();
+        let reaches = if beyond.is_empty() { String::new() } else { format!(", which reaches {}", join(&beyond)) };
+        text += &format!(" But {name} slips by up to {} m{reaches}.", numbers::slip(slip));
+    }
+    Some(text)
 }
 
 /// The assumption whose range changes the count of runs most.
