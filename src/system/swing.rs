@@ -21,16 +21,15 @@
 //! Since |τ| ≤ 1, the sum of the other terms' sizes bounds the distance of a series from its first term. [`Swing::bounds`] tells by such
 //! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
 
+mod events;
 #[cfg(feature = "lanes")]
 pub mod lanes;
 #[cfg(feature = "lanes")]
 pub mod tangent;
 
-use std::f64::consts::FRAC_PI_2;
-
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, Forcing, ForcingSeries};
-use crate::numerics::bernstein::{Bernstein, DEGREE, Pair, Row, Zero};
+use crate::numerics::bernstein::{DEGREE, Pair, Row};
 use crate::numerics::scalar::{Real, Scalar};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
@@ -117,22 +116,6 @@ const fn numbers(row: usize) -> Series {
     }
     numbers
 }
-
-/// Of a swing, the width of the last step to the greatest rotation. The error is of the order of its square, and the rotation as exact as
-/// the square of that.
-const TOP_WIDTH: f64 = 1e-5;
-
-/// Round-off of the acceleration of a block that leaves the base, relative to its change over the swing.
-const LANDING_ROUNDING: f64 = 1e-12;
-
-/// The least part of a swing after which a block that leaves the base without a rate comes down other than by round-off.
-const LEAST_LANDING: f64 = 1e-3;
-
-/// Maximum number of Newton's steps to a landing or to the greatest rotation.
-const MOST_NEWTON: u32 = 60;
-
-/// The part of a place below which the next one by Newton's method is a step.
-const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
 
 /// The least order, by which reactions and their changes are known.
 const LEAST: usize = 4;
@@ -334,75 +317,6 @@ impl Swing {
         Pair::of(forces, degree)
     }
 
-    /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
-    pub fn first_landing(&self, corner: Corner) -> Zero {
-        let theta = self.away_from(corner, 1.0);
-        let zeros = match theta {
-            [0.0, 0.0, second, third, ..] if second.abs() <= LANDING_ROUNDING * third => 3,
-            [0.0, 0.0, ..] => 2,
-            [0.0, ..] => 1,
-            _ => 0,
-        };
-        let mut rest = [0.0; DEGREE + 1];
-        rest[..ORDER + 1 - zeros].copy_from_slice(&theta[zeros..]);
-        match Bernstein::of(rest, self.order - zeros).zero() {
-            Zero::At(part) if zeros > 1 && part < LEAST_LANDING => Zero::Unclear,
-            zero => zero,
-        }
-    }
-
-    /// The part of the swing after which the block has made a quarter turn about a corner.
-    pub fn quarter_turn(&self, corner: Corner) -> Zero {
-        let mut rest = self.away_from(corner.other(), 1.0);
-        rest[0] += FRAC_PI_2;
-        Bernstein::of(rest, self.order).zero()
-    }
-
-    /// The part of the swing at which the rotation away from a corner is greatest, up to `part`, if it exceeds `most` (rad) and that at
-    /// both ends.
-    pub fn highest(&self, corner: Corner, bounds: &Bounds, part: f64, most: f64) -> Option<f64> {
-        if bounds.turns_back {
-            return self.top(-corner.sign(), part, most);
-        }
-        Bernstein::of(self.away_from(corner, part), self.order).highest(most).map(|place| place * part)
-    }
-
-    /// The same where θ̈ points to the base all the time: Newton's method for the zero of θ̇, until a tangent shows that the rotation does
-    /// not exceed `most`.
-    fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
-        let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(part));
-        if first * away <= 0.0 || last * away >= 0.0 {
-            return None;
-        }
-        let (mut low, mut high, mut place) = (0.0, part, part * (first / (first - last)));
-        for _ in 0..MOST_NEWTON {
-            let [theta, slope, half_curvature] = self.curve_at(place);
-            let rises = slope * away > 0.0;
-            let end = if rises { high } else { low };
-            if theta * away + slope * away * (end - place) <= most {
-                return None;
-            }
-            (low, high) = if rises { (place, high) } else { (low, place) };
-            let next = place - slope / (2.0 * half_curvature);
-            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
-            if (next - place).abs() <= TOP_WIDTH {
-                return Some(next);
-            }
-            place = next;
-        }
-        Some(place)
-    }
-
-    /// The series of the rotation away from a corner, in powers of the elapsed part of a `part` of the swing.
-    fn away_from(&self, corner: Corner, part: f64) -> Series {
-        let (mut theta, mut power) = (self.theta, -corner.sign());
-        for term in &mut theta {
-            *term *= power;
-            power *= part;
-        }
-        theta
-    }
-
     /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
     pub fn work(&self, part: f64) -> f64 {
@@ -482,24 +396,6 @@ impl Swing {
             reaction: [first_reaction - reaction, first_reaction + reaction],
             horizontal: first_horizontal.abs() + horizontal,
         }
-    }
-
-    /// The part of the swing after which the block comes down.
-    ///
-    /// Needs bounds that are certain, and a negative rotation at the end. θ̈ then points to the base all the time, so that Newton's
-    /// method approaches the zero from the end of the swing without passing it. The result is within 4 ulp.
-    #[inline]
-    pub fn landing(&self) -> f64 {
-        let mut part = 1.0;
-        for _ in 0..MOST_NEWTON {
-            let [theta, slope] = self.theta_at(part);
-            let next = part - theta / slope;
-            if next >= STILL * part {
-                break;
-            }
-            part = next;
-        }
-        part
     }
 }
 

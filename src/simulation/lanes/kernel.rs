@@ -14,7 +14,7 @@ use crate::numerics::wide::{Array, Four, Lanes, MOST_LANES, Simd, Task, VectorWi
 use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::pulses::Pulses;
-use crate::simulation::lanes::{Lane, place};
+use crate::simulation::lanes::{Lane, regime_index};
 use crate::simulation::peaks::Channels;
 use crate::system::evaluation::{self, Drive, Evaluation};
 use crate::system::events::{ROUNDING, Surface, landing, lift_off, quarter_turn, watched};
@@ -61,8 +61,8 @@ pub struct Stepped {
 pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
-    for (place, run) in runs.iter_mut().zip(group) {
-        *place = run;
+    for (slot, run) in runs.iter_mut().zip(group) {
+        *slot = run;
     }
     let some;
     let pulses = if runs.iter().any(|run| run.wave.is_some()) {
@@ -72,16 +72,16 @@ pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]
         &Pulses::NONE
     };
     match regime {
-        Regime::FullContact => width.run(Together { law: Gripping::<true, true, false>, short, runs, count, pulses }),
-        Regime::TiltingLeft => width.run(Together { law: Gripping::<true, false, false>, short, runs, count, pulses }),
-        Regime::TiltingRight => width.run(Together { law: Gripping::<false, true, false>, short, runs, count, pulses }),
+        Regime::FullContact => width.run(StepTask { law: Gripping::<true, true, false>, short, runs, count, pulses }),
+        Regime::TiltingLeft => width.run(StepTask { law: Gripping::<true, false, false>, short, runs, count, pulses }),
+        Regime::TiltingRight => width.run(StepTask { law: Gripping::<false, true, false>, short, runs, count, pulses }),
         Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
     }
 }
 
 /// The step of a group under a law. The method is chosen at run time: a copy of the code
 /// around the stages for each method would double the compile time.
-struct Together<'g, L> {
+struct StepTask<'g, L> {
     law: L,
     /// Whether the step is a short one.
     short: bool,
@@ -296,7 +296,7 @@ fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>)
     Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
 }
 
-impl<L: Law> Together<'_, L> {
+impl<L: Law> StepTask<'_, L> {
     /// Four numbers of each lane.
     #[inline(always)]
     fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
@@ -383,15 +383,15 @@ impl<L: Law> Together<'_, L> {
     }
 }
 
-impl<L: Law> Task for Together<'_, L> {
+impl<L: Law> Task for StepTask<'_, L> {
     type Output = Stepped;
 
     #[inline(always)]
     fn run<V: Simd>(self) -> Stepped {
         let group = self.group::<V>();
         let motion = GroupMotion { law: self.law, group: &group, pulses: self.pulses };
-        let place = place(self.law.regime()).unwrap_or(0);
-        let weights = Numbers(self.fours(|lane| &lane.limits[place].weights.0));
+        let index = regime_index(self.law.regime()).unwrap_or(0);
+        let weights = Numbers(self.fours(|lane| &lane.limits[index].weights.0));
         let [work_weight, share, gap_rounding, _] = self.fours(|lane| &lane.fours.limits);
         let rounding = self.rounding(&group, gap_rounding);
         let [time, end_time, size, longest] = self.fours(|lane| &lane.fours.step);

@@ -7,27 +7,29 @@
 
 mod bounds;
 mod force_peaks;
+mod fours;
 mod kernel;
 mod pulses;
 mod swings;
 
 use std::sync::Arc;
 
-use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
-use crate::excitation::{Excitation, Inputs, Ramp, Wave};
+use crate::block::{Block, Foundation, Regime};
+use crate::excitation::{Excitation, Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
-use crate::numerics::wide::{Four, VectorWidth};
+use crate::numerics::wide::VectorWidth;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
 use crate::simulation::stepping::Limits;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
-use crate::system::events::{Event, Surface};
+use crate::system::events::Event;
 use crate::system::forces;
-use crate::system::instant::{Footing, State};
+use crate::system::instant::State;
 use crate::system::law::Gripping;
+use fours::Fours;
 use kernel::Stepped;
 use swings::Swinging;
 
@@ -76,59 +78,6 @@ pub struct Lane {
     swinging: Swinging,
 }
 
-/// The numbers of a run that steps on supports read, four by four, so that vectors of several runs are soon made of them.
-#[derive(Clone, Copy, Debug, Default)]
-struct Fours {
-    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), shares of both corners (1), and the
-    /// displacement of the foot (m).
-    block: [Four; 3],
-    /// Of a short step in this regime: weight of the works, share of the error; round-off of the zero of a gap (m); nothing.
-    limits: Four,
-    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m).
-    lifted: Four,
-    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
-    sums: Four,
-    /// Peaks of θ (rad), N, H (N) and uplift (m).
-    peaks: Four,
-    /// Reference time of the ground accelerations (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one.
-    ground: Four,
-    /// The rate of the latter (m/s³).
-    vertical_rate: f64,
-    /// Beginning, end, size and greatest size (s) of the step that comes next.
-    step: Four,
-}
-
-impl Fours {
-    /// Reads what only steps of single runs and events change otherwise.
-    fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
-        let Simulation { pose, sums, peaks, .. } = simulation;
-        let block = simulation.block();
-        let Block { mass, gravity, r0, b, h, omega_v, xi_v, i0, eccentricity, share, .. } = *block;
-        let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =
-            pose.footing;
-        self.block = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, share[0], share[1], offset]];
-        let Limits { work_weight, short_share, .. } = limits[place(pose.contacts.regime()).unwrap_or(0)];
-        self.limits = [work_weight, short_share, Surface::Gap(Corner::Left).rounding(block), 0.0];
-        // Any other one is not read.
-        let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
-        let (rate, free_height) = (block.creep_rate(), block.free_height(corner));
-        self.lifted = match pose.contacts.of(corner) {
-            Contact::Lifted(Creep { depth, since }) if depth != 0.0 && rate.is_finite() => {
-                [depth, since, rate, free_height]
-            }
-            // It has recovered.
-            _ => [0.0, 0.0, 0.0, free_height],
-        };
-        self.sums = [sums.input, sums.dashpots, peaks.friction_demand, 0.0];
-        self.peaks = [peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift];
-    }
-
-    #[inline(always)]
-    fn set_ground(&mut self, time: f64, [x, z]: [Ramp; 2]) {
-        (self.ground, self.vertical_rate) = ([time, x.value, x.rate, z.value], z.rate);
-    }
-}
-
 /// The way in which runs are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Course {
@@ -166,7 +115,7 @@ impl Kind {
     /// Its number, from 0.
     pub fn number(self) -> usize {
         match self {
-            Kind::Step { regime, short } => place(regime).unwrap_or(0) + if short { 0 } else { 3 },
+            Kind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
             Kind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
         }
     }
@@ -180,8 +129,8 @@ impl Kind {
     }
 }
 
-/// The place of a regime among those in which blocks are stepped together; none in flight.
-fn place(regime: Regime) -> Option<usize> {
+/// Returns the index of a regime among those in which blocks are stepped together; `None` in flight.
+fn regime_index(regime: Regime) -> Option<usize> {
     match regime {
         Regime::FullContact => Some(0),
         Regime::TiltingLeft => Some(1),
@@ -198,7 +147,7 @@ fn course_in_lanes(Simulation { pose, system, .. }: &Simulation) -> Option<Cours
     }
     let regime = pose.contacts.regime();
     match system.block.foundation {
-        Foundation::Viscoelastic => place(regime).is_some().then_some(Course::Steps(regime)),
+        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(Course::Steps(regime)),
         Foundation::Rigid => regime.pivot().is_some().then_some(Course::Swings),
     }
 }
@@ -326,7 +275,7 @@ impl Lane {
             Course::Steps(_) => return None,
             Course::Swings => return self.swing_kind(),
         };
-        let longest = self.limits[place(regime)?].longest.min(self.longest_under_pulse);
+        let longest = self.limits[regime_index(regime)?].longest.min(self.longest_under_pulse);
         self.longest = longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
         let size = stop - time;

@@ -4,9 +4,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::events::{LANDING_ROUNDING, LEAST_LANDING, MOST_NEWTON, STILL, TOP_WIDTH};
 use super::{
-    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL,
-    STILL, Series, Swing, TOP_WIDTH, shortening, way_and_moment,
+    LEAST, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment,
 };
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};

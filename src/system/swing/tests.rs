@@ -1,10 +1,13 @@
 //! Swings against Runge–Kutta steps and their own bounds.
 
+use std::f64::consts::FRAC_PI_2;
+
 use proptest::prelude::*;
 
 use super::*;
 use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Foundation};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use crate::numerics::bernstein::Zero;
 use crate::numerics::control::LONGEST;
 use crate::numerics::dop853::Step;
 use crate::system::evaluation::Motion;

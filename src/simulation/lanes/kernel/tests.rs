@@ -35,7 +35,7 @@ struct Case {
 }
 
 struct Look<'g, L> {
-    together: Together<'g, L>,
+    task: StepTask<'g, L>,
     cases: &'g [Case],
 }
 
@@ -43,32 +43,32 @@ impl<L: Law> Task for Look<'_, L> {
     type Output = Vec<Found>;
 
     fn run<V: Simd>(self) -> Vec<Found> {
-        let Look { together, cases } = self;
-        let group = together.group::<V>();
-        let motion = GroupMotion { law: together.law, group: &group, pulses: together.pulses };
+        let Look { task, cases } = self;
+        let group = task.group::<V>();
+        let motion = GroupMotion { law: task.law, group: &group, pulses: task.pulses };
         let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
         let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
         let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
-        let lifted = together.lifted();
-        let [start, stop] = together.ends(&group, [time, end_time]);
+        let lifted = task.lifted();
+        let [start, stop] = task.ends(&group, [time, end_time]);
         let drive = Drive { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(drive, state, together.support_heights(time, &lifted));
+        let here = motion.at(drive, state, task.support_heights(time, &lifted));
         let there = motion.at(
             Drive { excitation: &stop.0, time: end_time, forcing: stop.1 },
             end,
-            together.support_heights(end_time, &lifted),
+            task.support_heights(end_time, &lifted),
         );
-        let [_, _, gap_rounding, _] = together.fours(|lane| &lane.fours.limits);
-        let rounding = together.rounding(&group, gap_rounding);
+        let [_, _, gap_rounding, _] = task.fours(|lane| &lane.fours.limits);
+        let rounding = task.rounding(&group, gap_rounding);
         let longest = each(&|case| case.lane.longest);
-        let [theta, reaction, horizontal, uplift] = together.fours(|lane| &lane.fours.peaks);
-        let [_, _, friction_demand, _] = together.fours(|lane| &lane.fours.sums);
+        let [theta, reaction, horizontal, uplift] = task.fours(|lane| &lane.fours.peaks);
+        let [_, _, friction_demand, _] = task.fours(|lane| &lane.fours.sums);
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
         let events = motion.may_hold_event(&here, &there, duration, &rounding);
-        let may_fall = surfaces(together.law).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
+        let may_fall = surfaces(task.law).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let peaks = peaks.map(Wide::store);
         let found = |i: usize| Found {
@@ -222,8 +222,8 @@ fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
     let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
     for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
         let pulses = &Pulses::of(width, false, &runs);
-        let together = Together { law, short: false, runs, count: width.lanes(), pulses };
-        let found = width.run(Look { together, cases });
+        let task = StepTask { law, short: false, runs, count: width.lanes(), pulses };
+        let found = width.run(Look { task, cases });
         for (found, case) in found.iter().zip(cases) {
             prop_assert_eq!(found, &case.alone(law), "{:?}", case);
         }

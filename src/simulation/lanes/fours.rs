@@ -1,0 +1,63 @@
+//! A run on supports → the numbers that its steps in lanes read.
+
+use crate::block::{Block, Contact, Corner, Creep};
+use crate::excitation::Ramp;
+use crate::numerics::wide::Four;
+use crate::simulation::Simulation;
+use crate::simulation::lanes::regime_index;
+use crate::simulation::stepping::Limits;
+use crate::system::events::Surface;
+use crate::system::instant::Footing;
+
+/// The numbers of a run that steps on supports read, in fours, so that a few transpositions make vectors of several runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fours {
+    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), shares of both corners (1), and the
+    /// displacement of the foot (m).
+    pub block: [Four; 3],
+    /// Of a short step in this regime: weight of the works, share of the error; round-off of the zero of a gap (m); nothing.
+    pub limits: Four,
+    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m).
+    pub lifted: Four,
+    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
+    pub sums: Four,
+    /// Peaks of θ (rad), N, H (N) and uplift (m).
+    pub peaks: Four,
+    /// Reference time of the ground accelerations (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one.
+    pub ground: Four,
+    /// The rate of the latter (m/s³).
+    pub vertical_rate: f64,
+    /// Beginning, end, size and greatest size (s) of the step that comes next.
+    pub step: Four,
+}
+
+impl Fours {
+    /// Reads the numbers that only events and steps of single runs change.
+    pub fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
+        let Simulation { pose, sums, peaks, .. } = simulation;
+        let block = simulation.block();
+        let Block { mass, gravity, r0, b, h, omega_v, xi_v, i0, eccentricity, share, .. } = *block;
+        let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =
+            pose.footing;
+        self.block = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, share[0], share[1], offset]];
+        let Limits { work_weight, short_share, .. } = limits[regime_index(pose.contacts.regime()).unwrap_or(0)];
+        self.limits = [work_weight, short_share, Surface::Gap(Corner::Left).rounding(block), 0.0];
+        // The support under a corner that touches is not read.
+        let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
+        let (rate, free_height) = (block.creep_rate(), block.free_height(corner));
+        self.lifted = match pose.contacts.of(corner) {
+            Contact::Lifted(Creep { depth, since }) if depth != 0.0 && rate.is_finite() => {
+                [depth, since, rate, free_height]
+            }
+            // A recovered support.
+            _ => [0.0, 0.0, 0.0, free_height],
+        };
+        self.sums = [sums.input, sums.dashpots, peaks.friction_demand, 0.0];
+        self.peaks = [peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift];
+    }
+
+    #[inline(always)]
+    pub fn set_ground(&mut self, time: f64, [x, z]: [Ramp; 2]) {
+        (self.ground, self.vertical_rate) = ([time, x.value, x.rate, z.value], z.rate);
+    }
+}
