@@ -164,7 +164,7 @@ def _ground(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label:
 
 def _contact(axes: Axes, run: _Columns, label: str | None = None) -> None:
     """Shades the times at which both corners touch."""
-    shade = {"color": _BAND, "lw": 0, "label": label}
+    shade: dict[str, Any] = {"color": _BAND, "lw": 0, "label": label}
     where = run["regime"] == 0
     axes.fill_between(run["t"], 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), step="post", **shade)
 
