@@ -98,7 +98,7 @@ impl Inputs {
     #[inline]
     pub fn is_ground_motion(&self) -> bool {
         let Inputs { f_x, f_z, m_y, .. } = self;
-        // In one test instead of six, but for their signs.
+        // One test of all bits but the signs replaces six comparisons.
         let loads = [f_x.value, f_x.rate, f_z.value, f_z.rate, m_y.value, m_y.rate].map(f64::to_bits);
         loads.into_iter().fold(0, |bits, load| bits | load) << 1 == 0
     }

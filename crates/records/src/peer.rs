@@ -44,7 +44,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
         }
         if header_lines == 0 && count > 0 {
             width = if width == 0 { count } else { width };
-            // Without a header, a line of another width is no row of values, but for example a count and a time step.
+            // Without a header, a line of another width is not a row of values; it may hold a count and a time step.
             if ended || count > width {
                 let found = format!("{count} numbers in a line");
                 let expected = format!("{width} as in the lines before, or an NPTS line before them");

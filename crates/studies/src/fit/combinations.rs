@@ -62,7 +62,7 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
         .collect();
     let logarithmic = terms.iter().all(|term| term.2.is_logarithmic);
     let product = terms.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
-    // Joint changes, the largest of which is this part of the value or of half its range.
+    // Lists the joint changes; the largest is `part` of the value or of half its range.
     let changes = |part: f64| {
         let changes =
             terms.iter().map(|(name, weight, unknown)| format!("{name} by {}", change(unknown, part * weight)));

@@ -418,7 +418,7 @@ impl Schedule {
     }
 }
 
-/// The earlier of two times, none of which is NaN: a third of the instructions of `f64::min`.
+/// Returns the earlier of two times that are not NaN, in a third of the instructions of `f64::min`.
 #[inline]
 fn earlier(first: f64, second: f64) -> f64 {
     if second < first { second } else { first }
