@@ -198,7 +198,11 @@ impl Chart<'_> {
                 (true, false) => ("θ = −α_L", VPos::Top, 60),
                 (false, false) => ("θ = α_R", VPos::Bottom, -60),
             };
-            root.draw_text(name, &anchored(0.8 * TEXT, HPos::Right, anchor), (right.0 - 100, right.1 + aside))?;
+            root.draw_text(
+                &formula(name),
+                &anchored(0.8 * TEXT, HPos::Right, anchor),
+                (right.0 - 100, right.1 + aside),
+            )?;
         }
         for (style, x) in &self.verticals {
             style.draw(root, &[at(*x, y.start), at(*x, y.end)])?;
