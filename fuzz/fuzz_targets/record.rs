@@ -6,22 +6,12 @@
 mod seeds;
 
 use libfuzzer_sys::fuzz_target;
-use rocking_records::{Format, ReadOptions, Unit, parse};
-
-const FORMATS: [Option<Format>; 7] = [
-    None,
-    Some(Format::Peer),
-    Some(Format::Smc),
-    Some(Format::Columns),
-    Some(Format::Cosmos),
-    Some(Format::Csmip),
-    Some(Format::Esm),
-];
+use rocking_records::{Choice, Format, ReadOptions, Unit, parse};
 
 /// Small files of every format, and the beginnings of real ones.
 fn plant_seeds() {
     let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for folder in ["fuzz/seeds", "records"] {
+    for folder in ["fuzz/seeds", "examples/records"] {
         for entry in std::fs::read_dir(project.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             let mut content = std::fs::read(&path).unwrap();
@@ -39,8 +29,13 @@ fn plant_seeds() {
 fuzz_target!(init: plant_seeds(), |input: (u8, &[u8])| {
     let (choice, bytes) = input;
     let said = choice & 0x80 != 0;
+    let formats: Vec<&str> = Format::NAMES.split(", ").collect();
+    // No format is detection.
+    let format = formats.get(usize::from(choice & 0x7f) % (formats.len() + 1)).map(|name| name.parse().unwrap());
     let options = ReadOptions {
-        format: FORMATS[usize::from(choice & 0x7f) % FORMATS.len()],
+        format: if choice & 0x7f == 0 { None } else { format },
+        layout: (choice & 0x40 != 0).then(|| "10F8.2".parse().unwrap()),
+        channel: said.then_some(Choice::Number(2)),
         unit: said.then_some(Unit::G),
         time_step: said.then_some(0.01),
         ..ReadOptions::default()

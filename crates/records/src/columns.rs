@@ -4,12 +4,13 @@
 
 use std::borrow::Cow;
 
+use super::clock::Instant;
 use super::error::RecordError;
 use super::format::Format;
-use super::options::{Column, ReadOptions, Setting};
+use super::options::{Choice, ReadOptions, Setting};
 use super::raw::Raw;
-use super::table::{Heading, Layout, Separator, is_comment, layout};
-use super::text::{FileText, Values, print_quantum, quoted};
+use super::table::{Heading, Layout, Separator, blank_separated, is_block, is_comment, layout};
+use super::text::{FileText, HEAD_LINES, Values, first_of, print_quantum, quoted};
 use super::time_axis::TimeAxis;
 use super::unit::Unit;
 
@@ -23,8 +24,17 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
     let mut raw = Raw::new(Format::Columns);
     raw.title.clone_from(&layout.title);
     raw.unit = unit(source, &layout, acceleration)?;
+    if time.is_none() && is_block_under_text(source, &layout) {
+        let width = layout.width;
+        raw.doubt = Some(format!(
+            "line {} has {width} numbers without names below text, as in reading order, and column {} of them was read; a layout reads all",
+            layout.first_row,
+            acceleration + 1
+        ));
+    }
     let time_unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
-    if let Some(unit) = time_unit
+    let is_date = time.is_some() && time == layout.dates;
+    if let Some(unit) = time_unit.filter(|_| !is_date)
         && !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
     {
         return Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"));
@@ -32,13 +42,21 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
 
     let mut axis = TimeAxis::new();
     let mut values = Values::new(source);
+    let mut first: Option<Instant> = None;
     let mut visit = |line: usize, width: usize, time: Option<&str>, acceleration: &str| {
         if width != layout.width {
             let expected = format!("{} columns as in line {}", layout.width, layout.first_row);
             return Err(source.header_error(line, &format!("{width} columns"), expected));
         }
         if let Some(time) = time {
-            axis.push(line, source.number(line, time)?, print_quantum(time));
+            match Instant::parse(time).filter(|_| is_date) {
+                // Times of day count from the first one.
+                Some(instant) => axis.push(line, instant.since(*first.get_or_insert(instant)), instant.quantum),
+                None if is_date => {
+                    return Err(source.header_error(line, time, "a date and a time as 2024-08-08T16:43:15.25"));
+                }
+                None => axis.push(line, source.number(line, time)?, print_quantum(time)),
+            }
         }
         values.push(line, acceleration)
     };
@@ -48,7 +66,7 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
                 if text.trim().is_empty() || is_comment(text) {
                     continue;
                 }
-                let fields: Vec<&str> = text.split_whitespace().collect();
+                let fields = blank_separated(text);
                 let field = |index: usize| fields.get(index).copied().unwrap_or("");
                 visit(line, fields.len(), time.map(field), field(acceleration))?;
             }
@@ -140,7 +158,7 @@ fn choose(
 ) -> Result<(Option<usize>, usize), RecordError> {
     let Layout { names, width, header, .. } = layout;
     let error = |but: String, setting: Setting| {
-        let columns = names.iter().map(|name| name.whole).collect::<Vec<_>>().join(", ");
+        let columns = first_of(&names.iter().map(|name| name.whole).collect::<Vec<_>>());
         let (named, or) = match names.as_slice() {
             [] => (String::from("without names"), ""),
             _ => (format!("named {columns}"), " or a name"),
@@ -149,20 +167,21 @@ fn choose(
         let found = format!("found {width} column{plural} {named}, {but}");
         source.needs_setting(Some(*header), found, setting, format!("1{last}{or}"))
     };
-    let index_of = |column: &Column, setting: Setting| {
+    let index_of = |column: &Choice, setting: Setting| {
         let index = match column {
-            Column::Number(number) => number.checked_sub(1).filter(|index| index < width),
-            Column::Name(name) => {
+            Choice::Number(number) => number.checked_sub(1).filter(|index| index < width),
+            Choice::Name(name) => {
                 names.iter().position(|n| [n.whole, n.word].iter().any(|n| n.eq_ignore_ascii_case(name)))
             }
         };
-        index.ok_or_else(|| error(format!("not {column}"), setting))
+        index.ok_or_else(|| error(format!("not {}", column.described("column")), setting))
     };
     let chosen = options.acceleration_column.as_ref().map(|column| index_of(column, Setting::AccelerationColumn));
     let chosen = chosen.transpose()?;
     let time = match &options.time_column {
         Some(column) => Some(index_of(column, Setting::TimeColumn)?),
         None if *width == 1 => None,
+        None if layout.dates.is_some() => layout.dates,
         None if !names.is_empty() => names.iter().position(Heading::is_time),
         // Without names the first column is time, unless a given time step makes a table of accelerations possible.
         None => (*width == 2 || *width > 2 && options.time_step.is_none()).then_some(0),
@@ -176,11 +195,24 @@ fn choose(
         others.iter().copied().filter(|&index| names.get(index).is_some_and(Heading::is_acceleration)).collect();
     match (others.as_slice(), named.as_slice()) {
         (&[only], _) | (_, &[only]) => Ok((time, only)),
+        _ if is_block_under_text(source, layout) => Err(RecordError::Header {
+            file: source.name.clone(),
+            line: layout.first_row,
+            found: format!("{width} numbers a line under a header of text without names of columns"),
+            expected: format!("the header of a known format ({}), a line of names, or a layout", Format::NAMES),
+        }),
         _ => {
             let but = String::from("but no clear acceleration column");
             Err(error(but, Setting::AccelerationColumn))
         }
     }
+}
+
+/// Returns whether text without names precedes numbers that look like a block in reading order.
+fn is_block_under_text(source: &FileText<'_>, layout: &Layout<'_>) -> bool {
+    let rows: Vec<&str> =
+        source.lines().skip(layout.first_row.saturating_sub(1)).take(HEAD_LINES).map(|(_, line)| line).collect();
+    layout.names.is_empty() && layout.header < layout.first_row && is_block(&rows)
 }
 
 /// Returns the unit of the acceleration column, from its heading or from a line for all columns.

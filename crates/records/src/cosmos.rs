@@ -3,9 +3,11 @@
 //!
 //! "COSMOS Strong Motion Data Format", Consortium of Organizations for Strong-Motion Observation Systems, 2001.
 
+use super::channels::{self, name_after_number};
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::options::Choice;
+use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
 use super::text::{FileText, Values, fixed_width, is_end_mark, quoted, squeezed};
 
 /// Index of the time step (ms) within the real header.
@@ -18,7 +20,10 @@ pub(super) fn is_first_line(line: &str) -> bool {
 }
 
 /// Reads a channel; refuses raw counts, velocities, displacements and spectra.
-pub(super) fn read(source: &FileText<'_>, lines: &[(usize, &str)]) -> Result<Raw, RecordError> {
+pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, RecordError> {
+    // "Sta Chan   1: 90 Deg (Rcrdr Chan  ?) Location:Basement"
+    let name = |lines: &[(usize, &str)]| lines.get(8).and_then(|(_, text)| name_after_number(text));
+    let lines = &channels::choose(source, wanted, name)?;
     let mut raw = Raw::new(Format::Cosmos);
     let (start, first) = lines.first().copied().unwrap_or((1, ""));
     if !first.to_ascii_lowercase().contains("acceleration") || first.to_ascii_lowercase().contains("counts") {
@@ -52,8 +57,8 @@ pub(super) fn read(source: &FileText<'_>, lines: &[(usize, &str)]) -> Result<Raw
         raw.time_step = Some(StatedStep::exact(line, time_step / 1000.0));
     }
 
-    let (index, line, text) = announced(",format=")
-        .filter(|(.., text)| text.to_ascii_lowercase().contains("units="))
+    let (index, line, text) = announced("units=")
+        .filter(|(.., text)| text.to_ascii_lowercase().contains("format="))
         .ok_or_else(|| missing("7000  acceleration pts, …, units=cm/sec2(04),Format=(8F10.5)"))?;
     let expected = "as 7000  acceleration pts, …, units=cm/sec2(04),Format=(8F10.5)";
     if !text.to_ascii_lowercase().contains("acceleration") {
@@ -64,9 +69,17 @@ pub(super) fn read(source: &FileText<'_>, lines: &[(usize, &str)]) -> Result<Raw
     raw.count = Some(StatedCount { line, key: "acceleration pts", value });
     let width = width_of_format(text).ok_or_else(|| source.header_error(line, text, format!("a format {expected}")))?;
     let unit = text.split_once("units=").map_or("", |(_, rest)| rest.split(['(', ',']).next().unwrap_or(""));
+    let unit = unit.trim().trim_end_matches('.');
     let unit = source.unit(line, unit)?;
     let unit = unit.ok_or_else(|| source.header_error(line, text, format!("a unit {expected}")))?;
     raw.unit = Some((line, unit));
+
+    // "Processed: 06/17/2005, PDT      Max =  -161.962 cm/sec2  at  27.850 sec"
+    raw.peak = lines.get(10).and_then(|&(line, text)| {
+        let mut words = text.split_once("Max =")?.1.split_whitespace();
+        let peak = StatedPeak::printed(line, words.next()?)?;
+        (words.next()?.parse() == Ok(unit)).then_some(peak)
+    });
 
     let mut values = Values::new(source);
     for &(line, text) in lines.get(index + 1..).unwrap_or_default() {

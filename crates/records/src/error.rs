@@ -77,7 +77,7 @@ pub enum RecordError {
         /// Line number, from 1.
         line: usize,
         /// Kind of file.
-        found: &'static str,
+        found: String,
         /// Kind to export instead.
         expected: &'static str,
     },

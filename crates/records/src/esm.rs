@@ -1,9 +1,10 @@
-//! ASC files of the Engineering Strong-Motion database and of ITACA: lines `KEY: value`, then one value a line.
+//! ASC files of the Engineering Strong-Motion database, of ITACA, and of AFAD (DYNA): lines `KEY: value`, then one value a line.
 
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
 use super::text::{FileText, Values, number, quoted};
+use super::unit::Unit;
 
 /// Returns whether a line is the one common to all headers.
 pub(super) fn is_header_line(line: &str) -> bool {
@@ -48,12 +49,16 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
                 let error = || source.header_error(line, text, "a unit among g, m/s2, cm/s2");
                 raw.unit = Some((line, unit.ok_or_else(error)?));
             }
-            "DATA_TYPE" if !value.is_empty() && value != "ACCELERATION" => {
+            "PGA_CM/S^2" => raw.peak = StatedPeak::printed(line, value),
+            // In lower case from DYNA 1.2 of AFAD.
+            "DATA_TYPE" if !value.is_empty() && !value.eq_ignore_ascii_case("ACCELERATION") => {
                 return Err(source.not_acceleration(line, quoted(text)));
             }
             _ => {}
         }
     }
+    // The peak is in cm/s² whatever the unit of the values.
+    raw.peak = raw.peak.filter(|_| raw.unit.is_some_and(|(_, unit)| unit == Unit::CentimetrePerSecondSquared));
     raw.title = title.join(", ");
     raw.values = values.finish()?;
     Ok(raw)

@@ -15,18 +15,69 @@ pub enum Format {
     Columns,
     /// COSMOS volumes 1 and 2.
     Cosmos,
-    /// CSMIP (DMG) volume 2.
+    /// CSMIP (DMG, CESMD) volumes 1 and 2.
     Csmip,
-    /// ASC of the European ESM and ITACA databases.
+    /// ASC of the European ESM and ITACA databases, and DYNA 1.2 of the Turkish AFAD.
     Esm,
+    /// K-NET and KiK-net of Japan, in ASCII and CSV.
+    Knet,
+    /// GeoNet of New Zealand, volumes 1 and 2.
+    Geonet,
+    /// Text of the Turkish strong-motion network before DYNA.
+    Nsmn,
+    /// Standard file of UNAM and RACM, Mexico.
+    Unam,
+    /// RENADIC of the Universidad de Chile.
+    Renadic,
+    /// BHRC of Iran, volume 1.
+    Bhrc,
+    /// University of Southern California, volumes 1 and 2.
+    Usc,
+    /// CSV of the Japan Meteorological Agency.
+    Jma,
+    /// Free-field text of the Central Weather Administration of Taiwan, before the Central Weather Bureau.
+    Cwb,
+    /// Columns of fixed width in a layout that the caller describes.
+    Fixed,
 }
 
 impl Format {
-    pub(super) const ALL: [Format; 6] =
-        [Format::Peer, Format::Smc, Format::Columns, Format::Cosmos, Format::Csmip, Format::Esm];
+    pub(super) const ALL: [Format; 16] = [
+        Format::Peer,
+        Format::Smc,
+        Format::Columns,
+        Format::Cosmos,
+        Format::Csmip,
+        Format::Esm,
+        Format::Knet,
+        Format::Geonet,
+        Format::Nsmn,
+        Format::Unam,
+        Format::Renadic,
+        Format::Bhrc,
+        Format::Usc,
+        Format::Jma,
+        Format::Cwb,
+        Format::Fixed,
+    ];
+
+    /// Formats whose files may have several channels.
+    pub(super) const WITH_CHANNELS: [Format; 10] = [
+        Format::Cosmos,
+        Format::Csmip,
+        Format::Knet,
+        Format::Geonet,
+        Format::Nsmn,
+        Format::Unam,
+        Format::Renadic,
+        Format::Bhrc,
+        Format::Jma,
+        Format::Cwb,
+    ];
 
     /// Names that [`Format::from_str`] reads, for messages.
-    pub const NAMES: &'static str = "peer, smc, columns, cosmos, csmip, esm";
+    pub const NAMES: &'static str =
+        "peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, fixed";
 }
 
 impl fmt::Display for Format {
@@ -38,6 +89,16 @@ impl fmt::Display for Format {
             Format::Cosmos => "COSMOS",
             Format::Csmip => "CSMIP",
             Format::Esm => "ESM ASC",
+            Format::Knet => "K-NET",
+            Format::Geonet => "GeoNet",
+            Format::Nsmn => "NSMN",
+            Format::Unam => "UNAM",
+            Format::Renadic => "RENADIC",
+            Format::Bhrc => "BHRC",
+            Format::Usc => "USC",
+            Format::Jma => "JMA",
+            Format::Cwb => "CWB",
+            Format::Fixed => "fixed width",
         })
     }
 }
@@ -56,8 +117,18 @@ impl FromStr for Format {
             "smc" => Ok(Format::Smc),
             "columns" | "csv" | "txt" => Ok(Format::Columns),
             "cosmos" => Ok(Format::Cosmos),
-            "csmip" | "dmg" => Ok(Format::Csmip),
-            "esm" | "asc" => Ok(Format::Esm),
+            "csmip" | "dmg" | "cesmd" => Ok(Format::Csmip),
+            "esm" | "asc" | "itaca" | "dyna" | "afad" | "tadas" => Ok(Format::Esm),
+            "knet" | "k-net" | "kiknet" | "kik-net" => Ok(Format::Knet),
+            "geonet" => Ok(Format::Geonet),
+            "nsmn" => Ok(Format::Nsmn),
+            "unam" | "racm" => Ok(Format::Unam),
+            "renadic" => Ok(Format::Renadic),
+            "bhrc" => Ok(Format::Bhrc),
+            "usc" => Ok(Format::Usc),
+            "jma" => Ok(Format::Jma),
+            "cwb" | "cwa" => Ok(Format::Cwb),
+            "fixed" => Ok(Format::Fixed),
             _ => Err(UnknownFormat(text.to_owned())),
         }
     }

@@ -2,33 +2,44 @@
 
 use std::{convert::Infallible, fmt, str::FromStr};
 
+use super::fixed_layout::FixedLayout;
 use super::format::Format;
 use super::processing::Processing;
 use super::unit::Unit;
 
-/// A column of a table, chosen by the caller.
+/// A column of a table or a channel of a file, chosen by the caller.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Column {
+pub enum Choice {
     /// Number, from 1.
     Number(usize),
-    /// Name in the header row, in any case, with or without the unit in brackets.
+    /// Name in the header, in any case; of a column with or without the unit in brackets.
     Name(String),
 }
 
-impl FromStr for Column {
-    type Err = Infallible;
-
-    /// Reads a whole number as a number and everything else as a name.
-    fn from_str(text: &str) -> Result<Column, Infallible> {
-        Ok(text.parse().map_or_else(|_| Column::Name(text.to_owned()), Column::Number))
+impl Choice {
+    /// Describes the choice, as `column 3` for `noun` "column", or as the quoted name.
+    pub(super) fn described(&self, noun: &str) -> String {
+        match self {
+            Choice::Number(number) => format!("{noun} {number}"),
+            Choice::Name(name) => format!("{name:?}"),
+        }
     }
 }
 
-impl fmt::Display for Column {
+impl FromStr for Choice {
+    type Err = Infallible;
+
+    /// Reads a whole number as a number and everything else as a name.
+    fn from_str(text: &str) -> Result<Choice, Infallible> {
+        Ok(text.parse().map_or_else(|_| Choice::Name(text.to_owned()), Choice::Number))
+    }
+}
+
+impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Column::Number(number) => write!(f, "column {number}"),
-            Column::Name(name) => write!(f, "{name:?}"),
+            Choice::Number(number) => write!(f, "{number}"),
+            Choice::Name(name) => f.pad(name),
         }
     }
 }
@@ -44,12 +55,18 @@ pub struct ReadOptions {
     pub time_step: Option<f64>,
     /// Value of `g` for records in g [m/s²]: that of the block, so that records and `g tan α` stay comparable.
     pub gravity: f64,
-    /// Column of the times, for [`Format::Columns`].
-    pub time_column: Option<Column>,
-    /// Column of the accelerations, for [`Format::Columns`].
-    pub acceleration_column: Option<Column>,
-    /// Channel of a COSMOS or CSMIP file with several, from 1.
-    pub channel: Option<usize>,
+    /// Layout of a line, for [`Format::Fixed`], which it chooses.
+    pub layout: Option<FixedLayout>,
+    /// Number of lines before the first line of numbers, for [`Format::Fixed`].
+    pub skip: Option<usize>,
+    /// Value of a printed 1 in the unit of the values (1), for [`Format::Fixed`] and [`Format::Columns`].
+    pub value_scale: Option<f64>,
+    /// Column of the times, for [`Format::Columns`] and [`Format::Fixed`].
+    pub time_column: Option<Choice>,
+    /// Column of the accelerations, for [`Format::Columns`] and [`Format::Fixed`].
+    pub acceleration_column: Option<Choice>,
+    /// Channel of a file with several.
+    pub channel: Option<Choice>,
     /// Changes to the record.
     pub processing: Processing,
 }
@@ -62,6 +79,9 @@ impl Default for ReadOptions {
             unit: None,
             time_step: None,
             gravity: 9.81,
+            layout: None,
+            skip: None,
+            value_scale: None,
             time_column: None,
             acceleration_column: None,
             channel: None,
@@ -79,22 +99,45 @@ impl ReadOptions {
             unit: self.unit.or(others.unit),
             time_step: self.time_step.or(others.time_step),
             gravity: others.gravity,
+            layout: self.layout.or(others.layout),
+            skip: self.skip.or(others.skip),
+            value_scale: self.value_scale.or(others.value_scale),
             time_column: self.time_column.clone().or_else(|| others.time_column.clone()),
             acceleration_column: self.acceleration_column.clone().or_else(|| others.acceleration_column.clone()),
-            channel: self.channel.or(others.channel),
+            channel: self.channel.clone().or_else(|| others.channel.clone()),
             processing: if self.processing.is_none() { others.processing } else { self.processing },
         }
     }
 
+    /// Describes the record that is chosen of several in a file, such as `channel 2`, if the caller chooses.
+    pub fn choice(&self) -> Option<String> {
+        let channel = self.channel.as_ref().map(|channel| format!("channel {channel}"));
+        channel.or_else(|| self.acceleration_column.as_ref().map(|column| format!("column {column}")))
+    }
+
     /// Lists the settings with a value.
     pub fn settings(&self) -> impl Iterator<Item = Setting> + use<> {
-        let ReadOptions { format, unit, time_step, gravity: _, time_column, acceleration_column, channel, processing } =
-            self;
+        let ReadOptions {
+            format,
+            unit,
+            time_step,
+            gravity: _,
+            layout,
+            skip,
+            value_scale,
+            time_column,
+            acceleration_column,
+            channel,
+            processing,
+        } = self;
         [
             (Setting::Format, format.is_some()),
             (Setting::Unit, unit.is_some()),
             (Setting::TimeStep, time_step.is_some()),
             (Setting::Channel, channel.is_some()),
+            (Setting::Layout, layout.is_some()),
+            (Setting::Skip, skip.is_some()),
+            (Setting::ValueScale, value_scale.is_some()),
             (Setting::TimeColumn, time_column.is_some()),
             (Setting::AccelerationColumn, acceleration_column.is_some()),
             (Setting::Baseline, processing.baseline),
@@ -117,6 +160,12 @@ pub enum Setting {
     TimeStep,
     /// Channel.
     Channel,
+    /// Layout of a line.
+    Layout,
+    /// Number of lines before the numbers.
+    Skip,
+    /// Value of a printed 1.
+    ValueScale,
     /// Column of the times.
     TimeColumn,
     /// Column of the accelerations.
@@ -140,8 +189,11 @@ impl Setting {
             | Setting::Baseline
             | Setting::BandPass
             | Setting::Resample => &Format::ALL,
-            Setting::Channel => &[Format::Cosmos, Format::Csmip],
-            Setting::TimeColumn | Setting::AccelerationColumn => &[Format::Columns],
+            Setting::Channel => &Format::WITH_CHANNELS,
+            Setting::Layout | Setting::Skip => &[Format::Fixed],
+            Setting::ValueScale | Setting::TimeColumn | Setting::AccelerationColumn => {
+                &[Format::Columns, Format::Fixed]
+            }
         }
     }
 }
@@ -153,6 +205,9 @@ impl fmt::Display for Setting {
             Setting::Unit => "unit",
             Setting::TimeStep => "time step",
             Setting::Channel => "channel",
+            Setting::Layout => "layout",
+            Setting::Skip => "skip",
+            Setting::ValueScale => "value scale",
             Setting::TimeColumn => "time column",
             Setting::AccelerationColumn => "acceleration column",
             Setting::Baseline => "baseline",

@@ -57,9 +57,11 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     Ok(raw)
 }
 
-/// Returns whether this is the last line of a PEER header.
+/// Returns whether this is the last line of a PEER header; a comment may name a file with this word.
 pub(super) fn has_npts(line: &str) -> bool {
-    line.to_ascii_uppercase().contains("NPTS")
+    let upper = line.to_ascii_uppercase();
+    let after = upper.split_once("NPTS").map(|(_, after)| after.trim_start());
+    after.is_some_and(|after| !line.starts_with('#') || after.starts_with(['=', ',', ':']))
 }
 
 /// Returns the line that names earthquake, station and component.

@@ -5,7 +5,7 @@ use super::format::Format;
 use super::options::{ReadOptions, Setting};
 use super::processing::Processing;
 use super::record::{Peak, Record};
-use super::text::FileText;
+use super::text::{FileText, number, print_quantum};
 use super::unit::Unit;
 
 /// Largest accepted peak (g). The largest ever recorded are near 4 g, so a larger one means a wrong unit.
@@ -13,6 +13,9 @@ const LARGEST_PEAK: f64 = 20.0;
 
 /// Relative difference below which two time steps are equal; no header prints more digits.
 const SAME_STEP: f64 = 1e-6;
+
+/// Relative difference below which two peaks are equal.
+const SAME_PEAK: f64 = 1e-4;
 
 pub(super) struct StatedCount {
     pub(super) line: usize,
@@ -36,6 +39,27 @@ impl StatedStep {
     }
 }
 
+pub(super) struct StatedPeak {
+    pub(super) line: usize,
+    /// Largest acceleration, in the unit of the values.
+    pub(super) value: f64,
+    /// Unit of the last printed digit, in the unit of the values.
+    pub(super) quantum: f64,
+}
+
+impl StatedPeak {
+    /// A peak printed in a header in the unit of the values; `None` for text that is no number.
+    pub(super) fn printed(line: usize, token: &str) -> Option<StatedPeak> {
+        let value = number(token).filter(|value| value.is_finite())?;
+        Some(StatedPeak { line, value, quantum: print_quantum(token) })
+    }
+
+    /// The same peak if a unit of the header has `factor` units of the values.
+    pub(super) fn times(self, factor: f64) -> StatedPeak {
+        StatedPeak { value: factor * self.value, quantum: factor * self.quantum, ..self }
+    }
+}
+
 /// Content of a file in its own unit.
 pub(super) struct Raw {
     pub(super) format: Format,
@@ -43,6 +67,9 @@ pub(super) struct Raw {
     pub(super) unit: Option<(usize, Unit)>,
     pub(super) time_step: Option<StatedStep>,
     pub(super) count: Option<StatedCount>,
+    pub(super) peak: Option<StatedPeak>,
+    /// Reason to doubt the values.
+    pub(super) doubt: Option<String>,
     /// (s)
     pub(super) start_time: f64,
     pub(super) values: Vec<f64>,
@@ -56,13 +83,21 @@ impl Raw {
             unit: None,
             time_step: None,
             count: None,
+            peak: None,
+            doubt: None,
             start_time: 0.0,
             values: Vec::new(),
         }
     }
 
     /// Settles unit and time step with the caller, checks count and peak, and converts to m/s².
-    pub(super) fn into_record(self, source: &FileText<'_>, options: &ReadOptions) -> Result<Record, RecordError> {
+    ///
+    /// A peak that differs from that of the header is a reason for doubt.
+    pub(super) fn into_record(
+        self,
+        source: &FileText<'_>,
+        options: &ReadOptions,
+    ) -> Result<(Record, Option<String>), RecordError> {
         let file = || source.name.clone();
         if let Some(StatedCount { line, key, value }) = self.count
             && value != self.values.len()
@@ -100,6 +135,17 @@ impl Raw {
             }
         };
         let unit_line = self.unit.map(|(line, _)| line);
+        let doubt = self.doubt.or_else(|| {
+            let stated = self.peak.as_ref()?;
+            let found = self.values.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));
+            let StatedPeak { line, value, quantum } = *stated;
+            // Values may be printed with fewer digits than their peak.
+            let tolerance = quantum.max(SAME_PEAK * value.abs());
+            let differs = (found - value.abs()).abs() > tolerance * (1.0 + SAME_STEP);
+            differs.then(|| {
+                format!("the peak of the values is {found} {unit}, and line {line} states {} {unit}", value.abs())
+            })
+        });
         let title = if self.title.is_empty() { file() } else { self.title };
         let Raw { format, start_time, values, .. } = self;
         let processing = Processing::default();
@@ -118,6 +164,6 @@ impl Raw {
                 }
             });
         }
-        Ok(record)
+        Ok((record, doubt))
     }
 }

@@ -22,6 +22,9 @@ const SAMPLING_RATE: usize = 1;
 /// Highest plausible sampling rate [1/s]; some headers have nonsensical ones.
 const LARGEST_SAMPLING_RATE: f64 = 1e5;
 
+/// Number of increasing times that tell pairs from accelerations.
+const PAIRS: usize = 16;
+
 /// Returns whether a line begins an SMC file: a digit for the kind of file, and its name.
 pub(super) fn is_first_line(line: &str) -> bool {
     let kinds = ["ACCELEROGRAM", "VELOCITY", "DISPLACEMENT", "RESPONSE SPECTR", "FOURIER"];
@@ -90,5 +93,15 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
         }
     }
     raw.values = values.finish()?;
+    // Times and accelerations alternate in records of digitized film, which are not evenly spaced.
+    let times: Vec<f64> = raw.values.iter().copied().step_by(2).take(PAIRS).collect();
+    if rate == undefined && times.len() == PAIRS && times.is_sorted_by(|a, b| a < b) {
+        return Err(RecordError::NotRead {
+            file: source.name.clone(),
+            line,
+            found: "an SMC file without sampling rate, whose values are times and accelerations in turn".into(),
+            expected: "the corrected record, which has a sampling rate",
+        });
+    }
     Ok(raw)
 }

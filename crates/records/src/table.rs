@@ -1,5 +1,6 @@
 //! Lines → layout of a table: separator, header row, first row of numbers.
 
+use super::clock::{Instant, is_date};
 use super::error::RecordError;
 use super::format::Format;
 use super::text::{FileText, HEAD_LINES, number, quoted, squeezed};
@@ -29,7 +30,20 @@ impl Separator {
             Separator::Byte(byte) => {
                 line.trim().trim_end_matches(char::from(byte)).split(char::from(byte)).map(str::trim).collect()
             }
-            Separator::Blanks => line.split_whitespace().collect(),
+            Separator::Blanks => blank_separated(line),
+        }
+    }
+
+    /// Returns whether a field is a number or a date with a time.
+    fn is_value(self, field: &str) -> bool {
+        self.number(field).is_some() || self.instant(field).is_some()
+    }
+
+    /// Reads a date with a time.
+    pub(super) fn instant(self, field: &str) -> Option<Instant> {
+        match self {
+            Separator::Byte(b',') | Separator::Blanks => Instant::parse(field),
+            Separator::Byte(_) => Instant::parse(&field.replace(',', ".")),
         }
     }
 
@@ -40,6 +54,22 @@ impl Separator {
             Separator::Byte(_) => number(&field.replace(',', ".")),
         }
     }
+}
+
+/// Splits a line at blanks, except between a date and the time behind it.
+pub(super) fn blank_separated(line: &str) -> Vec<&str> {
+    let mut fields: Vec<&str> = Vec::new();
+    let mut rest = line.trim();
+    while !rest.is_empty() {
+        let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+        let (field, after) = rest.split_at(end);
+        let next = after.split_whitespace().next().filter(|next| is_date(field) && Instant::parse(next).is_some());
+        let end = next.and_then(|next| Some(end + after.find(next)? + next.len())).unwrap_or(end);
+        let (field, after) = rest.split_at(end);
+        fields.push(field);
+        rest = after.trim_start();
+    }
+    fields
 }
 
 /// Heading of a column: a name and its unit in brackets, as `a_gx [m/s2]`.
@@ -67,7 +97,7 @@ impl<'a> Heading<'a> {
 
     pub(super) fn is_time(&self) -> bool {
         let is_in_seconds = self.word.is_empty() && self.unit.is_some_and(is_second);
-        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time"])
+        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time", "date", "utc"])
     }
 
     /// Returns whether this is a velocity, a displacement, or the abscissa of a spectrum.
@@ -90,6 +120,8 @@ pub(super) struct Layout<'a> {
     pub(super) first_row: usize,
     /// Number of columns.
     pub(super) width: usize,
+    /// Index of the first column of dates with a time.
+    pub(super) dates: Option<usize>,
     /// Line of the header row.
     pub(super) header: usize,
     pub(super) names: Vec<Heading<'a>>,
@@ -116,10 +148,12 @@ pub(super) fn is_block(head: &[&str]) -> bool {
 /// Finds the first row of numbers and the header row before it.
 pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordError> {
     let mut before: Vec<(usize, &str)> = Vec::new();
+    let mut spectrum = None;
     for (line, text) in source.lines().take(HEAD_LINES) {
         let separator = Separator::of(text);
         let fields = separator.split(text);
-        if !fields.is_empty() && fields.iter().all(|field| separator.number(field.trim_matches('"')).is_some()) {
+        if !fields.is_empty() && fields.iter().all(|field| separator.is_value(field.trim_matches('"'))) {
+            let dates = fields.iter().position(|field| separator.instant(field.trim_matches('"')).is_some());
             // A comment may be the header row, as "# t [s], a [m/s2]".
             let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
             let last = before.last().map(|&(line, text)| (line, bare(text)));
@@ -137,18 +171,27 @@ pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordE
             for (name, unit) in names.iter_mut().zip(units) {
                 name.unit = name.unit.or(Some(unit));
             }
+            // The title of a table of times and accelerations may speak of a spectrum.
+            let is_history = names.iter().any(Heading::is_time) && names.iter().any(Heading::is_acceleration);
+            if let Some(spectrum) = spectrum.filter(|_| !is_history) {
+                return Err(spectrum);
+            }
             let title = before.first().filter(|&&(first, _)| names.is_empty() || first != header);
             let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
-            return Ok(Layout { separator, first_row: line, width: fields.len(), header, names, stated, title });
+            return Ok(Layout { separator, first_row: line, width: fields.len(), dates, header, names, stated, title });
         }
         let lower = text.to_lowercase();
-        let spectrum = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
-        if spectrum || lower.trim_start().trim_start_matches('"').starts_with("period") {
-            return Err(source.not_acceleration(line, format!("a response spectrum ({})", quoted(text))));
+        let spectral = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
+        if spectral || lower.trim_start().trim_start_matches('"').starts_with("period") {
+            spectrum =
+                spectrum.or(Some(source.not_acceleration(line, format!("a response spectrum ({})", quoted(text)))));
         }
         if !text.trim().is_empty() {
             before.push((line, text));
         }
+    }
+    if let Some(spectrum) = spectrum {
+        return Err(spectrum);
     }
     let (line, text) = before.last().copied().unwrap_or((1, ""));
     let expected =
@@ -190,7 +233,9 @@ fn names(line: &str, separator: Separator, width: usize) -> Vec<Heading<'_>> {
             let wide: Vec<&str> = line.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
             let units: Vec<&str> = line.split_inclusive([']', ')']).map(str::trim).collect();
             let words: Vec<&str> = line.split_whitespace().collect();
-            [wide, units, words].into_iter().find(|names| names.len() == width).unwrap_or_default()
+            // Text with numbers in it, as "peak 0.131 mm", is a remark.
+            let are_names = |names: &Vec<&str>| names.len() == width && names.iter().all(|name| number(name).is_none());
+            [wide, units, words].into_iter().find(are_names).unwrap_or_default()
         }
     };
     if split.len() == width { split.into_iter().map(Heading::new).collect() } else { Vec::new() }

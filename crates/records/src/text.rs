@@ -88,6 +88,25 @@ impl<'a> FileText<'a> {
         }
     }
 
+    /// Refuses a last line of numbers that ends the file within a column of `width` characters; columns end `shift` characters later.
+    ///
+    /// Integers have no decimals that would show it.
+    pub(super) fn check_last_column(
+        &self,
+        line: usize,
+        text: &str,
+        width: usize,
+        shift: usize,
+    ) -> Result<(), RecordError> {
+        let complete = text.len() % width == shift % width || text.ends_with(char::is_whitespace);
+        if complete || !self.text.ends_with(text) {
+            return Ok(());
+        }
+        let found = quoted(text.split_whitespace().next_back().unwrap_or(""));
+        let expected = format!("columns of {width} characters");
+        Err(RecordError::Truncated { file: self.name.clone(), line, found, expected })
+    }
+
     pub(super) fn not_acceleration(&self, line: usize, found: impl Into<String>) -> RecordError {
         RecordError::NotAcceleration { file: self.name.clone(), line, found: found.into() }
     }
@@ -219,4 +238,14 @@ pub(super) fn squeezed(line: &str) -> String {
 pub(super) fn is_end_mark(line: &str) -> bool {
     let line = line.trim_start();
     line.starts_with("***") || line.starts_with("/&") || line.to_ascii_lowercase().starts_with("end-of-data")
+}
+
+/// Lists names for a message: the first ten and how many there are beyond.
+pub(super) fn first_of(names: &[impl AsRef<str>]) -> String {
+    const SHOWN: usize = 10;
+    let shown = names.iter().take(SHOWN).map(AsRef::as_ref).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
 }

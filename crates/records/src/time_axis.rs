@@ -71,4 +71,15 @@ impl TimeAxis {
         let value = rounded.into_iter().find(|step: &f64| (step - mean).abs() < tolerance / 2.0).unwrap_or(mean);
         Ok((start, Some(StatedStep { line, value, tolerance })))
     }
+
+    /// Returns the time farthest from even spacing with the mean step (s): its line, found and expected value, and the step.
+    ///
+    /// Where rounding hides the first steps, it shows best that the spacing is uneven.
+    pub(super) fn farthest(&self) -> Option<(usize, f64, f64, f64)> {
+        let (&(_, start), &(_, end)) = (self.times.first()?, self.times.last()?);
+        let mean = (end - start) / (self.times.len() - 1) as f64;
+        let spaced =
+            self.times.iter().enumerate().map(|(index, &(line, t))| (line, t, start + index as f64 * mean, mean));
+        spaced.max_by(|(_, a, at, _), (_, b, bt, _)| (a - at).abs().total_cmp(&(b - bt).abs()))
+    }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A word that names no [`Unit`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("found unit {0:?}, expected one of g, m/s2, cm/s2, gal")]
+#[error("found unit {0:?}, expected one of g, m/s2, cm/s2, gal, mm/s2, g/10")]
 pub struct UnknownUnit(pub String);
 
 /// Unit of the accelerations in a file.
@@ -18,6 +18,10 @@ pub enum Unit {
     MetrePerSecondSquared,
     /// cm/s², also called gal.
     CentimetrePerSecondSquared,
+    /// mm/s².
+    MillimetrePerSecondSquared,
+    /// A tenth of `g`, as in digitized film.
+    TenthOfG,
 }
 
 impl Unit {
@@ -30,6 +34,8 @@ impl Unit {
             Unit::G => gravity,
             Unit::MetrePerSecondSquared => 1.0,
             Unit::CentimetrePerSecondSquared => 0.01,
+            Unit::MillimetrePerSecondSquared => 0.001,
+            Unit::TenthOfG => 0.1 * gravity,
         }
     }
 
@@ -39,6 +45,8 @@ impl Unit {
             Unit::G => "g",
             Unit::MetrePerSecondSquared => "m/s2",
             Unit::CentimetrePerSecondSquared => "cm/s2",
+            Unit::MillimetrePerSecondSquared => "mm/s2",
+            Unit::TenthOfG => "g/10",
         }
     }
 
@@ -48,6 +56,7 @@ impl Unit {
             Unit::G => "m/s2 or cm/s2",
             Unit::MetrePerSecondSquared => "g or cm/s2",
             Unit::CentimetrePerSecondSquared => "g or m/s2",
+            Unit::MillimetrePerSecondSquared | Unit::TenthOfG => "g, m/s2 or cm/s2",
         }
     }
 }
@@ -58,6 +67,8 @@ impl fmt::Display for Unit {
             Unit::G => "g",
             Unit::MetrePerSecondSquared => "m/s²",
             Unit::CentimetrePerSecondSquared => "cm/s²",
+            Unit::MillimetrePerSecondSquared => "mm/s²",
+            Unit::TenthOfG => "g/10",
         })
     }
 }
@@ -70,7 +81,9 @@ impl FromStr for Unit {
         match plain(text).as_str() {
             "g" => Ok(Unit::G),
             "m/s2" | "m/s/s" | "ms-2" => Ok(Unit::MetrePerSecondSquared),
-            "cm/s2" | "cm/s/s" | "cms-2" | "gal" | "gals" => Ok(Unit::CentimetrePerSecondSquared),
+            "cm/s2" | "cm/s/s" | "cms/s/s" | "cms-2" | "gal" | "gals" => Ok(Unit::CentimetrePerSecondSquared),
+            "mm/s2" | "mm/s/s" | "mms-2" => Ok(Unit::MillimetrePerSecondSquared),
+            "g/10" => Ok(Unit::TenthOfG),
             _ => Err(UnknownUnit(text.to_owned())),
         }
     }

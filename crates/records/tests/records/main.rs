@@ -3,6 +3,7 @@
 #[path = "../../../../tests/common/cases.rs"]
 mod cases;
 mod columns;
+mod networks;
 mod real;
 mod refused;
 mod round_trip;

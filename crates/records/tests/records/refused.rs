@@ -1,6 +1,8 @@
 //! Made-up files that must be refused, and their messages.
 
-use rocking_records::{ReadOptions, RecordError, Setting, Unit, parse, read};
+use std::path::Path;
+
+use rocking_records::{Format, ReadOptions, RecordError, Setting, Unit, parse, read};
 
 use super::{accelerations, assert_refused, parsed, refusal, unit_and_step};
 
@@ -160,11 +162,10 @@ fn other_files() {
     assert!(matches!(parse("wide", &wide, &ReadOptions::default()), Err(RecordError::NotText { .. })));
     assert_refused(
         "Dear all,\n",
-        "made-up, line 1: found \"Dear all,\", expected the header of a known format (peer, smc, columns, cosmos, csmip, esm) or a row of numbers in the first 64 lines",
-    );
-    assert_refused(
-        "UNCORRECTED ACCELEROGRAM DATA  36456\n",
-        "made-up, line 1: found an uncorrected CSMIP accelerogram (volume 1), not evenly spaced, which is not supported; expected the corrected record (volume 2)",
+        &format!(
+            "made-up, line 1: found \"Dear all,\", expected the header of a known format ({}) or a row of numbers in the first 64 lines",
+            Format::NAMES
+        ),
     );
     for word in ["NaN", "inf", "-Infinity", "1e999", "*******"] {
         let message = refusal(&format!("{HEADER}NPTS= 3, DT= .01\n0.1 {word} 0.3\n"), &ReadOptions::default());
@@ -175,10 +176,24 @@ fn other_files() {
     assert!(error.to_string().starts_with("no such file: cannot be read: "), "{error}");
 }
 
+/// Times and accelerations in turn, without a sampling rate, are no evenly spaced record even with a time step.
+#[test]
+fn pairs_in_smc_are_refused() {
+    let smc = include_str!("../../../../examples/records/0111a.smc");
+    let unknown = smc.replacen("0.2000000E+03", "0.1700000E+39", 1);
+    let (header, _) = unknown.split_at(unknown.find("\n|\n").map_or(0, |_| 0) + unknown.rfind("\n|").unwrap() + 1);
+    let (comment, _) = unknown[header.len()..].split_once('\n').unwrap();
+    let pairs: String =
+        (0..3000).map(|i| format!("{:10}{:10}", format!("{:.4}E0", f64::from(i) * 0.001), "1.0000E+0")).collect();
+    let text = format!("{header}{comment}\n{pairs}\n").replacen("      6001", "      6000", 1);
+    let message = refusal(&text, &unit_and_step(Unit::CentimetrePerSecondSquared, 0.005));
+    assert!(message.contains("whose values are times and accelerations in turn, which is not supported"), "{message}");
+}
+
 /// A damaged SMC file.
 #[test]
 fn damaged_smc() {
-    let smc = include_str!("../../../../records/0111a.smc");
+    let smc = include_str!("../../../../examples/records/0111a.smc");
     let none = ReadOptions::default();
     assert_eq!(
         refusal(smc.rsplit_once("-2.8745E-1").unwrap().0, &none),
@@ -217,4 +232,32 @@ fn interpolation() {
     let long = accelerations(&text, &unit_and_step(Unit::MetrePerSecondSquared, 0.005));
     assert_eq!(long.at(long.start_time + long.duration()), 0.999);
     assert_eq!(*record.scaled(-0.5).acceleration, [-0.5, -1.5, 2.0]);
+}
+
+/// Importers may pass the path of a record as a URL.
+#[test]
+fn a_url_of_this_machine_is_a_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a b%é.txt");
+    std::fs::write(&path, "0 0.1\n0.01 0.2\n0.02 0.3\n").unwrap();
+    let options = ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() };
+    let samples = |path: &Path| read(path, &options).unwrap().acceleration;
+    let expected = samples(&path);
+    let slash = if cfg!(windows) { "/" } else { "" };
+    let encoded = format!("{slash}{}/a%20b%25%C3%A9.txt", folder.path().display());
+    for url in [format!("file://{encoded}"), format!("file://localhost{encoded}"), format!("file:{encoded}")] {
+        assert_eq!(samples(Path::new(&url)), expected, "{url}");
+    }
+    // An escape that is none stays as it is, as does a name without a slash after the scheme.
+    for (name, found) in [
+        (format!("file://{encoded}%2"), "cannot be read"),
+        ("file:a.txt".into(), "cannot be read"),
+        (
+            format!("file://elsewhere{encoded}"),
+            "cannot be read: a URL of another machine; expected file:///, or a path",
+        ),
+    ] {
+        let message = read(Path::new(&name), &options).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{name}: ")) && message.contains(found), "{message}");
+    }
 }

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use rocking_records::{Format, ReadOptions, Unit, parse};
+use rocking_records::{Choice, Format, ReadOptions, Unit, parse};
 
+use super::networks::{all, options_of};
 use super::unit_and_step;
 
 /// Layout of a PEER file.
@@ -132,6 +133,59 @@ proptest! {
         }
     }
 
+    /// A file of a national network, cut off anywhere, is refused or read in full; JMA states no count.
+    #[test]
+    fn a_cut_file_of_a_network_is_never_misread(which in 0..14_usize, cut in 0.0..1.0_f64) {
+        let (format, text, channel) = all().into_iter().nth(which).unwrap();
+        let options = options_of(channel);
+        let whole = parse("whole", text.as_bytes(), &options).unwrap();
+        let end = (text.len() as f64 * cut) as usize;
+        if let Ok(record) = parse("cut", &text.as_bytes()[..end], &options) {
+            if format == Format::Jma {
+                // The end of a number shows only behind many numbers.
+                let sure = if record.acceleration.len() > 17 { record.acceleration.len() } else { record.acceleration.len() - 1 };
+                prop_assert!(whole.acceleration.starts_with(&record.acceleration[..sure]));
+            } else {
+                prop_assert_eq!(record.acceleration, whole.acceleration);
+            }
+        }
+    }
+
+    /// A file of a national network with bytes overwritten is refused in one line, or read with finite values.
+    #[test]
+    fn a_damaged_file_of_a_network_does_not_panic(
+        which in 0..14_usize,
+        places in prop::collection::vec((0.0..1.0_f64, prop::sample::select(&b"\n 0179.-+,:/=#ENx\xE9"[..])), 1..12),
+        read_as in prop::sample::select(formats()),
+    ) {
+        let (_, text, channel) = all().into_iter().nth(which).unwrap();
+        let mut bytes = text.into_bytes();
+        for (place, byte) in places {
+            let place = (bytes.len() as f64 * place) as usize;
+            bytes[place] = byte;
+        }
+        for format in [None, read_as] {
+            match parse("damaged", &bytes, &ReadOptions { format, ..options_of(channel) }) {
+                Ok(record) => prop_assert!(record.is_valid()),
+                Err(error) => prop_assert!(!error.to_string().contains('\n'), "{}", error),
+            }
+        }
+    }
+
+    /// Random layouts, of random lines of numbers.
+    #[test]
+    fn random_layouts_do_not_panic(
+        layout in "[0-9]{0,3}[XPx,(]{0,2}[0-9]{0,3}[FEDGI(]{1,2}[0-9.]{0,4}[E)]{0,2}",
+        text in "[0-9 .+DEd\n-]{0,200}",
+        skip in prop::option::of(0..4_usize),
+    ) {
+        let layout = layout.parse().ok();
+        let options = ReadOptions { layout, skip, ..unit_and_step(Unit::G, 0.01) };
+        if let Ok(record) = parse("layout", text.as_bytes(), &options) {
+            prop_assert!(record.is_valid());
+        }
+    }
+
     #[test]
     fn random_bytes_do_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let _ = parse("bytes", &bytes, &unit_and_step(Unit::G, 0.01));
@@ -141,9 +195,10 @@ proptest! {
     #[test]
     fn random_words_do_not_panic(
         words in prop::collection::vec(prop::sample::select(&WORDS[..]), 0..80),
-        format in prop::sample::select(&[None, Some(Format::Peer), Some(Format::Smc), Some(Format::Columns), Some(Format::Cosmos), Some(Format::Csmip), Some(Format::Esm)][..]),
-        channel in prop::sample::select(&[None, Some(0), Some(1), Some(usize::MAX)][..]),
+        format in prop::sample::select(formats()),
+        channel in prop::sample::select(&[None, Some("0"), Some("1"), Some("18446744073709551615"), Some("Up")][..]),
     ) {
+        let channel = channel.map(|channel| channel.parse::<Choice>().unwrap());
         let options = ReadOptions { format, channel, ..ReadOptions::default() };
         if let Err(error) = parse("words", words.concat().as_bytes(), &options) {
             prop_assert!(!error.to_string().contains('\n'), "{}", error);
@@ -153,7 +208,7 @@ proptest! {
     /// The public SMC file with bytes overwritten.
     #[test]
     fn a_damaged_smc_does_not_panic(places in prop::collection::vec((0..5000_usize, any::<u8>()), 1..10)) {
-        let mut bytes = include_bytes!("../../../../records/0111a.smc").to_vec();
+        let mut bytes = include_bytes!("../../../../examples/records/0111a.smc").to_vec();
         for (place, byte) in places {
             bytes[place] = byte;
         }
@@ -161,7 +216,12 @@ proptest! {
     }
 }
 
-const WORDS: [&str; 44] = [
+/// All formats, and detection.
+fn formats() -> Vec<Option<Format>> {
+    std::iter::once(None).chain(Format::NAMES.split(", ").map(|name| Some(name.parse().unwrap()))).collect()
+}
+
+const WORDS: [&str; 62] = [
     "\n",
     "\n",
     "\n",
@@ -206,4 +266,22 @@ const WORDS: [&str; 44] = [
     "VELOCITY TIME HISTORY",
     "18446744073709551615",
     "#",
+    "UNCORRECTED ACCELEROGRAM DATA",
+    "NO. OF POINTS = 3",
+    "UNITS ARE SEC AND G/10",
+    "Scale Factor      3920(gal)/6182761",
+    "Sampling Freq(Hz) 100Hz",
+    "Duration Time(s)  0.03",
+    "Memo.",
+    "#Time,RelativeTime(s),N-S(gal)",
+    "#SampleRate(Hz): 100",
+    "#RecordLength(sec): 0.03",
+    "#DataSequence: Time U(+)",
+    "SITE CODE=",
+    "SAMPLING RATE= 100Hz",
+    "RAW PGA VALUES (gal) : (N-S) 1",
+    "ARCHIVO ESTANDAR DE ACELERACION",
+    "/3/3/3",
+    "* VOL1DS FILE",
+    "Component Up",
 ];

@@ -1,0 +1,55 @@
+//! CSV files of the Japan Meteorological Agency: six lines of station, sampling rate, unit and time, then rows of three components.
+
+use super::channels;
+use super::error::RecordError;
+use super::format::Format;
+use super::options::Choice;
+use super::raw::{Raw, StatedStep};
+use super::rows::Rows;
+use super::text::{FileText, number, squeezed};
+
+/// Returns whether a line is the first of a header.
+pub(super) fn is_first_line(line: &str) -> bool {
+    line.trim_start().starts_with("SITE CODE=")
+}
+
+/// Reads one component.
+pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, RecordError> {
+    let mut raw = Raw::new(Format::Jma);
+    let mut title = Vec::new();
+    let mut lines = source.lines();
+    let mut names = None;
+    for (line, text) in lines.by_ref() {
+        let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
+            names = Some((line, text));
+            break;
+        };
+        match key {
+            "SITE CODE" => title.push(squeezed(value.split(',').next().unwrap_or(""))),
+            "INITIAL TIME" => title.push(squeezed(value)),
+            "SAMPLING RATE" => {
+                let rate =
+                    number(value.trim_end_matches(|c: char| c.is_alphabetic()).trim()).filter(|rate| *rate > 0.0);
+                let rate =
+                    rate.ok_or_else(|| source.header_error(line, text, "a sampling rate above 0 Hz, as 100Hz"))?;
+                raw.time_step = Some(StatedStep::exact(line, 1.0 / rate));
+            }
+            "UNIT" => {
+                let unit = source.unit(line, value.split('(').next().unwrap_or(""))?;
+                raw.unit = Some((line, unit.ok_or_else(|| source.header_error(line, text, "a unit as gal(cm/s/s)"))?));
+            }
+            _ => {}
+        }
+    }
+    let (line, text) = names.unwrap_or((1, ""));
+    let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+    if names.iter().any(|name| name.is_empty() || number(name).is_some()) {
+        return Err(source.header_error(line, text, "the names of the components, as NS,EW,UD"));
+    }
+    let chosen = channels::index(source, &names, wanted)?;
+    title.extend(names.get(chosen).cloned());
+    raw.title = title.join(", ");
+    let rows = Rows { columns: names.len(), time: None, chosen };
+    (raw.values, _) = rows.read(source, lines, |text| text.trim().trim_end_matches(',').split(',').map(str::trim))?;
+    Ok(raw)
+}
