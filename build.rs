@@ -15,28 +15,19 @@ mod fmi3;
 #[cfg(feature = "fmu")]
 #[path = "build/pack.rs"]
 mod pack;
+#[path = "build/positions.rs"]
+mod positions;
+#[path = "build/sources.rs"]
+mod sources;
+#[path = "build/xml.rs"]
+mod xml;
 
 use std::path::{Path, PathBuf};
 
+use sources::SOURCES;
+
 /// Environment variable that suppresses the packing of FMUs.
 const GUARD: &str = "ROCKING_BLOCK_INNER";
-
-/// Sources of the FMU.
-const SOURCES: [&str; 13] = [
-    "build.rs",
-    "build",
-    "crates/fmu2",
-    "crates/fmu3",
-    "crates/fmu3-wasm",
-    "crates/records",
-    "modelDescription.xml",
-    "src",
-    "documentation",
-    "LICENSE-APACHE",
-    "LICENSE-MIT",
-    "Cargo.toml",
-    "Cargo.lock",
-];
 
 fn main() {
     if let Err(message) = run() {
@@ -47,8 +38,11 @@ fn main() {
 
 fn run() -> Result<(), String> {
     let out = PathBuf::from(variable("OUT_DIR")?);
-    let text = read("modelDescription.xml")?;
-    let description = description::read(&text).map_err(|e| format!("modelDescription.xml: {e}"))?;
+    let wrong = |e| format!("modelDescription.xml: {e}");
+    let text = positions::write(&read("modelDescription.xml")?).map_err(wrong)?;
+    let description = description::read(&text).map_err(wrong)?;
+    // For tests, which compare it with the code.
+    write_if_changed(&out.join("modelDescription.xml"), &description.packed)?;
     write_if_changed(&out.join("variables.rs"), &description.code())?;
     // A missing file would have cargo run the script each time.
     for source in SOURCES.into_iter().filter(|source| Path::new(source).exists()) {

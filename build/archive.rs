@@ -48,7 +48,7 @@ pub fn pack(
     files.insert("terminalsAndIcons/terminalsAndIcons.xml".to_string(), description.terminals.clone().into_bytes());
     match version {
         Version::Fmi2 => {
-            files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
+            files.insert("model.png".to_string(), load(Path::new("build/fmu/model.png"))?);
         }
         Version::Fmi3 => {}
         // The first name is the draft's, the second that of FMI 3.0 (fmi3LayeredStandardManifest.xsd).
@@ -58,18 +58,20 @@ pub fn pack(
         ),
     }
     for format in ["png", "svg"] {
-        let picture = load(&Path::new("documentation/model").with_extension(format))?;
+        let picture = load(&Path::new("build/fmu/model").with_extension(format))?;
         files.insert(format!("terminalsAndIcons/icon.{format}"), picture);
     }
-    let page = of_version(&read("documentation/index.html")?, version)?
+    let page = of_version(&read("build/fmu/index.html")?, version)?
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description, version));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
     let linked = licences::c_library()?.map(|library| library.name);
     let foreign = licences::C_LIBRARIES.into_iter().map(|library| library.name).filter(|&name| Some(name) != linked);
     let kept = |path: &PathBuf| !foreign.clone().any(|name| path.components().any(|part| part.as_os_str() == name));
-    for path in super::files(Path::new("documentation/licenses"))?.into_iter().filter(kept) {
-        files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
+    for path in super::files(Path::new("build/fmu/licenses"))?.into_iter().filter(kept) {
+        let packed =
+            Path::new("documentation").join(path.strip_prefix("build/fmu").map_err(|error| error.to_string())?);
+        files.insert(packed.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
     container::write(fmu, &files)
 }
@@ -94,7 +96,7 @@ fn of_version(page: &str, version: Version) -> Result<String, String> {
     let mut parts = page.split(dropped_mark);
     let mut kept = parts.next().unwrap_or_default().to_string();
     for part in parts {
-        let (_, rest) = part.split_once("<!-- end -->").ok_or("documentation/index.html: a part has no end")?;
+        let (_, rest) = part.split_once("<!-- end -->").ok_or("build/fmu/index.html: a part has no end")?;
         kept += rest;
     }
     let kept = kept.replace(kept_mark, "").replace("<!-- end -->", "");

@@ -6,6 +6,8 @@ use std::fmt::Write;
 use roxmltree::{Document, Node};
 
 use crate::fmi3::{self, Fmi3};
+use crate::positions::{self, apply};
+use crate::xml::{attribute, child};
 
 /// The parts of modelDescription.xml that the build uses.
 pub struct Description {
@@ -61,8 +63,7 @@ pub fn read(text: &str) -> Result<Description, String> {
     let variables = child(root, "ModelVariables")?
         .children()
         .filter(Node::is_element)
-        .enumerate()
-        .map(|(i, node)| variable(root, node, i))
+        .map(|node| variable(root, node))
         .collect::<Result<Vec<_>, _>>()?;
     let mut names = BTreeSet::new();
     for variable in &variables {
@@ -71,7 +72,7 @@ pub fn read(text: &str) -> Result<Description, String> {
         }
     }
     check_structure(root, &variables)?;
-    let fmi3 = fmi3::write(root, &variables)?;
+    let fmi3 = fmi3::write(root)?;
     let terminals = fmi3::terminals(text, root, &names)?;
     let text = of_fmi2(text, root, &variables)?;
     let guid = unique(&text);
@@ -89,12 +90,9 @@ pub fn unique(text: &str) -> String {
     format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()))
 }
 
-fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
+fn variable(root: Node, node: Node) -> Result<Variable, String> {
     let name = attribute(node, "name")?.to_string();
     let wrong = |fault: &str| format!("variable {name}: {fault}");
-    if attribute(node, "valueReference")? != index.to_string() {
-        return Err(wrong(&format!("valueReference should be its place, {index}")));
-    }
     let causality = match attribute(node, "causality")? {
         "input" => "Input",
         "parameter" => "Parameter",
@@ -174,7 +172,7 @@ fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, Str
     let comments = root.document().root().children().filter(Node::is_comment);
     edits.extend(comments.map(|comment| (comment.range().start..comment.range().end + 1, String::new())));
     let unknowns = child(root, "ModelStructure")?.descendants();
-    for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(fmi3::DEPENDENCIES)) {
+    for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(positions::FMI3_DEPENDENCIES)) {
         // Including the blank before it.
         edits.push((attribute.range().start - 1..attribute.range().end, String::new()));
     }
@@ -199,12 +197,7 @@ fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, Str
         let start = start.map_or(String::new(), |start| format!(" start=\"{start}\""));
         edits.push((of_type.range(), format!("<Integer min=\"{min}\" max=\"{max}\"{start}/>")));
     }
-    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
-    let mut text = text.to_string();
-    for (range, replacement) in edits {
-        text.replace_range(range, &replacement);
-    }
-    Ok(text)
+    Ok(apply(text, edits))
 }
 
 pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
@@ -266,14 +259,6 @@ fn simple_type<'a>(root: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
     child(root, "TypeDefinitions").ok()?.children().find(|node| node.attribute("name") == Some(name))
 }
 
-pub fn child<'a>(node: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, String> {
-    node.children().find(|n| n.has_tag_name(name)).ok_or_else(|| format!("{} has no {name}", node.tag_name().name()))
-}
-
-pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
-    node.attribute(name).ok_or_else(|| format!("a {} has no {name}", node.tag_name().name()))
-}
-
 impl Description {
     /// The table of variables in Rust.
     pub fn code(&self) -> String {
@@ -308,7 +293,10 @@ impl Description {
                 v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.min, v.max,
             )?;
         }
-        writeln!(code, "];")
+        writeln!(code, "];")?;
+        let descriptions: Vec<&str> = self.variables.iter().map(|v| v.description.as_str()).collect();
+        writeln!(code, "/// The descriptions of all variables, by value reference.")?;
+        writeln!(code, "pub static DESCRIPTIONS: [&str; {}] = {descriptions:?};", descriptions.len())
     }
 
     /// Writes one enumeration per kind, so that code for a kind does not compile if it leaves out a variable.

@@ -7,7 +7,9 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use roxmltree::Node;
 
-use crate::description::{Variable, attribute, child, identifier, unique};
+use crate::description::{identifier, unique};
+use crate::positions::FMI3_DEPENDENCIES;
+use crate::xml::{attribute, child};
 
 /// The parts of the description that only FMI 3.0 has.
 pub struct Fmi3 {
@@ -32,24 +34,15 @@ pub struct Fmi3Variable {
 /// Placeholder for the token until it is computed.
 const PLACEHOLDER: &str = "{computed by the build}";
 
-/// The attribute of an unknown that lists the dependencies that only FMI 3.0 has.
-pub const DEPENDENCIES: &str = "ofFmi3";
-
 const ROOT: &str = "fmiModelDescription";
 const TERMINALS: &str = "fmiTerminalsAndIcons";
 
 type Attributes<'a> = Vec<(&'a str, &'a str)>;
 
 /// Writes the file. The value references are those of FMI 2.0, followed by those of the variables only in FMI 3.0.
-pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
+pub fn write(root: Node) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
     let nodes: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
-    for (place, node) in (variables.len()..).zip(&nodes) {
-        let (name, reference) = (attribute(*node, "name")?, attribute(*node, "valueReference")?);
-        if reference != place.to_string() {
-            return Err(format!("variable {name}: valueReference should be its place, {place}"));
-        }
-    }
     let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
     file.description(root, of_fmi3, &nodes).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
     let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
@@ -174,9 +167,6 @@ impl File {
     fn variable(&mut self, node: Node) -> Written {
         let of_type = only_child(node)?;
         let mut attributes = attributes_of(node);
-        if attribute(node, "causality")? == "input" {
-            attributes.push(("initial", "exact"));
-        }
         if attribute(node, "variability")? == "continuous" {
             attributes.push(("intermediateUpdate", "true"));
         }
@@ -193,7 +183,7 @@ impl File {
     fn unknown(&mut self, element: &str, node: Node) -> Written {
         let unknown = reference(attribute(node, "index")?)?;
         let mut attributes = vec![("valueReference", unknown.as_str())];
-        let indices = ["dependencies", DEPENDENCIES].map(|name| node.attribute(name).unwrap_or(""));
+        let indices = ["dependencies", FMI3_DEPENDENCIES].map(|name| node.attribute(name).unwrap_or(""));
         let references = indices
             .iter()
             .flat_map(|list| list.split_whitespace())

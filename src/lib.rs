@@ -8,11 +8,9 @@
 //! | --- | --- |
 //! | [`numerics`] | a right-hand side → steps, their errors, roots; numbers with derivatives, lanes: knows nothing of blocks |
 //! | [`block`] | parameters → all that the equations need; the contact of each corner → the regime |
-//! | [`excitation`] | inputs over a step, pulses → the excitation at any time |
-//! | [`ground`] | records → inputs, linear between their samples |
+//! | [`excitation`] | records, inputs over a step, pulses → the excitation at any time |
 //! | [`system`] | pose and excitation → accelerations, reactions, and resets at events; without a clock or counters |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
-//! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`mod@unit`] | the variables of modelDescription.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
 //! | [`fmi`] | the calls of an importer → the unit: code shared by the C interfaces, [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
@@ -26,13 +24,9 @@ pub mod block;
 
 pub mod excitation;
 
-pub mod ground;
-
 pub mod system;
 
 pub mod simulation;
-
-pub mod words;
 
 pub mod unit;
 

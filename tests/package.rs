@@ -2,6 +2,12 @@
 
 #[path = "../build/date.rs"]
 mod date;
+#[path = "../build/positions.rs"]
+mod positions;
+#[path = "../build/sources.rs"]
+mod sources;
+#[path = "../build/xml.rs"]
+mod xml;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -9,12 +15,10 @@ use std::io::Read;
 use std::path::Path;
 
 use rocking_block::unit::variables::{GUID, VARIABLES};
+use sources::SOURCES;
 use zip::{CompressionMethod, DateTime, ZipArchive};
 
 const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
-
-/// The sources whose last commit gives the date.
-const SOURCES: [&str; 5] = ["build.rs", "build", "src", "modelDescription.xml", "documentation"];
 
 fn open(path: &Path) -> ZipArchive<File> {
     let file = File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -160,12 +164,13 @@ fn description_has_the_date_of_the_sources() {
     assert!(date.len() == 20 && *date <= *date::generation().unwrap(), "{date}");
 }
 
-/// The packed description is the source with its GUID, and with Integers instead of enumerations.
+/// The packed description is the source with its GUID, with positions instead of names, and with Integers instead of enumerations.
 #[test]
 fn description_is_the_source_without_enumerations() {
     let files = files();
     let packed = text(&files, "modelDescription.xml");
     let source = fs::read_to_string(Path::new(PACKAGE).join("modelDescription.xml")).unwrap();
+    let source = positions::write(&source).unwrap();
     let [packed, source] = [packed.as_str(), source.as_str()].map(|text| roxmltree::Document::parse(text).unwrap());
     assert_eq!(packed.root_element().attribute("guid"), Some(GUID));
     assert!(!packed.descendants().any(|node| node.has_tag_name("Enumeration")), "some importers leave these out");
@@ -184,6 +189,7 @@ fn description_is_the_source_without_enumerations() {
     let mut choices = 0;
     for ((packed, source), metadata) in packed.iter().zip(&source).zip(&VARIABLES) {
         assert_eq!(packed.0[1], format!("name = {}", metadata.name));
+        assert_eq!(packed.0[2], format!("valueReference = {}", metadata.variable as u32));
         if source.1[0] != "Enumeration" {
             assert_eq!(packed, source);
             continue;
@@ -199,6 +205,48 @@ fn description_is_the_source_without_enumerations() {
         }
     }
     assert_eq!(choices, 6);
+}
+
+/// A file with one variable for each letter of `xyz`, and these groups and outputs.
+fn with_names(groups: &str, outputs: &str) -> Result<String, String> {
+    let variable = |name: char| format!("<ScalarVariable name=\"{name}\"/>");
+    let variables: String = "xyz".chars().map(variable).collect();
+    positions::write(&format!(
+        "<a><ModelVariables>{variables}</ModelVariables><Fmi3><ModelVariables><Float64 name=\"time\"/></ModelVariables></Fmi3>\
+         <ModelStructure><Groups>{groups}</Groups><Outputs>{outputs}</Outputs></ModelStructure></a>"
+    ))
+}
+
+#[test]
+fn dependencies_by_name_become_positions_in_order() {
+    let groups = r#"<Group name="late" members="z y"/><Group name="all" members="@late x"/>"#;
+    let outputs = r#"<Unknown name="z" dependencies="@all" ofFmi3="time"/><Unknown name="y" dependencies=""/>"#;
+    let text = with_names(groups, outputs).unwrap();
+    let expected = r#"<ModelStructure><Outputs><Unknown index="3" dependencies="1 2 3" ofFmi3="4" dependenciesKind="dependent dependent dependent"/><Unknown index="2" dependencies=""/></Outputs>"#;
+    assert!(text.contains(expected), "{text}");
+    assert!(
+        text.contains(r#"<ScalarVariable name="y" valueReference="1"/>"#)
+            && text.contains(r#"name="time" valueReference="3""#)
+    );
+}
+
+#[test]
+fn wrong_names_of_dependencies_are_refused_with_their_place() {
+    for (groups, outputs, expected) in [
+        ("", r#"<Unknown name="z" dependencies="x w"/>"#, "dependencies of unknown z: w is no variable"),
+        ("", r#"<Unknown name="z" dependencies="" ofFmi3="@w"/>"#, "ofFmi3 of unknown z: w is no group above"),
+        ("", r#"<Unknown name="w" dependencies=""/>"#, "w is no variable"),
+        (r#"<Group name="g" members="x w"/>"#, "", "group g: w is no variable"),
+        (r#"<Group name="g" members="@g"/>"#, "", "group g: g is no group above"),
+        (r#"<Group name="g" members="x"/><Group name="g" members="y"/>"#, "", "group g stands twice"),
+        (
+            r#"<Group name="g" members="x y"/>"#,
+            r#"<Unknown name="z" dependencies="@g x"/>"#,
+            "dependencies of unknown z: x names a variable that is listed already",
+        ),
+    ] {
+        assert_eq!(with_names(groups, outputs).unwrap_err(), expected);
+    }
 }
 
 #[test]

@@ -88,6 +88,17 @@ impl std::fmt::Display for Regime {
     }
 }
 
+/// The slide of the standing corner while the other one is held and the middle of the base slides.
+///
+/// The velocities of both points differ by `b sin θ θ̇`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StandingSlide {
+    /// To the side of the middle of the base, or neither slides.
+    Follows,
+    /// To the opposite side.
+    Opposes,
+}
+
 /// The contact of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Contact<T = f64> {
@@ -95,7 +106,7 @@ pub enum Contact<T = f64> {
     Bearing,
     /// On its support without load, while the support creeps to its free height: full contact would lift the corner, and the regime
     /// without it would press it back. See docs/model.md.
-    Held(Creep<T>),
+    Held(Creep<T>, StandingSlide),
     /// Off its support, which creeps back to its free height.
     Lifted(Creep<T>),
 }
@@ -107,7 +118,7 @@ impl<T> Contact<T> {
         let creep = |Creep { depth, since }| Creep { depth: number(depth), since: number(since) };
         match self {
             Contact::Bearing => Contact::Bearing,
-            Contact::Held(at) => Contact::Held(creep(at)),
+            Contact::Held(at, slide) => Contact::Held(creep(at), slide),
             Contact::Lifted(at) => Contact::Lifted(creep(at)),
         }
     }
@@ -149,7 +160,7 @@ impl<T: Elementary> Contacts<T> {
     #[inline]
     pub fn touches(&self, corner: Corner) -> bool {
         match self.of(corner) {
-            Contact::Bearing | Contact::Held(_) => true,
+            Contact::Bearing | Contact::Held(..) => true,
             Contact::Lifted(_) => false,
         }
     }
@@ -163,7 +174,16 @@ impl<T: Elementary> Contacts<T> {
     /// Returns the held corner, if any.
     #[inline]
     pub fn held(&self) -> Option<Corner> {
-        Corner::BOTH.into_iter().find(|&corner| matches!(self.of(corner), Contact::Held(_)))
+        Corner::BOTH.into_iter().find(|&corner| matches!(self.of(corner), Contact::Held(..)))
+    }
+
+    /// Returns the slide of the standing corner while the other one is held.
+    #[inline]
+    pub fn standing_slide(&self) -> StandingSlide {
+        match self.0 {
+            [Contact::Held(_, slide), _] | [_, Contact::Held(_, slide)] => slide,
+            [Contact::Bearing | Contact::Lifted(_), Contact::Bearing | Contact::Lifted(_)] => StandingSlide::Follows,
+        }
     }
 
     /// Lets a held corner bear.
@@ -178,7 +198,7 @@ impl<T: Elementary> Contacts<T> {
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match self.of(corner) {
             Contact::Bearing => Sample::default(),
-            Contact::Held(creep) | Contact::Lifted(creep) => creep.top(corner, block, time),
+            Contact::Held(creep, _) | Contact::Lifted(creep) => creep.top(corner, block, time),
         }
     }
 
@@ -186,7 +206,7 @@ impl<T: Elementary> Contacts<T> {
     pub fn is_finite(&self) -> bool {
         self.0.iter().all(|contact| match contact {
             Contact::Bearing => true,
-            Contact::Held(Creep { depth, since }) | Contact::Lifted(Creep { depth, since }) => {
+            Contact::Held(Creep { depth, since }, _) | Contact::Lifted(Creep { depth, since }) => {
                 depth.value().is_finite() && since.value().is_finite()
             }
         })

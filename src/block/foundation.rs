@@ -1,4 +1,4 @@
-//! The foundation: a rigid base, or a support under each corner, and the recovery of a support after lift-off.
+//! The foundation: a rigid base, or a support under each corner, with their parameters, and the recovery of a support after lift-off.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,90 @@ pub enum Foundation {
     Viscoelastic = 1,
     /// A rigid base: Housner's block.
     Rigid = 2,
+}
+
+/// What carries the block, with its parameters: supports given as `V`, [`Ratios`] or [`Springs`], or a rigid base.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Supports<V, T = f64> {
+    /// A vertical Kelvin–Voigt support under each corner.
+    Viscoelastic(V),
+    /// A rigid base.
+    Rigid {
+        /// Ratio of the actual restitution e to Housner's e of ε (1), at least 0.
+        restitution_factor: T,
+    },
+}
+
+/// Both supports in the paper's ratios.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ratios<T = f64> {
+    /// Stiffness ratio η = ω_v/p (1).
+    pub eta: T,
+    /// Vertical damping ratio ξ_v (1).
+    pub xi_v: T,
+}
+
+/// One support.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Springs<T = f64> {
+    /// Stiffness K (N/m).
+    pub stiffness: T,
+    /// Damping C (N.s/m).
+    pub damping: T,
+}
+
+impl<V> Supports<V> {
+    /// Housner's rigid base.
+    pub const HOUSNER: Supports<V> = Supports::Rigid { restitution_factor: 1.0 };
+
+    /// These supports, or Housner's rigid base in their place.
+    pub fn of(foundation: Foundation, supports: V) -> Supports<V> {
+        match foundation {
+            Foundation::Viscoelastic => Supports::Viscoelastic(supports),
+            Foundation::Rigid => Supports::HOUSNER,
+        }
+    }
+}
+
+impl<V, T> Supports<V, T> {
+    /// Supports or rigid base.
+    pub fn foundation(&self) -> Foundation {
+        match self {
+            Supports::Viscoelastic(_) => Foundation::Viscoelastic,
+            Supports::Rigid { .. } => Foundation::Rigid,
+        }
+    }
+
+    /// The parameters of the supports, if there are any.
+    pub fn viscoelastic(self) -> Option<V> {
+        match self {
+            Supports::Viscoelastic(supports) => Some(supports),
+            Supports::Rigid { .. } => None,
+        }
+    }
+
+    /// The factor on Housner's restitution, on a rigid base.
+    pub fn restitution_factor(self) -> Option<T> {
+        match self {
+            Supports::Viscoelastic(_) => None,
+            Supports::Rigid { restitution_factor } => Some(restitution_factor),
+        }
+    }
+
+    /// The same foundation with the parameters of its supports from `of_supports` and the factor from `of_factor`.
+    pub fn map<W, U>(self, of_supports: impl FnOnce(V) -> W, of_factor: impl FnOnce(T) -> U) -> Supports<W, U> {
+        match self {
+            Supports::Viscoelastic(supports) => Supports::Viscoelastic(of_supports(supports)),
+            Supports::Rigid { restitution_factor } => {
+                Supports::Rigid { restitution_factor: of_factor(restitution_factor) }
+            }
+        }
+    }
+
+    /// The same foundation with the parameters of its supports from `of`.
+    pub fn with<W>(self, of: impl FnOnce(V) -> W) -> Supports<W, T> {
+        self.map(of, |factor| factor)
+    }
 }
 
 /// Recovery of a support after its corner has left it, by creep to the free height δ_s.

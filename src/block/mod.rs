@@ -19,10 +19,10 @@ use serde::{Deserialize, Serialize};
 use crate::numerics::scalar::{Elementary, Scalar};
 use parameters::{check_common, not_negative, open_range, positive};
 
-pub use contact::{Contact, Contacts, Regime};
+pub use contact::{Contact, Contacts, Regime, StandingSlide};
 #[cfg(feature = "lanes")]
 pub(crate) use foundation::RECOVERED;
-pub use foundation::{Creep, Foundation};
+pub use foundation::{Creep, Foundation, Ratios, Springs, Supports};
 pub use geometry::{Corner, Foot, Kinematics, Lever};
 pub use parameters::{BlockError, Common, Dimensionless, Parameterization, Physical};
 pub use restraints::Restraints;
@@ -42,7 +42,7 @@ pub struct Block<T = f64> {
     pub epsilon: T,
     /// Supports or rigid base.
     pub foundation: Foundation,
-    /// Factor on Housner's e (1); read on the rigid base only.
+    /// Factor on Housner's e (1) of a rigid base; 1 on supports.
     pub restitution_factor: T,
     /// Slenderness angle α (rad).
     pub alpha: T,
@@ -54,7 +54,7 @@ pub struct Block<T = f64> {
     pub h: T,
     /// Frequency parameter p (rad/s), eq. (3).
     pub p: T,
-    /// Vertical circular frequency ω_v in full contact (rad/s).
+    /// Vertical circular frequency ω_v in full contact on supports (rad/s); as the next three, 0 on a rigid base.
     pub omega_v: T,
     /// Vertical damping ratio ξ_v (1).
     pub xi_v: T,
@@ -80,8 +80,13 @@ impl Block {
         check_common(common)?;
         open_range("alpha", d.alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
         positive("p", d.p)?;
-        positive("eta", d.eta)?;
-        not_negative("xi_v", d.xi_v)?;
+        match d.supports {
+            Supports::Viscoelastic(Ratios { eta, xi_v }) => {
+                positive("eta", eta)?;
+                not_negative("xi_v", xi_v)?;
+            }
+            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor)?,
+        }
         Block::of_dimensionless(d, common).checked()
     }
 
@@ -90,8 +95,13 @@ impl Block {
         check_common(common)?;
         positive("width", physical.width)?;
         positive("height", physical.height)?;
-        positive("K", physical.stiffness)?;
-        not_negative("C", physical.damping)?;
+        match physical.supports {
+            Supports::Viscoelastic(Springs { stiffness, damping }) => {
+                positive("K", stiffness)?;
+                not_negative("C", damping)?;
+            }
+            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor)?,
+        }
         if let Some(inertia) = physical.inertia {
             positive("inertia", inertia)?;
         }
@@ -108,16 +118,16 @@ impl Block {
 
     /// Refuses derived quantities that overflow or vanish although each parameter is valid.
     fn checked(mut self) -> Result<Block, BlockError> {
-        for (name, value) in [
+        let of_block = [
             ("R0", self.r0),
             ("b = R0 sin(alpha)", self.b),
             ("h = R0 cos(alpha)", self.h),
             ("I0", self.mass * self.i0),
-            ("omega_v", self.omega_v),
             ("p", self.p),
-            ("K", self.stiffness),
-            ("delta_s", self.static_deflection()),
-        ] {
+        ];
+        let of_supports = [("omega_v", self.omega_v), ("K", self.stiffness), ("delta_s", self.static_deflection())];
+        let on_supports = self.foundation == Foundation::Viscoelastic;
+        for (name, value) in of_block.into_iter().chain(of_supports.into_iter().filter(|_| on_supports)) {
             if !(value.is_normal() && value > 0.0) {
                 return Err(BlockError::OutOfRange {
                     name,
@@ -170,19 +180,28 @@ impl<T: Scalar> Block<T> {
 impl<T: Elementary> Block<T> {
     /// Makes a block with the paper's parameters, without checks.
     pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
-        let omega_v = d.eta * d.p;
         let (sin, cos) = d.alpha.sin_cos();
         let r0 = common.gamma / (common.gamma + 1.0) * common.gravity / (d.p * d.p);
-        Block {
+        let block = Block {
             alpha: d.alpha,
             b: r0 * sin,
             h: r0 * cos,
             p: d.p,
-            omega_v,
-            xi_v: d.xi_v,
-            stiffness: common.mass * 0.5 * omega_v * omega_v,
-            damping: d.xi_v * common.mass * omega_v,
             ..Block::unfinished(common, r0 * sin, r0, common.gamma)
+        };
+        match d.supports {
+            Supports::Viscoelastic(Ratios { eta, xi_v }) => {
+                let omega_v = eta * d.p;
+                Block {
+                    foundation: Foundation::Viscoelastic,
+                    omega_v,
+                    xi_v,
+                    stiffness: common.mass * 0.5 * omega_v * omega_v,
+                    damping: xi_v * common.mass * omega_v,
+                    ..block
+                }
+            }
+            Supports::Rigid { restitution_factor } => Block { restitution_factor, ..block },
         }
     }
 
@@ -190,18 +209,27 @@ impl<T: Elementary> Block<T> {
     pub fn of_physical(physical: &Physical<T>, common: &Common<T>) -> Block<T> {
         let (b, h) = (physical.width * 0.5, physical.height * 0.5);
         let r0 = b.hypot(h);
-        let omega_v = (physical.stiffness * 2.0 / common.mass).sqrt();
         let gamma = physical.inertia.map_or(common.gamma, |inertia| common.mass * r0 * r0 / inertia);
-        Block {
+        let block = Block {
             alpha: b.atan2(h),
             b,
             h,
             p: (gamma / (gamma + 1.0) * common.gravity / r0).sqrt(),
-            omega_v,
-            xi_v: physical.damping / (common.mass * omega_v),
-            stiffness: physical.stiffness,
-            damping: physical.damping,
             ..Block::unfinished(common, b, r0, gamma)
+        };
+        match physical.supports {
+            Supports::Viscoelastic(Springs { stiffness, damping }) => {
+                let omega_v = (stiffness * 2.0 / common.mass).sqrt();
+                Block {
+                    foundation: Foundation::Viscoelastic,
+                    omega_v,
+                    xi_v: damping / (common.mass * omega_v),
+                    stiffness,
+                    damping,
+                    ..block
+                }
+            }
+            Supports::Rigid { restitution_factor } => Block { restitution_factor, ..block },
         }
     }
 
@@ -213,6 +241,7 @@ impl<T: Elementary> Block<T> {
         }
     }
 
+    /// A block on Housner's rigid base, some of whose numbers are missing.
     fn unfinished(common: &Common<T>, b: T, r0: T, gamma: T) -> Block<T> {
         let (zero, half) = (T::from(0.0), T::from(0.5));
         let uneven = common.eccentricity * 0.5 / b;
@@ -221,8 +250,8 @@ impl<T: Elementary> Block<T> {
             gravity: common.gravity,
             gamma,
             epsilon: common.epsilon,
-            foundation: common.foundation,
-            restitution_factor: common.restitution_factor,
+            foundation: Foundation::Rigid,
+            restitution_factor: T::from(1.0),
             i0: r0 * r0 / gamma,
             eccentricity: common.eccentricity,
             share: [half - uneven, half + uneven],
@@ -245,12 +274,41 @@ impl<T: Elementary> Block<T> {
         self.mass * self.i0
     }
 
-    /// Stiffness ratio η = ω_v/p (1).
+    /// Its parameters that both parameterizations have.
+    pub fn common(&self) -> Common<T> {
+        Common {
+            mass: self.mass,
+            gamma: self.gamma,
+            epsilon: self.epsilon,
+            gravity: self.gravity,
+            eccentricity: self.eccentricity,
+            friction: self.friction,
+        }
+    }
+
+    /// Its supports in the paper's ratios, or the rigid base.
+    pub fn ratios(&self) -> Supports<Ratios<T>, T> {
+        self.supports(|block| Ratios { eta: block.eta(), xi_v: block.xi_v })
+    }
+
+    /// Its supports in SI units, or the rigid base.
+    pub fn springs(&self) -> Supports<Springs<T>, T> {
+        self.supports(|block| Springs { stiffness: block.stiffness, damping: block.damping })
+    }
+
+    fn supports<V>(&self, of: impl FnOnce(&Block<T>) -> V) -> Supports<V, T> {
+        match self.foundation {
+            Foundation::Viscoelastic => Supports::Viscoelastic(of(self)),
+            Foundation::Rigid => Supports::Rigid { restitution_factor: self.restitution_factor },
+        }
+    }
+
+    /// Stiffness ratio η = ω_v/p (1); 0 on a rigid base.
     pub fn eta(&self) -> T {
         self.omega_v / self.p
     }
 
-    /// Mean static deflection δ_s = M g/(2K) = g/ω_v² (m).
+    /// Mean static deflection δ_s = M g/(2K) = g/ω_v² of the supports (m).
     pub fn static_deflection(&self) -> T {
         self.gravity / (self.omega_v * self.omega_v)
     }

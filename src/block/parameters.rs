@@ -2,32 +2,28 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Foundation;
+use crate::block::{Ratios, Springs, Supports};
 
-/// The paper's four parameters, plain or with derivatives.
+/// The paper's parameters, plain or with derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dimensionless<T = f64> {
     /// Slenderness angle α (rad), 0 < α < π/2.
     pub alpha: T,
     /// Frequency parameter p (rad/s).
     pub p: T,
-    /// Stiffness ratio η = ω_v/p (1).
-    pub eta: T,
-    /// Vertical damping ratio ξ_v (1).
-    pub xi_v: T,
+    /// Its supports, or the rigid base.
+    pub supports: Supports<Ratios<T>, T>,
 }
 
-/// Sizes of the block, and stiffness and damping of one support.
+/// Sizes of the block, and its supports in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Physical<T = f64> {
     /// Width of the base, 2b (m).
     pub width: T,
     /// Twice the height of the centre of mass over the base, 2h (m).
     pub height: T,
-    /// Stiffness K of one support (N/m).
-    pub stiffness: T,
-    /// Damping C of one support (N.s/m).
-    pub damping: T,
+    /// Its supports, or the rigid base.
+    pub supports: Supports<Springs<T>, T>,
     /// Centroidal moment of inertia I0 (kg.m²), in place of the one that follows from γ.
     pub inertia: Option<T>,
 }
@@ -52,10 +48,6 @@ pub struct Common<T = f64> {
     pub epsilon: T,
     /// Gravity g (m/s²).
     pub gravity: T,
-    /// Supports or rigid base.
-    pub foundation: Foundation,
-    /// Ratio of the actual restitution e on the rigid base to Housner's e of ε (1), at least 0; not read on supports.
-    pub restitution_factor: T,
     /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right; `|e_x| < b`.
     pub eccentricity: T,
     /// Coulomb's coefficient of friction μ of the feet (1); 0 means no limit.
@@ -64,16 +56,7 @@ pub struct Common<T = f64> {
 
 impl Default for Common {
     fn default() -> Common {
-        Common {
-            mass: 1000.0,
-            gamma: 3.0,
-            epsilon: 0.0,
-            gravity: 9.81,
-            foundation: Foundation::Viscoelastic,
-            restitution_factor: 1.0,
-            eccentricity: 0.0,
-            friction: 0.0,
-        }
+        Common { mass: 1000.0, gamma: 3.0, epsilon: 0.0, gravity: 9.81, eccentricity: 0.0, friction: 0.0 }
     }
 }
 
@@ -113,8 +96,8 @@ pub enum BlockError {
     },
     /// A friction with which a corner that slides on the rigid base may jam: the equations of motion have no solution, or two.
     #[error(
-        "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or 0 \
-         for no limit"
+        "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or no \
+         limit"
     )]
     Jams {
         /// Coulomb's μ (1).
@@ -140,7 +123,6 @@ pub(super) fn check_common(common: &Common) -> Result<(), BlockError> {
     positive("mass", common.mass)?;
     positive("gamma", common.gamma)?;
     positive("g", common.gravity)?;
-    not_negative("restitution_factor", common.restitution_factor)?;
     not_negative("friction", common.friction)?;
     if !(0.0..=1.0).contains(&common.epsilon) {
         return Err(BlockError::OutOfRange { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });

@@ -67,11 +67,13 @@ impl Pulse {
     }
 
     /// Whether it acts right after `time` (s): at its beginning, but not at its end.
+    #[inline]
     pub fn acts_at(&self, time: f64) -> bool {
         self.shape != PulseShape::None && self.start <= time && time < self.end()
     }
 
     /// Returns the first beginning or end later than `time` (s).
+    #[inline]
     pub fn next_kink(&self, time: f64) -> Option<f64> {
         match self.shape {
             PulseShape::None => None,
@@ -296,9 +298,9 @@ impl<T: Scalar> Wave<T> {
         let (sin, cos) = ((time - origin) * omega + phase).sin_cos();
         let (mut now, mut next) = (sin * amplitude, cos * (amplitude * omega));
         let square = -omega * omega;
-        for (coefficient, &factor) in series.iter_mut().zip(&FACTORS) {
-            *coefficient = *coefficient + now;
-            (now, next) = (next, now * square * factor);
+        for k in 0..TERMS {
+            series[k] = series[k] + now;
+            (now, next) = (next, now * square * FACTORS[k]);
         }
     }
 }

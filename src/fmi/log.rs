@@ -93,10 +93,15 @@ impl<M: Messenger> Log<M> {
     }
 
     /// Logs a message without allocating memory, cut to 1 kB.
+    #[inline]
     pub fn tell(&self, status: Status, category: Category, message: std::fmt::Arguments) {
-        if !self.wants(category) {
-            return;
+        if self.wants(category) {
+            self.send(status, category, message);
         }
+    }
+
+    #[cold]
+    fn send(&self, status: Status, category: Category, message: std::fmt::Arguments) {
         let mut line = Line::new();
         // The error means that a long line was cut.
         let _ = line.write_fmt(message);

@@ -2,6 +2,7 @@
 
 use crate::block::Block;
 use crate::excitation::Excitation;
+use crate::numerics::Real;
 use crate::numerics::bernstein::{DEGREE, Pair, Zero};
 use crate::simulation::Simulation;
 use crate::simulation::outputs::{MOST_FRICTION_DEMAND, Strain, strain};
@@ -33,8 +34,9 @@ pub(super) fn visible(tolerance: f64) -> f64 {
 }
 
 /// The friction demand of N/M and H/M (m/s²).
-fn friction_demand([n, h]: [f64; 2]) -> f64 {
-    if h.abs() < MOST_FRICTION_DEMAND * n { h.abs() / n } else { MOST_FRICTION_DEMAND }
+#[inline(always)]
+pub(super) fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
+    T::select_less(h.abs(), n * MOST_FRICTION_DEMAND, h.abs() / n, T::from(MOST_FRICTION_DEMAND))
 }
 
 /// The linear combination of two polynomials that is one of them.

@@ -268,9 +268,11 @@ impl Simulation {
             && pulse.cycles >= 1.0
             && piece.is_none_or(|piece| piece.is_finite())
             && pose.is_finite()
+            && self.peaks.is_valid()
             && self.slip.now.is_finite()
             && self.slip.total.is_finite()
-            && self.pending.is_none_or(|pending| pending.surface.is_of(self.block()))
+            && self.ending.is_none_or(|(_, time)| time.is_finite())
+            && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.surface.is_of(self.block()))
             && self.foreseen_surface().is_none_or(|surface| surface.is_of(self.block()))
             && sums.is_finite()
             && others.into_iter().all(f64::is_finite)

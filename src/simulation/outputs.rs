@@ -12,7 +12,7 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::forces;
 use crate::system::instant::Instant;
 
-/// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
+/// Greatest friction demand that is reported without a limit of friction: the ratio has no bound as the vertical reaction vanishes.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
 
 /// Motion, reactions and corners at one instant.
@@ -48,7 +48,7 @@ pub struct Observation<T> {
     pub corner: [T; 2],
     /// Their heights above their supports (m), zero for a corner that touches.
     pub uplift: [T; 2],
-    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most [`MOST_FRICTION_DEMAND`].
+    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most μ, or [`MOST_FRICTION_DEMAND`] without a limit.
     pub friction_demand: T,
     /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
     pub slip_rate: T,
@@ -73,6 +73,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
 ) -> Observation<T> {
     let Strain { reaction, horizontal, uplift, friction_demand } = strain(block, regime, x, support_heights);
     let power = x.powers(block, regime, forcing);
+    let [friction_power, restraint_power @ ..] = forces::dissipated(block, &forcing, x).map(|power| power * block.mass);
     Observation {
         regime,
         theta: x.theta,
@@ -93,8 +94,8 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
         slip_rate: x.slip_rate,
         pull: forces::pulls(block, &forcing.restraints, x),
         power: [power[0] * block.mass, power[1] * block.mass],
-        friction_power: forces::friction::power(horizontal, x.slip_rate),
-        restraint_power: forces::powers_of_restraints(block, &forcing.restraints, x).map(|power| power * block.mass),
+        friction_power,
+        restraint_power: restraints::Energies::from_array(restraint_power),
     }
 }
 
@@ -118,14 +119,15 @@ pub fn strain<P: Scalar, T: CombinesWith<P>>(
     x: &Instant<T>,
     support_heights: [T; 2],
 ) -> Strain<T> {
-    let reaction = x.reaction.map(|reaction| reaction * block.mass);
+    let [left, right] = x.reaction;
+    let reaction = [left * block.mass, right * block.mass];
     let horizontal = x.horizontal * block.mass;
     Strain {
         reaction,
         horizontal,
         // No closure: it would not be inlined into the lanes, and compiled without their vectors.
         uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
-        friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
+        friction_demand: friction_demand(regime, T::from(block.friction), horizontal, reaction[0] + reaction[1]),
     }
 }
 
@@ -139,18 +141,20 @@ fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, support_heights: [T; 2], co
     if regime.touches(corner) { T::constant(zero) } else { gap - T::constant(below) }
 }
 
+/// `|H|/N`, at most the coefficient of friction, or [`MOST_FRICTION_DEMAND`] where that is zero. At the lift-off of a sliding corner
+/// both vanish, and round-off would decide.
 #[inline(always)]
-fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
+fn friction_demand<T: Scalar>(regime: Regime, friction: T, horizontal: T, vertical: T) -> T {
     // The only number below this one that is not negative is zero.
     const LEAST_ABOVE_ZERO: f64 = f64::from_bits(1);
-    let zero = T::from(0.0);
+    let (zero, none) = (T::from(0.0), T::Real::from(0.0));
     if regime == Regime::Separated {
         return zero;
     }
-    let shear = T::select_less(horizontal.value(), T::Real::from(0.0), -horizontal, horizontal);
-    let unbounded = T::from(MOST_FRICTION_DEMAND);
-    let on_nothing = T::select_less(shear.value(), T::Real::from(LEAST_ABOVE_ZERO), zero, unbounded);
-    T::select_less(shear.value(), vertical.value() * MOST_FRICTION_DEMAND, shear / vertical, on_nothing)
+    let shear = T::select_less(horizontal.value(), none, -horizontal, horizontal);
+    let bound = T::select_less(none, friction.value(), friction, T::from(MOST_FRICTION_DEMAND));
+    let on_nothing = T::select_less(shear.value(), T::Real::from(LEAST_ABOVE_ZERO), zero, bound);
+    T::select_less(shear.value(), vertical.value() * bound.value(), shear / vertical, on_nothing)
 }
 
 impl<T: Scalar> Observation<T> {

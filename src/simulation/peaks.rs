@@ -4,7 +4,7 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Corner, restraints};
+use crate::block::{Block, Corner, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -94,6 +94,13 @@ macro_rules! each_candidate {
 }
 
 impl Peaks {
+    /// Whether all are finite and none is negative.
+    pub fn is_valid(&self) -> bool {
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } = *self;
+        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull);
+        all.into_iter().all(|peak| peak >= 0.0 && peak.is_finite())
+    }
+
     /// The peak of a channel.
     #[inline(always)]
     pub fn of(&self, channel: Channel) -> f64 {
@@ -130,7 +137,7 @@ impl Peaks {
     /// Includes the pulls of the restraints at one instant.
     pub fn include_pulls(&mut self, now: &Evaluation) {
         for number in now.block.restraints.numbers() {
-            self.pull[number] = greater(self.pull[number], now.pull(number).value);
+            self.include_pull(now.block, number, now.pull(number).value);
         }
     }
 
@@ -145,9 +152,14 @@ impl Peaks {
             let [start, end] = [here, there].map(|now| now.pull(number));
             let duration = there.time - here.time;
             let most = greatest(self.pull[number], start, end, duration, |elapsed| inside(elapsed).pull(number));
-            // An impact may leave a dashpot with more, at which the restraint breaks.
-            self.pull[number] = restraints::strength(here.block, number).map_or(most, |strength| most.min(strength));
+            self.include_pull(here.block, number, most);
         }
+    }
+
+    /// Includes a pull (N). An impact may leave a dashpot with more than the strength, at which the restraint breaks.
+    fn include_pull(&mut self, block: &Block, number: usize, pull: f64) {
+        let pull = restraints::strength(block, number).map_or(pull, |strength| pull.min(strength));
+        self.pull[number] = greater(self.pull[number], pull);
     }
 
     /// Whether a value may rise to a new peak between two instants, above those at both.
@@ -244,14 +256,15 @@ where
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]
     pub fn channels_inlined(&self) -> Channels<R> {
-        let tops = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
+        let [left, right] = self.support_heights;
+        let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         let x = self.with_rates(self.forcing_rate());
         let Strain { reaction, horizontal, uplift, friction_demand } = strain(self.block, self.regime, &x, tops);
         Channels {
             theta: sample(x.theta),
-            reaction: reaction.map(sample),
+            reaction: [sample(reaction[0]), sample(reaction[1])],
             horizontal: sample(horizontal),
-            uplift: uplift.map(sample),
+            uplift: [sample(uplift[0]), sample(uplift[1])],
             friction_demand: sample(friction_demand),
         }
     }

@@ -9,7 +9,7 @@ use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::strain;
 use crate::simulation::peaks::greater;
 use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
-use crate::simulation::step_end::{Finished, StepEnd};
+use crate::simulation::step_end::{Finished, StepEnd, event_time};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
@@ -289,7 +289,11 @@ impl Simulation {
                 });
             }
             let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
-            let end = if lasts && surface.is_none() { stop } else { time + part * swing.size };
+            let end = match surface {
+                None if lasts => stop,
+                None => last_end,
+                Some(surface) => event_time(surface, time, part * swing.size),
+            };
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
             if way.is_some() {

@@ -7,7 +7,7 @@ use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::Event;
+use crate::system::events::{Event, Surface};
 use crate::system::instant::{Powers, State};
 use crate::system::law::Law;
 
@@ -40,6 +40,15 @@ const SHORTEST_RISE: f64 = 1e-10;
 /// The part of a step that the clock resolves where a shorter one is tried.
 const LEAST_SHORTENED: f64 = 1e-2;
 
+/// The time (s) at which the motion falls through a surface, `elapsed` seconds after another.
+///
+/// A landing after less than the clock resolves is at the next time of the clock: in the same instant the base or a support that only
+/// pulls there would lift the block again, and again.
+pub(super) fn event_time(surface: Surface, time: f64, elapsed: f64) -> f64 {
+    let lands = matches!(surface, Surface::Gap(_));
+    if lands && elapsed > 0.0 { (time + elapsed).max(time.next_up()) } else { time + elapsed }
+}
+
 impl Simulation {
     /// Goes from `here` to the end of a step, or to the first event inside, with the peaks on the way, and applies the event.
     #[inline(always)]
@@ -64,10 +73,11 @@ impl Simulation {
             *elapsed = size;
         }
         let (mut beyond, mut work) = (end.state, end.work);
-        if let Some(Fall { elapsed, .. }) = event
+        if let Some(Fall { elapsed, surface, .. }) = event
             && elapsed < size
         {
             there = inside.at(elapsed);
+            there.time = event_time(surface, here.time, elapsed);
             work = inside.work(elapsed);
             if N > 4 {
                 beyond = inside.state(elapsed);

@@ -7,7 +7,7 @@
 //! A gripping foot, a rigid base and a held corner are constraints: each adds the inertia of the centre of mass that it moves, or
 //! determines the rotation. Forces and energies are per unit of the block's mass.
 
-use crate::block::{Block, Corner, Foot, Foundation, Kinematics, Lever, Regime};
+use crate::block::{Block, Corner, Foot, Foundation, Kinematics, Lever, Regime, StandingSlide};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -208,7 +208,14 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         // `theta_ddot`, so that a corner that cannot stay is never pressed back at once.
         let bears = |other: Corner| {
             let s = other.sign();
-            let moment = (weight * block.offset(other) - x.horizontal * block.h + forcing.moment) * s;
+            let moment = match self.footing {
+                Footing::Slides { direction, .. } => {
+                    let arm = -friction::reaction(block, direction, T::from(block.h)) + block.offset(other);
+                    arm * weight
+                }
+                Footing::Grips { .. } | Footing::Free { .. } => weight * block.offset(other) - x.horizontal * block.h,
+            };
+            let moment = (moment + forcing.moment) * s;
             let share = block.share[other.other().index()];
             let (n, exact) = (weight * share - couple * s, moment * (P::from(0.5) / block.b));
             let n = T::select_less(n.value(), zero.value(), exact, n);
@@ -235,14 +242,16 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         ];
         let over = Posture { w: middle[0], w_dot: middle[1], ..*self };
         let x = over.moving(Foot::Middle, [theta_ddot, v_ddot, middle[2]], [zero; 2], forcing);
-        Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, ..x }
+        Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, friction_power: zero, ..x }
     }
 
     /// Solves the equations of full contact with a corner held on its support, whose motion is known.
     ///
     /// The reaction of the other corner accelerates the centre of mass; both motions together determine the rotation. Horizontally the
-    /// middle of the base holds the block, or slides.
-    fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
+    /// middle of the base holds the block, or slides. Filippov's solution mixes full contact, with H = H_f at the middle, and the regime on
+    /// the standing corner, with H_f or −H_f there, such that the corner stays held.
+    fn held(mut self, held: Held<T>, forcing: Forcing<T>) -> Instant<T> {
+        let Held { corner, top: [top, top_dot, top_ddot], standing } = held;
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);
         (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
@@ -256,6 +265,20 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         let Lever { x, q } = block.lever(middle, sin, cos);
         let w_ddot = v_ddot + x * theta_ddot + q * theta_dot2;
         let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], at_corner(other, n), forcing);
+        if let Footing::Slides { .. } = self.footing {
+            let Lever { x: arm, q: height } = block.lever(Foot::Corner(other), sin, cos);
+            // The moment of H about the centre of mass, per mass, as the rotation needs it.
+            let moment = n * arm + forcing.moment - theta_ddot * block.i0;
+            match standing {
+                StandingSlide::Follows => {}
+                // `λ Q_m H_f − (1 − λ) Q_I H_f = moment` gives `H = (2 λ − 1) H_f`.
+                StandingSlide::Opposes => {
+                    x.horizontal = (moment * 2.0 + (height - q) * x.horizontal) / (height + q);
+                    x.u_ddot = x.horizontal - forcing.x;
+                }
+            }
+            x.friction_power = moment * theta_dot + friction::power(x.horizontal, x.u_dot);
+        }
         let i = corner.index();
         // Exactly the motion of the support, since events depend on the last bit.
         (x.corner[i], x.corner_dot[i], x.corner_ddot[i]) = (top, top_dot, top_ddot);
@@ -286,6 +309,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
                 (u, u_dot, horizontal - forcing.x, horizontal)
             }
         };
+        let slip_rate = u_dot - q * theta_dot;
         Instant {
             theta,
             theta_dot,
@@ -306,7 +330,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
             ],
             reaction,
             horizontal,
-            slip_rate: u_dot - q * theta_dot,
+            slip_rate,
+            friction_power: friction::power(horizontal, slip_rate),
         }
     }
 

@@ -173,7 +173,9 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the held corner with its support at a time, if any.
     #[inline(always)]
     fn held_at(&self, time: T) -> Option<Held<T>> {
-        self.law.held().map(|corner| Held::on(self.block, corner, self.contacts.top(corner, self.block, time)))
+        let Motion { block, law, contacts, .. } = self;
+        let held = |corner| Held::on(block, corner, contacts.top(corner, block, time), contacts.standing_slide());
+        law.held().map(held)
     }
 
     /// Evaluates [`Motion::at`] with a held corner: height and rate of the middle of the base follow from θ and θ̇.

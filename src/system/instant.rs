@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::States;
-use crate::block::{Block, Contacts, Corner, Kinematics};
+use crate::block::{Block, Contacts, Corner, Kinematics, StandingSlide};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -52,6 +52,8 @@ pub struct Instant<T> {
     pub horizontal: T,
     /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
     pub slip_rate: T,
+    /// Power per mass that friction dissipates (m²/s³).
+    pub friction_power: T,
 }
 
 impl<T: Scalar> Kinematics<T> {
@@ -182,12 +184,14 @@ pub struct Held<T> {
     pub corner: Corner,
     /// Height of its support above the position at rest (m), its rate (m/s) and its acceleration (m/s²).
     pub top: [T; 3],
+    /// The slide of the standing corner.
+    pub standing: StandingSlide,
 }
 
 impl<R: Scalar> Held<R> {
     /// Returns a corner held on a support with this height and rate, which creeps by `C ÿ = −K ẏ`.
-    pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
-        Held { corner, top: [value, rate, creeping(block, rate)] }
+    pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>, standing: StandingSlide) -> Held<R> {
+        Held { corner, top: [value, rate, creeping(block, rate)], standing }
     }
 
     /// Returns the held corner with its rates in the dual parts.
@@ -195,7 +199,7 @@ impl<R: Scalar> Held<R> {
         let [value, rate, acceleration] = self.top;
         let jerk = creeping(block, acceleration);
         let top = [Dual::new(value, rate), Dual::new(rate, acceleration), Dual::new(acceleration, jerk)];
-        Held { corner: self.corner, top }
+        Held { corner: self.corner, top, standing: self.standing }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A calculated parameter → the source of its value.
 
 use crate::block::{Block, Corner};
-use crate::ground::Ground;
+use crate::excitation::records::Ground;
 use crate::numerics::scalar::Elementary;
 use crate::unit::variables::Derived;
 use rocking_records::Record;
@@ -10,13 +10,15 @@ use rocking_records::Record;
 pub enum DerivedSource<T = f64> {
     /// The block.
     Block(fn(&Block<T>) -> T),
+    /// The block as it would stand on its supports.
+    Supports(fn(&Block<T>) -> T),
     /// The records.
     Ground(OfGround),
 }
 
 /// Returns the source of a calculated parameter.
 pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
-    use DerivedSource::Block as OfBlock;
+    use DerivedSource::{Block as OfBlock, Supports as OfSupports};
     match parameter {
         Derived::DerivedAlpha => OfBlock(|block| block.alpha),
         Derived::DerivedAlphaL => OfBlock(|block| block.alpha_of(Corner::Left)),
@@ -24,15 +26,15 @@ pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
         Derived::DerivedR0 => OfBlock(|block| block.r0),
         Derived::DerivedI0 => OfBlock(Block::inertia),
         Derived::DerivedP => OfBlock(|block| block.p),
-        Derived::DerivedOmegaV => OfBlock(|block| block.omega_v),
-        Derived::DerivedK => OfBlock(|block| block.stiffness),
-        Derived::DerivedC => OfBlock(|block| block.damping),
-        Derived::DerivedEta => OfBlock(Block::eta),
-        Derived::DerivedXiV => OfBlock(|block| block.xi_v),
-        Derived::DerivedDeltaS => OfBlock(Block::static_deflection),
+        Derived::DerivedOmegaV => OfSupports(|block| block.omega_v),
+        Derived::DerivedK => OfSupports(|block| block.stiffness),
+        Derived::DerivedC => OfSupports(|block| block.damping),
+        Derived::DerivedEta => OfSupports(Block::eta),
+        Derived::DerivedXiV => OfSupports(|block| block.xi_v),
+        Derived::DerivedDeltaS => OfSupports(Block::static_deflection),
         Derived::DerivedE => OfBlock(Block::restitution),
         Derived::DerivedEMax => OfBlock(Block::max_restitution),
-        Derived::DerivedThetaSeparation => OfBlock(Block::separation_angle),
+        Derived::DerivedThetaSeparation => OfSupports(Block::separation_angle),
         Derived::DerivedWidth => OfBlock(|block| block.b * 2.0),
         Derived::DerivedHeight => OfBlock(|block| block.h * 2.0),
         Derived::RecordPGA => DerivedSource::Ground(OfGround::Peak),

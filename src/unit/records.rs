@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::ground::Ground;
+use crate::excitation::records::Ground;
 use crate::unit::values::Values;
 use crate::unit::variables::{Fmi3Variable, Text, Variable};
-use rocking_records::{Format, LARGEST_FILE, ReadOptions, Record, Setting};
+use rocking_records::{Choice, Format, LARGEST_FILE, ReadOptions, Record, Setting};
 
 /// The variables that name a record and its reading options.
 struct RecordSettings {
@@ -103,7 +103,7 @@ impl Values {
             unit: unit_choice.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
             time_step: (time_step != 0.0).then_some(time_step),
             gravity: self[Variable::G],
-            channel: (self[channel] != 0.0).then_some(self[channel] as usize),
+            channel: (self[channel] != 0.0).then_some(Choice::Number(self[channel] as usize)),
             ..ReadOptions::default()
         };
         let name = |setting: Setting| match setting {
@@ -115,17 +115,24 @@ impl Values {
                 "a file with one column of accelerations, here one of columns".to_string()
             }
             // The FMU has no parameters for these.
-            Setting::Baseline | Setting::BandPass | Setting::Resample => setting.to_string(),
+            Setting::Layout
+            | Setting::Skip
+            | Setting::ValueScale
+            | Setting::Baseline
+            | Setting::BandPass
+            | Setting::Resample => setting.to_string(),
         };
         let read = rocking_records::read(Path::new(&self[path]), &options);
         let record = read.map_err(|error| format!("{}: {}", path.variable().name(), error.naming(name)))?;
         match options.channel {
-            Some(given) if given > 1 && !Setting::Channel.formats().contains(&record.format) => Err(format!(
-                "{} = {given}; expected 0 or 1, since {} is a file of format {} and has one channel",
-                channel.name(),
-                self[path],
-                record.format
-            )),
+            Some(Choice::Number(given)) if given > 1 && !Setting::Channel.formats().contains(&record.format) => {
+                Err(format!(
+                    "{} = {given}; expected 0 or 1, since {} is a file of format {} and has one channel",
+                    channel.name(),
+                    self[path],
+                    record.format
+                ))
+            }
             Some(_) | None => Ok(Some(record)),
         }
     }

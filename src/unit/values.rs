@@ -3,7 +3,10 @@
 //! Names every parameter of modelDescription.xml, once.
 
 use crate::block::restraints::{Tie, Ties, tie};
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Restraints};
+use crate::block::{
+    Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Restraints, Springs,
+    Supports,
+};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
@@ -57,7 +60,7 @@ impl std::ops::IndexMut<Variable> for Values {
 }
 
 /// The names and the variables of the ties.
-const TIE_VARIABLES: [(&str, Tie<Variable>); tie::VARIABLES] = [
+pub const TIES: [(&str, Tie<Variable>); tie::VARIABLES] = [
     (
         "tie_1",
         Tie {
@@ -100,8 +103,11 @@ impl Values {
     pub fn block(&self) -> Result<Block, BlockError> {
         let (parameterization, common) = self.block_parameters(|variable| self[variable]);
         let block = Block::from_parameters(&parameterization, &common)?;
+        if self.foundation() == Foundation::Rigid {
+            self.block_on_supports()?;
+        }
         let ties = self.ties(|variable| self[variable]);
-        for (tie, (name, _)) in ties.iter().zip(TIE_VARIABLES) {
+        for (tie, (name, _)) in ties.iter().zip(TIES) {
             // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
                 name,
@@ -110,6 +116,18 @@ impl Values {
             })?;
         }
         block.with_ties(&ties)
+    }
+
+    /// Makes the block as it would stand on its supports, even if they are not read: calculated parameters show them on a rigid base, too.
+    pub fn block_on_supports(&self) -> Result<Block, BlockError> {
+        let (parameterization, common) = self.parameters_on(Foundation::Viscoelastic, |variable| self[variable]);
+        Block::from_parameters(&parameterization, &common)
+    }
+
+    /// Makes [`Values::block_on_supports`] with the parameters from `of`, without checks.
+    pub fn varied_block_on_supports<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
+        let (parameterization, common) = self.parameters_on(Foundation::Viscoelastic, of);
+        Block::of_parameters(&parameterization, &common)
     }
 
     /// Makes the block with the parameters from `of`, such as numbers with derivatives, without checks.
@@ -123,19 +141,25 @@ impl Values {
 
     /// Returns the ties up to the last one that has a stiffness, with the parameters from `of`.
     pub fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
-        let count = TIE_VARIABLES.iter().rposition(|(_, tie)| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
-        TIE_VARIABLES[..count].iter().map(|(_, tie)| tie.map(&of)).collect()
+        let count = TIES.iter().rposition(|(_, tie)| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
+        TIES[..count].iter().map(|(_, tie)| tie.map(&of)).collect()
     }
 
     /// Returns the parameters of the block from `of`.
     pub fn block_parameters<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (Parameterization<T>, Common<T>) {
+        self.parameters_on(self.foundation(), of)
+    }
+
+    fn parameters_on<T: Elementary>(
+        &self,
+        foundation: Foundation,
+        of: impl Fn(Variable) -> T,
+    ) -> (Parameterization<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
             epsilon: of(Variable::Epsilon),
             gravity: of(Variable::G),
-            foundation: self.foundation(),
-            restitution_factor: of(Variable::RestitutionFactor),
             eccentricity: of(Variable::Eccentricity),
             friction: of(Variable::Friction),
         };
@@ -148,16 +172,26 @@ impl Values {
             Parameterization::Physical(Physical {
                 width: of(Variable::PhysicalWidth),
                 height,
-                stiffness: of(Variable::PhysicalK),
-                damping: of(Variable::PhysicalC),
+                supports: match foundation {
+                    Foundation::Viscoelastic => Supports::Viscoelastic(Springs {
+                        stiffness: of(Variable::PhysicalK),
+                        damping: of(Variable::PhysicalC),
+                    }),
+                    Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
+                },
                 inertia: self.has_inertia().then(|| of(Variable::PhysicalInertia)),
             })
         } else {
             Parameterization::Dimensionless(Dimensionless {
                 alpha: of(Variable::DimensionlessAlpha),
                 p: of(Variable::DimensionlessP),
-                eta: of(Variable::DimensionlessEta),
-                xi_v: of(Variable::DimensionlessXiV),
+                supports: match foundation {
+                    Foundation::Viscoelastic => Supports::Viscoelastic(Ratios {
+                        eta: of(Variable::DimensionlessEta),
+                        xi_v: of(Variable::DimensionlessXiV),
+                    }),
+                    Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
+                },
             })
         };
         (parameterization, common)
@@ -219,7 +253,7 @@ impl Values {
     }
 
     fn has_ties(&self) -> bool {
-        TIE_VARIABLES.iter().any(|(_, tie)| self[tie.stiffness] > 0.0)
+        TIES.iter().any(|(_, tie)| self[tie.stiffness] > 0.0)
     }
 
     /// Returns the missing setting that a parameter needs to be read, if any.

@@ -146,33 +146,47 @@ impl Metadata {
     }
 
     /// Refuses a value that is not finite or outside the limits; the error names the limits.
+    #[inline]
     pub fn admits(&self, value: f64) -> Result<(), String> {
-        let (name, min, max) = (self.name, self.min, self.max);
-        if self.kind == Kind::Enumeration {
-            if self.items.iter().any(|&(item, _)| f64::from(item) == value) {
-                return Ok(());
+        match self.kind {
+            Kind::Enumeration => self.is_item(value),
+            Kind::Real | Kind::Integer | Kind::Boolean | Kind::String => {
+                within_limits(self.name, value, self.min, self.max)
             }
-            let choices: Vec<String> = self.items.iter().map(|(value, name)| format!("{value} {name}")).collect();
-            return Err(format!("{name} = {value}; expected one of {}", choices.join(", ")));
         }
-        within_limits(name, value, min, max)
+    }
+
+    /// Refuses a value that is no item of the enumeration; the error names the items.
+    fn is_item(&self, value: f64) -> Result<(), String> {
+        if self.items.iter().any(|&(item, _)| f64::from(item) == value) {
+            return Ok(());
+        }
+        let choices: Vec<String> = self.items.iter().map(|(value, name)| format!("{value} {name}")).collect();
+        Err(format!("{} = {value}; expected one of {}", self.name, choices.join(", ")))
     }
 }
 
 /// Refuses a value that is not finite or outside the limits; the error names the limits.
+#[inline]
 fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
     if value.is_finite() && min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max) {
         return Ok(());
     }
+    Err(outside_limits(name, value, min, max))
+}
+
+/// Returns the message of [`within_limits`].
+#[cold]
+fn outside_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> String {
     // A long decimal such as that of 1e300 would not help.
     let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite();
     let value = if plain { format!("{value}") } else { format!("{value:e}") };
-    Err(match (min, max) {
+    match (min, max) {
         (Some(min), Some(max)) => format!("{name} = {value}; expected {min} to {max}"),
         (Some(min), None) => format!("{name} = {value}; expected at least {min}"),
         (None, Some(max)) => format!("{name} = {value}; expected at most {max}"),
         (None, None) => format!("{name} = {value}; expected a finite number"),
-    })
+    }
 }
 
 /// Attributes of a variable that only FMI 3.0 has.

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::Pulse;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_records::ReadOptions;
 
 use crate::functions::*;
 use crate::host::{Instance, call};
 
-const HORIZONTAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/0111a.smc");
-const VERTICAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/np01002p_4225a_a.smc");
+const HORIZONTAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/records/0111a.smc");
+const VERTICAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/records/np01002p_4225a_a.smc");
 
 /// A slender block under scaled records, which rocks with impacts and flights.
 const BLOCK: [(&str, f64); 5] = [
@@ -35,7 +35,8 @@ fn driven() -> Instance {
 
 /// Runs the same block under the same records without the FMU.
 fn simulation(ground: &Ground) -> Simulation {
-    let dimensionless = Dimensionless { alpha: 0.15, p: 2.0, eta: 30.0, xi_v: 0.1 };
+    let dimensionless =
+        Dimensionless { alpha: 0.15, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 30.0, xi_v: 0.1 }) };
     let block = Block::from_dimensionless(&dimensionless, &Common { mass: 1000.0, ..Common::default() }).unwrap();
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
     Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &ground.inputs_from(0.0).0)

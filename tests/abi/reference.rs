@@ -1,6 +1,6 @@
 //! The reference trajectories, computed by the FMU, with records as inputs and their derivatives.
 
-use rocking_block::block::Foundation;
+use rocking_block::block::{Foundation, Ratios, Supports};
 
 use crate::common::{Case, cases, inputs_at, record_step};
 use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance, check_cases};
@@ -19,8 +19,6 @@ pub fn prepare(instance: &Instance, case: &Case) {
     for (name, value) in [
         ("dimensionless.alpha", block.alpha),
         ("dimensionless.p", block.p),
-        ("dimensionless.eta", block.eta()),
-        ("dimensionless.xi_v", block.xi_v),
         ("mass", block.mass),
         ("gamma", block.gamma),
         ("epsilon", block.epsilon),
@@ -37,6 +35,10 @@ pub fn prepare(instance: &Instance, case: &Case) {
         ("initial.v_dot", 0.0),
     ] {
         instance.set(name, value);
+    }
+    if let Supports::Viscoelastic(Ratios { eta, xi_v }) = block.ratios() {
+        instance.set("dimensionless.eta", eta);
+        instance.set("dimensionless.xi_v", xi_v);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use serde::Deserialize;
 
 use crate::common::Motion;
@@ -100,7 +100,13 @@ impl Case {
                 strength: mass * tie.strength,
             })
             .collect();
-        Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap().with_ties(&ties).unwrap()
+        Block::from_dimensionless(
+            &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
+            &common,
+        )
+        .unwrap()
+        .with_ties(&ties)
+        .unwrap()
     }
 }
 

@@ -1,12 +1,19 @@
 //! Blocks for tests.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, PulseShape, Ramp};
-use rocking_block::words::Words;
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::{VARIABLES, Variable};
 
 /// Returns a block with the parameters `[α (rad), p (rad/s), η, ξ_v]`.
 pub fn block([alpha, p, eta, xi_v]: [f64; 4], common: &Common) -> Block {
-    Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, common).unwrap()
+    block_on(Foundation::Viscoelastic, [alpha, p, eta, xi_v], common)
+}
+
+/// Returns a block with the parameters `[α (rad), p (rad/s), η, ξ_v]`; a rigid base takes the first two.
+pub fn block_on(foundation: Foundation, [alpha, p, eta, xi_v]: [f64; 4], common: &Common) -> Block {
+    let supports = Supports::of(foundation, Ratios { eta, xi_v });
+    Block::from_dimensionless(&Dimensionless { alpha, p, supports }, common).unwrap()
 }
 
 /// Returns a homogeneous block of 1000 kg on supports.
@@ -16,12 +23,12 @@ pub fn supported(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block
 
 /// Returns a homogeneous block of 1000 kg on the rigid base.
 pub fn rigid(alpha: f64, p: f64, epsilon: f64) -> Block {
-    block([alpha, p, 40.0, 0.1], &Common { epsilon, foundation: Foundation::Rigid, ..Common::default() })
+    block_on(Foundation::Rigid, [alpha, p, f64::NAN, f64::NAN], &Common { epsilon, ..Common::default() })
 }
 
 /// Returns a homogeneous block of 1000 kg that lands without rebound.
 pub fn on(foundation: Foundation, alpha: f64, p: f64, eta: f64, xi_v: f64) -> Block {
-    block([alpha, p, eta, xi_v], &Common { foundation, ..Common::default() })
+    block_on(foundation, [alpha, p, eta, xi_v], &Common::default())
 }
 
 /// Returns a squat block on soft, overdamped supports: corners are held, and slide.
@@ -31,7 +38,8 @@ pub fn squat(common: &Common) -> Block {
 
 /// Returns a block without round numbers, whose parameters cannot be mistaken for one another.
 pub fn uneven(foundation: Foundation, xi_v: f64) -> Block {
-    block([0.42, 1.7, 11.0, xi_v], &Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, foundation, ..Common::default() })
+    let common = Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, ..Common::default() };
+    block_on(foundation, [0.42, 1.7, 11.0, xi_v], &common)
 }
 
 /// Returns the block with the default parameters of the FMU.
@@ -41,7 +49,13 @@ pub fn plain() -> Block {
 
 /// Returns all shapes of pulses except `none`.
 pub fn shapes() -> Vec<PulseShape> {
-    PulseShape::WORDS[1..].iter().map(|(_, shape)| *shape).collect()
+    let items = VARIABLES.iter().find(|metadata| metadata.variable == Variable::PulseShape).unwrap().items;
+    let shape = |&(number, _): &(i32, &str)| {
+        let mut values = Values::default();
+        values[Variable::PulseShape] = f64::from(number);
+        values.pulse().shape
+    };
+    items.iter().map(shape).filter(|&shape| shape != PulseShape::None).collect()
 }
 
 /// Returns ramps of all inputs.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_records::{ReadOptions, Unit};
@@ -151,15 +151,12 @@ impl Case {
         let foundation =
             if self.foundation.as_deref() == Some("rigid") { Foundation::Rigid } else { Foundation::Viscoelastic };
         Block::from_dimensionless(
-            &Dimensionless { alpha: self.alpha, p: self.p, eta: self.eta, xi_v: self.xi_v },
-            &Common {
-                mass: self.mass,
-                gamma: self.gamma,
-                epsilon: self.epsilon,
-                gravity: self.g,
-                foundation,
-                ..Common::default()
+            &Dimensionless {
+                alpha: self.alpha,
+                p: self.p,
+                supports: Supports::of(foundation, Ratios { eta: self.eta, xi_v: self.xi_v }),
             },
+            &Common { mass: self.mass, gamma: self.gamma, epsilon: self.epsilon, gravity: self.g, ..Common::default() },
         )
         .unwrap()
     }

@@ -1,8 +1,8 @@
 //! Convergence orders of the integrator on smooth motion, and error over tolerance on whole runs.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Regime, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::control::StepControl;
 use rocking_block::numerics::dop853::{self, DenseOutput, Step};
 use rocking_block::numerics::roots::{PIECES, Sample, first_fall};
@@ -303,12 +303,12 @@ fn short_steps_take_six_evaluations() {
 /// At the tolerance of studies, works of a motion far weaker than rocking at α p are as accurate as the motion.
 #[test]
 fn the_balance_of_energy_of_a_weak_motion_holds_at_a_loose_tolerance() {
-    let bytes = include_bytes!("../../records/0111a.smc");
+    let bytes = include_bytes!("../../examples/records/0111a.smc");
     let record = rocking_records::parse("0111a.smc", bytes, &ReadOptions::default()).unwrap();
     let ground = Ground { horizontal: Some(record), vertical: None }.scaled(2.0);
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let common = Common::default();
     let block =
-        Block::from_dimensionless(&Dimensionless { alpha: 0.2, p: 0.5, eta: 40.0, xi_v: 0.1 }, &common).unwrap();
+        Block::from_dimensionless(&Dimensionless { alpha: 0.2, p: 0.5, supports: Supports::HOUSNER }, &common).unwrap();
     let settings = Settings { tolerance: Settings::OF_STUDIES, ..Settings::default() };
     let (inputs, _) = ground.inputs_from(0.0);
     let mut simulation = Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &inputs);
@@ -358,8 +358,8 @@ fn a_loose_tolerance_keeps_events_between_close_stops() {
 /// The released block has four impacts in the four seconds compared.
 fn from_housner(eta: f64, xi_v: f64, epsilon: f64, of: f64) -> f64 {
     let rotation = |foundation, epsilon| -> Vec<f64> {
-        let d = Dimensionless { alpha: 0.25, p: 1.0, eta, xi_v };
-        let common = Common { foundation, epsilon, ..Common::default() };
+        let d = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::of(foundation, Ratios { eta, xi_v }) };
+        let common = Common { epsilon, ..Common::default() };
         let block = Block::from_dimensionless(&d, &common).unwrap();
         let settings = Settings { tolerance: 1e-10, on_separation: OnSeparation::Fly, ..Settings::default() };
         let initial = Initial { theta: 0.1, ..Initial::default() };

@@ -1,7 +1,7 @@
 //! The block stepped from outside, as in Model Exchange: sizes of its states, peaks between them, events and energies.
 
 use rocking_block::block::restraints::{self, Tie};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Regime, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::exchange::{STATES, States, nominals};
 use rocking_block::simulation::outputs::Observation;
@@ -183,6 +183,11 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
         ] {
             close(a, b, size);
         }
+        // A power is the derivative of its sum, to the last bit.
+        let [.., input, dashpots, friction, ties] = simulation.derivatives(&inputs);
+        let seen = simulation.observe(&inputs);
+        assert_eq!([input, dashpots], seen.power);
+        assert_eq!([friction, ties], [seen.friction_power, seen.restraint_power.ties]);
         for (state, expected) in [
             (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
             (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
@@ -264,8 +269,8 @@ impl Outside {
 #[test]
 fn externally_stepped_blocks_of_any_size_come_to_rest() {
     for p in [0.1, 8.0, 1000.0] {
-        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
-        let dimensionless = Dimensionless { alpha: 0.3, p, eta: 40.0, xi_v: 0.1 };
+        let common = Common::default();
+        let dimensionless = Dimensionless { alpha: 0.3, p, supports: Supports::HOUSNER };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
         let mut inside = start(block, &Initial { theta: 0.2, ..Initial::default() });
         let mut outside = Outside::begin(&inside, Inputs::default());
@@ -305,8 +310,8 @@ fn states_are_read_back_as_set() {
 /// Flights over the rigid base, stepped from outside, have the events of those that are stepped inside, and lead to the same place.
 #[test]
 fn external_steps_reproduce_flights_over_the_rigid_base() {
-    let common = Common { foundation: Foundation::Rigid, epsilon: 0.5, ..Common::default() };
-    let dimensionless = Dimensionless { alpha: 0.3, p: 2.0, eta: 40.0, xi_v: 0.1 };
+    let common = Common { epsilon: 0.5, ..Common::default() };
+    let dimensionless = Dimensionless { alpha: 0.3, p: 2.0, supports: Supports::HOUSNER };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
     // The ground drops away and returns.
@@ -335,7 +340,8 @@ fn external_steps_reproduce_flights_over_the_rigid_base() {
 #[test]
 fn first_steps_after_an_event_contain_no_event() {
     let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
-    let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 40.0, xi_v: 0.1 };
+    let dimensionless =
+        Dimensionless { alpha: 0.25, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }) };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 15.0, period: 1.25, start: 0.0, ..Pulse::NONE };
     let inputs = Inputs::default();
@@ -399,6 +405,46 @@ fn peaks_end_with_the_run() {
     assert!((after.total - energies.total).abs() <= 1e-12 * energies.total.abs(), "{energies:?}, {after:?}");
 }
 
+/// The derivatives of the energies of a block that is held are differences between the states that an importer may set: rates stay.
+#[test]
+fn derivatives_of_a_block_that_is_held_are_differences() {
+    let settings =
+        Settings { on_overturning: OnOverturning::Hold, on_separation: OnSeparation::Hold, ..Settings::default() };
+    let inputs = Inputs::default();
+    for (foundation, theta_dot) in
+        [(Foundation::Viscoelastic, 6.0), (Foundation::Viscoelastic, -6.0), (Foundation::Rigid, 6.0)]
+    {
+        let block = block(foundation, 0.25, 40.0, 0.1);
+        let initial = Initial { theta: 0.2_f64.copysign(theta_dot), theta_dot, vertical: None };
+        let mut held = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        held.advance(2.0, &inputs, &mut |_| ()).unwrap();
+        assert!(held.is_frozen());
+        let (states, size) = (held.states(&inputs), held.energies().total.abs());
+        assert!(held.energies().kinetic > 0.0);
+        for i in 0..STATES {
+            let direction: States = std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
+            let (_, found) = held.directional(&inputs, &direction, &Inputs::default(), 0.0);
+            let step = 1e-5;
+            let [before, after] = [-step, step].map(|change| {
+                let mut moved = states;
+                moved[i] += change;
+                let mut held = held.clone();
+                held.set_states(2.0, &moved);
+                held.energies()
+            });
+            for (found, [before, after]) in [
+                (found.kinetic, [before.kinetic, after.kinetic]),
+                (found.potential, [before.potential, after.potential]),
+                (found.total, [before.total, after.total]),
+                (found.residual, [before.residual, after.residual]),
+            ] {
+                let difference = (after - before) / (2.0 * step);
+                assert!((found - difference).abs() < 1e-6 * size, "state {i}: {found}, {difference}");
+            }
+        }
+    }
+}
+
 /// Bounces that follow ever faster on each other, and rocking that dies out, are those of the block itself to the last, though the
 /// solver's steps are longer than most of them.
 #[test]
@@ -406,16 +452,13 @@ fn events_in_quick_succession_are_predicted() {
     let dimensionless = Dimensionless {
         alpha: 0.18780937236228806,
         p: 2.426103416172558,
-        eta: 38.20537857603828,
-        xi_v: 0.034088974393931985,
+        supports: Supports::Viscoelastic(Ratios { eta: 38.20537857603828, xi_v: 0.034088974393931985 }),
     };
     let flight = Initial { theta: 0.1, theta_dot: 1.0, vertical: Some((0.02, 0.1)) };
-    let broad = Dimensionless { alpha: 0.5, ..dimensionless };
+    let broad = Dimensionless { alpha: 0.5, supports: Supports::HOUSNER, ..dimensionless };
     let release = Initial { theta: 0.1, ..Initial::default() };
-    for (foundation, dimensionless, initial, most) in
-        [(Foundation::Viscoelastic, dimensionless, flight, 0.78), (Foundation::Rigid, broad, release, 5.0)]
-    {
-        let block = Block::from_dimensionless(&dimensionless, &Common { foundation, ..Common::default() }).unwrap();
+    for (dimensionless, initial, most) in [(dimensionless, flight, 0.78), (broad, release, 5.0)] {
+        let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
         let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
         let mut inside = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
         let mut outside = Outside::begin(&inside, Inputs::default());
@@ -434,8 +477,8 @@ fn events_in_quick_succession_are_predicted() {
 /// Events predicted under inputs that have changed since are dropped: the solver searches anew.
 #[test]
 fn predicted_events_are_dropped_if_the_inputs_change() {
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
-    let dimensionless = Dimensionless { alpha: 0.188, p: 2.43, eta: 38.0, xi_v: 0.034 };
+    let common = Common::default();
+    let dimensionless = Dimensionless { alpha: 0.188, p: 2.43, supports: Supports::HOUSNER };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let inside = start(block, &Initial { theta: 1e-5, ..Initial::default() });
     let mut outside = Outside::begin(&inside, Inputs::default());

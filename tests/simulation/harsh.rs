@@ -6,7 +6,9 @@
 use std::f64::consts::TAU;
 
 use rocking_block::block::restraints::States;
-use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Regime};
+use rocking_block::block::{
+    Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Ratios, Regime, Supports,
+};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
 use rocking_block::system::System;
@@ -16,6 +18,7 @@ use rocking_block::system::events::{Event, Surface};
 use rocking_block::system::impact::height_over;
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, State};
+use rocking_records::{ReadOptions, Record};
 
 use crate::blocks::shapes;
 
@@ -143,14 +146,19 @@ impl Case {
         let foundation = if random.chance(0.3) { Foundation::Rigid } else { Foundation::Viscoelastic };
         let epsilon = if random.chance(0.5) { 0.0 } else { random.unit() };
         let gamma = if random.chance(0.7) { 3.0 } else { random.log(1.0, 10.0) };
-        let common = Common { gamma, epsilon, foundation, ..Common::default() };
+        let common = Common { gamma, epsilon, ..Common::default() };
         // Soft supports with strong dashpots under squat blocks hold corners.
         let holds = random.chance(0.5);
         let dimensionless = Dimensionless {
             alpha: random.within(if holds { 0.8 } else { 0.05 }, 1.4),
             p: random.log(0.3, 10.0),
-            eta: if holds { random.log(1.0, 5.0) } else { random.log(1.0, 900.0) },
-            xi_v: if random.chance(0.2) { 0.0 } else { random.log(if holds { 1.0 } else { 1e-3 }, 50.0) },
+            supports: Supports::of(
+                foundation,
+                Ratios {
+                    eta: if holds { random.log(1.0, 5.0) } else { random.log(1.0, 900.0) },
+                    xi_v: if random.chance(0.2) { 0.0 } else { random.log(if holds { 1.0 } else { 1e-3 }, 50.0) },
+                },
+            ),
         };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
         let Block { alpha, p, gravity, omega_v, mass, b, .. } = block;
@@ -212,9 +220,9 @@ impl Case {
     /// A rigid block at rest under a pulse or record close to the limit of lifting it.
     fn grazing(number: u64) -> Case {
         let random = &mut Random::of_case(!number);
-        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let common = Common::default();
         let dimensionless =
-            Dimensionless { alpha: random.within(0.05, 0.6), p: random.log(0.5, 6.0), eta: 20.0, xi_v: 0.1 };
+            Dimensionless { alpha: random.within(0.05, 0.6), p: random.log(0.5, 6.0), supports: Supports::HOUSNER };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
         let above = random.log(1e-15, 1e-3);
         let factor = random.one_of(&[1.0, 1.0 + f64::EPSILON, 1.0 + above, 1.0 + above]);
@@ -236,6 +244,28 @@ impl Case {
             }
         }
         Case { block, settings: settings(random), initial: Initial::default(), pulse, steps }
+    }
+
+    /// A rigid block at rest under a real record of one to four times the ground acceleration that lifts it. Its clock is coarser than that of
+    /// shorter loads.
+    fn shaken(number: u64, records: &[Record]) -> Case {
+        let random = &mut Random::of_case(number.rotate_left(32));
+        let common = Common::default();
+        let dimensionless =
+            Dimensionless { alpha: random.within(0.1, 0.5), p: random.within(1.0, 6.0), supports: Supports::HOUSNER };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let record = &records[random.next() as usize % records.len()];
+        let factor = random.within(1.0, 4.0) * lifting(&block) / record.peak().acceleration.abs();
+        let size = record.time_step;
+        let step = |pair: &[f64]| Step {
+            size,
+            parts: 1,
+            values: [factor * pair[0], 0.0, 0.0, 0.0, 0.0],
+            rates: [factor * (pair[1] - pair[0]) / size, 0.0, 0.0, 0.0, 0.0],
+        };
+        let steps = record.acceleration.windows(2).map(step).collect();
+        let settings = settings(random);
+        Case { block, settings, initial: Initial::default(), pulse: Pulse::NONE, steps }
     }
 
     /// Returns the least reaction over the weight, or the error of a failed run.
@@ -283,6 +313,16 @@ fn no_run_at_the_limit_of_lifting_fails_and_no_corner_pulls() {
     none_fails("grazing", 300, Case::grazing);
 }
 
+#[test]
+fn no_run_under_a_real_record_fails_and_no_corner_pulls() {
+    let parse = |name, bytes: &[u8]| rocking_records::parse(name, bytes, &ReadOptions::default()).unwrap();
+    let records = [
+        parse("0111a.smc", include_bytes!("../../examples/records/0111a.smc")),
+        parse("np01002p_4225a_a.smc", include_bytes!("../../examples/records/np01002p_4225a_a.smc")),
+    ];
+    none_fails("shaken", 100, |number| Case::shaken(number, &records));
+}
+
 /// A landing without effect gains no energy beyond round-off, and leaves finite numbers.
 ///
 /// On the rigid base the block turns about L at various rates, and L has left the base so little that its landing hardly
@@ -292,9 +332,9 @@ fn a_landing_without_effect_gains_no_energy() {
     for number in 0..2000 {
         let random = &mut Random::of_case(number);
         let epsilon = random.one_of(&[0.0, 0.3, 1.0]);
-        let common = Common { foundation: Foundation::Rigid, epsilon, ..Common::default() };
+        let common = Common { epsilon, ..Common::default() };
         let dimensionless =
-            Dimensionless { alpha: random.within(0.05, 1.2), p: random.log(0.3, 10.0), eta: 20.0, xi_v: 0.1 };
+            Dimensionless { alpha: random.within(0.05, 1.2), p: random.log(0.3, 10.0), supports: Supports::HOUSNER };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
         let (theta, theta_dot) = (-block.alpha * random.unit(), block.p * random.within(-2.0, 2.0));
         let (sin, cos) = libm::sincos(theta);
@@ -329,7 +369,8 @@ fn a_landing_without_effect_gains_no_energy() {
 /// A corner that has just lifted is still on its support then.
 #[test]
 fn setting_the_clock_back_after_a_lift_off_changes_no_event() {
-    let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 60.0, xi_v: 0.2 };
+    let dimensionless =
+        Dimensionless { alpha: 0.25, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 60.0, xi_v: 0.2 }) };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
     let initial = Initial { theta_dot: 0.45, ..Initial::default() };
     let inputs = Inputs::default();

@@ -8,8 +8,8 @@ use rocking_block::simulation::{Energies, Initial, OnSeparation, Settings, Simul
 use crate::blocks;
 
 fn block(foundation: Foundation) -> Block {
-    let common = Common { foundation, epsilon: 0.2, mass: 250.0, ..Common::default() };
-    blocks::block([0.25, 2.0, 40.0, 0.1], &common)
+    let common = Common { epsilon: 0.2, mass: 250.0, ..Common::default() };
+    blocks::block_on(foundation, [0.25, 2.0, 40.0, 0.1], &common)
 }
 
 fn start(foundation: Foundation, initial: &Initial) -> Simulation {

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
@@ -66,8 +66,8 @@ fn same((a, peaks): &(Vec<Event>, Peaks), (b, others): &(Vec<Event>, Peaks)) -> 
 /// A moment lifts the block by a nanometre; the next turns it by 3 rad in the longest step and lands the corner at once.
 #[test]
 fn a_block_that_is_spun_in_the_air_comes_down_on_the_near_corner() {
-    let dimensionless = Dimensionless { alpha: 0.247, p: 2.28, eta: 20.0, xi_v: 0.1 };
-    let common = Common { gravity: 1.62, foundation: Foundation::Rigid, ..Common::default() };
+    let dimensionless = Dimensionless { alpha: 0.247, p: 2.28, supports: Supports::HOUSNER };
+    let common = Common { gravity: 1.62, ..Common::default() };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let initial = Initial { theta: 0.54, theta_dot: 0.71, vertical: None };
     let up = Step { size: 1.14e-5, values: [-16.0, 0.0, 0.0, 0.0, 6500.0], rates: [0.0; 5] };
@@ -82,8 +82,8 @@ fn a_block_that_is_spun_in_the_air_comes_down_on_the_near_corner() {
 /// A block slides on R until L lands; R then falls from a zero gap, and the ground would lift it within the same step.
 #[test]
 fn a_corner_that_falls_from_a_zero_gap_lands_at_once() {
-    let dimensionless = Dimensionless { alpha: 0.991, p: 0.758, eta: 20.0, xi_v: 0.1 };
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let dimensionless = Dimensionless { alpha: 0.991, p: 0.758, supports: Supports::HOUSNER };
+    let common = Common::default();
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let initial = Initial { theta: 0.00146, theta_dot: -0.194, vertical: None };
     let step = Step { size: 0.18, values: [9.32, -8.61, -9111.0, 504.0, 9819.0], rates: [12.7, 5.0, 0.0, 0.0, 0.0] };
@@ -131,8 +131,8 @@ fn long_steps_have_the_events_and_peaks_of_short_ones() {
         (theta, theta_dot) in (-0.3..0.3, -1.0..1.0),
         steps in steps(),
     )| {
-        let common = Common { epsilon, foundation, ..Common::default() };
-        let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+        let common = Common { epsilon, ..Common::default() };
+        let block = Block::from_dimensionless(&Dimensionless { alpha, p, supports: Supports::of(foundation, Ratios { eta, xi_v }) }, &common).unwrap();
         let initial = Initial { theta: theta * alpha, theta_dot: theta_dot * alpha * p, vertical: Some((0.0, 0.0)) };
         let [long, short] = [1, 64].map(|parts| run(block, &initial, &steps, parts));
         ran.set(ran.get() + 1);
@@ -153,8 +153,12 @@ fn a_block_at_rest_takes_any_step() {
     let sine = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.5, start: 0.1, ..Pulse::NONE };
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
         for (pulse, push) in [(Pulse::NONE, 0.0), (sine, 0.0), (Pulse::NONE, 1.5), (sine, 0.5)] {
-            let common = Common { foundation, ..Common::default() };
-            let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+            let common = Common::default();
+            let dimensionless = Dimensionless {
+                alpha: 0.25,
+                p: 1.0,
+                supports: Supports::of(foundation, Ratios { eta: 40.0, xi_v: 0.1 }),
+            };
             let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
             let inputs = Inputs { a_gx: Ramp::held(push), ..Inputs::default() };
             let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);

@@ -1,7 +1,7 @@
 //! Closed forms, symmetries and balances of runs.
 
 use nalgebra::{Matrix4, Vector4};
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Physical, Regime};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Physical, Ratios, Regime, Springs, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Settings, Simulation};
@@ -119,7 +119,11 @@ fn the_impact_map_solves_the_balance_equations() {
         [(0.25, 3.0, 0.0), (0.15, 1.5, 0.4), (0.6, 3.0, 1.0), (1.2, 0.7, 0.7)].iter().enumerate()
     {
         let common = Common { gamma, epsilon, mass: 7.0, ..Common::default() };
-        let block = Block::from_dimensionless(&Dimensionless { alpha, p: 1.3, eta: 40.0, xi_v: 0.1 }, &common).unwrap();
+        let block = Block::from_dimensionless(
+            &Dimensionless { alpha, p: 1.3, supports: Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }) },
+            &common,
+        )
+        .unwrap();
         for theta in [0.0, 0.01, 0.2] {
             let (v_b, theta_b) = (-0.3 - 0.1 * i as f64, -0.7);
             let (m, i0, r0) = (block.mass, block.inertia(), block.r0);
@@ -213,8 +217,12 @@ fn blocks_of_different_size_are_similar() {
 #[test]
 fn sizes_and_dimensionless_parameters_are_the_same_block() {
     let d = block(0.25, 1.0, 40.0, 0.1, 0.0);
-    let physical =
-        Physical { width: 2.0 * d.b, height: 2.0 * d.h, stiffness: d.stiffness, damping: d.damping, inertia: None };
+    let physical = Physical {
+        width: 2.0 * d.b,
+        height: 2.0 * d.h,
+        supports: Supports::Viscoelastic(Springs { stiffness: d.stiffness, damping: d.damping }),
+        inertia: None,
+    };
     let p = Block::from_physical(&physical, &Common::default()).unwrap();
     for (a, b) in [
         (d.alpha, p.alpha),

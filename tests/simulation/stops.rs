@@ -1,7 +1,7 @@
 //! Stopping at each event, before its transition, changes no bit of a run.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnOverturning, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::events::Event;
@@ -52,8 +52,12 @@ fn cases() -> impl Strategy<Value = Case> {
 
 fn simulation(case: &Case) -> (Simulation, Inputs) {
     let foundation = if case.rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
-    let common = Common { epsilon: case.epsilon, foundation, ..Common::default() };
-    let dimensionless = Dimensionless { alpha: case.alpha, p: 2.0, eta: case.eta, xi_v: 0.1 };
+    let common = Common { epsilon: case.epsilon, ..Common::default() };
+    let dimensionless = Dimensionless {
+        alpha: case.alpha,
+        p: 2.0,
+        supports: Supports::of(foundation, Ratios { eta: case.eta, xi_v: 0.1 }),
+    };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let Case { on_separation, on_overturning, .. } = *case;
     let settings = Settings { on_separation, on_overturning, ..Settings::default() };

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use rocking_block::block::restraints::States;
 use rocking_block::block::restraints::{Tie, TieState};
-use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime, StandingSlide};
 use rocking_block::excitation::{Excitation, Forcing, Pulse, PulseShape};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
@@ -72,8 +72,8 @@ fn situations() -> Vec<(Block, Pose)> {
 /// Returns [`blocks::uneven`] with its centre of mass beside the middle (m).
 fn eccentric(foundation: Foundation, xi_v: f64, eccentricity: f64) -> Block {
     let Block { mass, gamma, epsilon, .. } = block(foundation, xi_v);
-    let common = Common { mass, gamma, epsilon, foundation, eccentricity, ..Common::default() };
-    blocks::block([0.42, 1.7, 11.0, xi_v], &common)
+    let common = Common { mass, gamma, epsilon, eccentricity, ..Common::default() };
+    blocks::block_on(foundation, [0.42, 1.7, 11.0, xi_v], &common)
 }
 
 /// Returns poses in which one of both corners is held on its support.
@@ -82,7 +82,10 @@ fn held() -> Vec<(Block, Pose)> {
     for (eccentricity, corner) in [(0.0, Corner::Left), (0.3, Corner::Left), (0.3, Corner::Right)] {
         let block = eccentric(Foundation::Viscoelastic, 0.23, eccentricity);
         let mut contacts = Contacts::FULL;
-        contacts.set(corner, Contact::Held(Creep { depth: 0.4 * block.static_deflection(), since: 0.35 }));
+        contacts.set(
+            corner,
+            Contact::Held(Creep { depth: 0.4 * block.static_deflection(), since: 0.35 }, StandingSlide::Follows),
+        );
         let state = State::from([0.02, 0.3, 0.0, 0.0]);
         all.push((
             block,

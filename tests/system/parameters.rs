@@ -4,10 +4,33 @@ use std::f64::consts::FRAC_PI_2;
 
 use rocking_block::block::restraints::MOST_TIES;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical};
+use rocking_block::block::{
+    Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Ratios, Springs, Supports,
+};
 
-const PAPER: Dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 35.0, xi_v: 0.15 };
-const SIZES: Physical = Physical { width: 1.3, height: 3.1, stiffness: 2.0e4, damping: 150.0, inertia: None };
+const PAPER: Dimensionless =
+    Dimensionless { alpha: 0.3, p: 1.7, supports: Supports::Viscoelastic(Ratios { eta: 35.0, xi_v: 0.15 }) };
+const SIZES: Physical = Physical {
+    width: 1.3,
+    height: 3.1,
+    supports: Supports::Viscoelastic(Springs { stiffness: 2.0e4, damping: 150.0 }),
+    inertia: None,
+};
+
+/// The paper's block on other supports.
+fn on(eta: f64, xi_v: f64) -> Dimensionless {
+    Dimensionless { supports: Supports::Viscoelastic(Ratios { eta, xi_v }), ..PAPER }
+}
+
+/// The paper's block on a rigid base.
+fn rigid(restitution_factor: f64) -> Dimensionless {
+    Dimensionless { supports: Supports::Rigid { restitution_factor }, ..PAPER }
+}
+
+/// The sizes with other supports.
+fn springs(stiffness: f64, damping: f64) -> Physical {
+    Physical { supports: Supports::Viscoelastic(Springs { stiffness, damping }), ..SIZES }
+}
 
 fn common() -> Common {
     Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, gravity: 9.7, ..Common::default() }
@@ -18,7 +41,7 @@ fn common() -> Common {
 fn parameters_satisfy_the_relations_of_the_paper() {
     let paper = Block::from_dimensionless(&PAPER, &common()).unwrap();
     let sized = Block::from_physical(&SIZES, &common()).unwrap();
-    assert_eq!((paper.alpha, paper.p, paper.xi_v), (PAPER.alpha, PAPER.p, PAPER.xi_v));
+    assert_eq!((paper.alpha, paper.p, paper.xi_v), (PAPER.alpha, PAPER.p, 0.15));
     assert_eq!((2.0 * sized.b, 2.0 * sized.h, sized.stiffness, sized.damping), (1.3, 3.1, 2.0e4, 150.0));
     for block in [paper, sized] {
         let Block { mass, gravity, gamma, epsilon, alpha, r0, b, h, p, omega_v, xi_v, stiffness, damping, .. } = block;
@@ -40,19 +63,16 @@ fn parameters_satisfy_the_relations_of_the_paper() {
             assert!((found / exact - 1.0).abs() < 1e-14, "{name}: {found}, not {exact}");
         }
     }
-    let soft = Block::from_dimensionless(&Dimensionless { eta: 1.0, ..PAPER }, &common()).unwrap();
+    let soft = Block::from_dimensionless(&on(1.0, 0.15), &common()).unwrap();
     assert_eq!(soft.separation_angle(), FRAC_PI_2);
-    let undamped = Block::from_dimensionless(&Dimensionless { xi_v: 0.0, ..PAPER }, &common()).unwrap();
+    let undamped = Block::from_dimensionless(&on(35.0, 0.0), &common()).unwrap();
     assert_eq!(undamped.creep_rate(), f64::INFINITY);
 }
 
 /// Only the rigid base uses the restitution factor.
 #[test]
 fn the_restitution_factor_is_that_of_the_rigid_base() {
-    let [supports, rigid] = [Foundation::Viscoelastic, Foundation::Rigid].map(|foundation| {
-        let common = Common { foundation, restitution_factor: 0.9, ..common() };
-        Block::from_dimensionless(&PAPER, &common).unwrap()
-    });
+    let [supports, rigid] = [PAPER, rigid(0.9)].map(|given| Block::from_dimensionless(&given, &common()).unwrap());
     assert_eq!(supports.restitution(), supports.housner_restitution(Corner::Left));
     assert_eq!(rigid.restitution(), 0.9 * rigid.housner_restitution(Corner::Left));
 }
@@ -73,18 +93,18 @@ fn errors_name_the_invalid_parameter() {
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         refused("alpha", value, paper(Dimensionless { alpha: value, ..PAPER }));
         refused("p", value, paper(Dimensionless { p: value, ..PAPER }));
-        refused("eta", value, paper(Dimensionless { eta: value, ..PAPER }));
+        refused("eta", value, paper(on(value, 0.15)));
         refused("width", value, sizes(Physical { width: value, ..SIZES }));
         refused("height", value, sizes(Physical { height: value, ..SIZES }));
-        refused("K", value, sizes(Physical { stiffness: value, ..SIZES }));
+        refused("K", value, sizes(springs(value, 150.0)));
         refused("mass", value, with(Common { mass: value, ..common() }));
         refused("gamma", value, with(Common { gamma: value, ..common() }));
         refused("g", value, with(Common { gravity: value, ..common() }));
         if value != 0.0 {
-            refused("xi_v", value, paper(Dimensionless { xi_v: value, ..PAPER }));
-            refused("C", value, sizes(Physical { damping: value, ..SIZES }));
+            refused("xi_v", value, paper(on(35.0, value)));
+            refused("C", value, sizes(springs(2e4, value)));
             refused("epsilon", value, with(Common { epsilon: value, ..common() }));
-            refused("restitution_factor", value, with(Common { restitution_factor: value, ..common() }));
+            refused("restitution_factor", value, paper(rigid(value)));
         }
     }
     for alpha in [FRAC_PI_2, 2.0] {
@@ -100,10 +120,9 @@ fn errors_name_the_invalid_parameter() {
 /// Valid parameters may give derived values out of range.
 #[test]
 fn derived_values_are_checked() {
-    let infinite =
-        Block::from_dimensionless(&Dimensionless { xi_v: 1e308, ..PAPER }, &Common { mass: 1e5, ..common() });
+    let infinite = Block::from_dimensionless(&on(35.0, 1e308), &Common { mass: 1e5, ..common() });
     assert_eq!(infinite.expect_err("an infinite damping").name(), "C");
-    let ratio = Block::from_physical(&Physical { stiffness: 1e-300, damping: 1e200, ..SIZES }, &common());
+    let ratio = Block::from_physical(&springs(1e-300, 1e200), &common());
     assert_eq!(ratio.expect_err("an infinite damping ratio").name(), "C");
     let thin = Block::from_dimensionless(&Dimensionless { alpha: f64::MIN_POSITIVE, p: 1e3, ..PAPER }, &common());
     assert_eq!(thin.expect_err("a width that vanishes").name(), "b = R0 sin(alpha)");
@@ -116,15 +135,16 @@ fn derived_values_are_checked() {
 fn a_factor_of_one_over_e_is_elastic() {
     for number in 1..2000_u32 {
         let (alpha, epsilon) = (0.5 * f64::from(number) / 2000.0, f64::from(number % 7) / 7.0);
-        let d = Dimensionless { alpha, p: 1.0, eta: 40.0, xi_v: 0.1 };
-        let rigid = Common { epsilon, foundation: Foundation::Rigid, ..Common::default() };
-        let e = Block::from_dimensionless(&d, &rigid).unwrap().restitution();
-        for restitution_factor in [1.0 / e, (1.0 / e).next_up(), (1.0 / e).next_down()] {
-            let elastic = Block::from_dimensionless(&d, &Common { restitution_factor, ..rigid }).unwrap();
+        let with = |restitution_factor| {
+            let given = Dimensionless { alpha, p: 1.0, supports: Supports::Rigid { restitution_factor } };
+            Block::from_dimensionless(&given, &Common { epsilon, ..Common::default() })
+        };
+        let e = with(1.0).unwrap().restitution();
+        for factor in [1.0 / e, (1.0 / e).next_up(), (1.0 / e).next_down()] {
+            let elastic = with(factor).unwrap();
             assert!((1.0 - 1e-15..=1.0).contains(&elastic.restitution()), "{alpha} {}", elastic.restitution());
         }
-        let more = Common { restitution_factor: (1.0 + 1e-9) / e, ..rigid };
-        assert!(Block::from_dimensionless(&d, &more).is_err());
+        assert!(with((1.0 + 1e-9) / e).is_err());
     }
 }
 
@@ -132,10 +152,7 @@ fn a_factor_of_one_over_e_is_elastic() {
 #[test]
 fn the_greater_restitution_limits_the_factor() {
     for eccentricity in [-0.2, 0.2] {
-        let of = |restitution_factor: f64| {
-            let rigid = Common { eccentricity, restitution_factor, foundation: Foundation::Rigid, ..common() };
-            Block::from_dimensionless(&PAPER, &rigid)
-        };
+        let of = |factor: f64| Block::from_dimensionless(&rigid(factor), &Common { eccentricity, ..common() });
         let plain = of(1.0).unwrap();
         let [left, right] = [Corner::Left, Corner::Right].map(|corner| plain.housner_restitution(corner));
         assert!((left > right) == (eccentricity < 0.0) && (left / right - 1.0).abs() > 1e-3, "{left} {right}");
@@ -149,10 +166,7 @@ fn the_greater_restitution_limits_the_factor() {
 #[test]
 fn friction_below_the_least_that_jams_is_accepted() {
     for eccentricity in [-0.2, 0.0, 0.2] {
-        let of = |friction: f64| {
-            let rigid = Common { eccentricity, friction, foundation: Foundation::Rigid, ..common() };
-            Block::from_dimensionless(&PAPER, &rigid)
-        };
+        let of = |friction: f64| Block::from_dimensionless(&rigid(1.0), &Common { eccentricity, friction, ..common() });
         let block = of(0.0).unwrap();
         let radius = [block.b + eccentricity, block.b - eccentricity].map(|across| across.hypot(block.h));
         let jams = |radius: f64, phi: f64| {
@@ -200,8 +214,12 @@ fn soft_supports_draw_a_warning() {
     for alpha in [0.1, 0.25, 0.6_f64] {
         let least = (4.0 / 3.0 * alpha.cos()).sqrt() / alpha.sin();
         let of = |part: f64, foundation: Foundation| {
-            let dimensionless = Dimensionless { alpha, p: 1.7, eta: part * least, xi_v: 0.1 };
-            Block::from_dimensionless(&dimensionless, &Common { foundation, ..homogeneous }).unwrap()
+            let dimensionless = Dimensionless {
+                alpha,
+                p: 1.7,
+                supports: Supports::of(foundation, Ratios { eta: part * least, xi_v: 0.1 }),
+            };
+            Block::from_dimensionless(&dimensionless, &homogeneous).unwrap()
         };
         assert_eq!(of(1.0001, Foundation::Viscoelastic).soft_supports(), None);
         assert_eq!(of(0.5, Foundation::Rigid).soft_supports(), None);

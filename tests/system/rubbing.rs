@@ -15,7 +15,7 @@ use crate::blocks;
 const EPSILON: f64 = 0.3;
 
 fn block(foundation: Foundation, friction: f64) -> Block {
-    blocks::block([0.5, 1.5, 50.0, 0.1], &Common { foundation, friction, epsilon: EPSILON, ..Common::default() })
+    blocks::block_on(foundation, [0.5, 1.5, 50.0, 0.1], &Common { friction, epsilon: EPSILON, ..Common::default() })
 }
 
 /// The change of a pose that falls through a surface, with the velocities right after.

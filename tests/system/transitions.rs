@@ -1,7 +1,7 @@
 //! Transitions from rare poses, each against its definition.
 
 use rocking_block::block::restraints::States;
-use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Regime, Supports};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::System;
@@ -10,6 +10,12 @@ use rocking_block::system::events::{EventKind, Surface, Transition};
 use rocking_block::system::instant::{Footing, Pose, State};
 
 use crate::blocks::squat as block;
+
+/// The block on a rigid base.
+fn on_rigid_base(restitution_factor: f64, common: &Common) -> Block {
+    let supports = Supports::Rigid { restitution_factor };
+    Block::from_dimensionless(&Dimensionless { alpha: 0.9, p: 1.0, supports }, common).unwrap()
+}
 
 fn system(block: Block) -> System {
     System { block, flies: true, slowest: System::SLOWEST }
@@ -92,7 +98,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
 #[test]
 fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
     for (epsilon, lifts) in [(0.0, 1), (0.6, 2)] {
-        let block = block(&Common { foundation: Foundation::Rigid, epsilon, ..Common::default() });
+        let block = on_rigid_base(1.0, &Common { epsilon, ..Common::default() });
         let pose = Pose {
             time: 0.0,
             state: State::from([0.0, -0.4, 0.0, 0.0]),
@@ -168,8 +174,7 @@ fn evaluations_count_steps_events_and_dense_output() {
     for (friction, theta, landings, per_step, beyond, times) in
         [(1.0, 1.0, 0, 11, 3, 1), (0.0, 1.0, 0, 1, 1, 4), (0.0, 0.3, 1, 1, 1, 4)]
     {
-        let (foundation, restitution_factor) = (Foundation::Rigid, 0.0);
-        let block = block(&Common { foundation, restitution_factor, friction, ..Common::default() });
+        let block = on_rigid_base(0.0, &Common { friction, ..Common::default() });
         let initial = Initial { theta, ..Initial::default() };
         let inputs = Inputs::default();
         let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);

@@ -8,7 +8,8 @@ use proptest::test_runner::TestRunner;
 use rocking_block::unit::instance::{Interface, Unit};
 use rocking_block::unit::variables::{Kind, Metadata, VARIABLES};
 
-const XML: &str = include_str!("../../modelDescription.xml");
+/// The description of FMI 2.0, with positions in place of names.
+const XML: &str = include_str!(concat!(env!("OUT_DIR"), "/modelDescription.xml"));
 
 /// Samples of two records, in units of g.
 const RECORDS: [&str; 2] = ["0.1\n0.3\n-0.2\n0.25\n0.1\n", "0.2\n-0.1\n-0.2\n0.15\n0.1\n0.0\n0.3\n"];

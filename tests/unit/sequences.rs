@@ -11,7 +11,7 @@ use crate::cases::cases;
 use crate::fmu::{self, DISCARD, ERROR, Fmu, OK};
 use crate::misuse::{self, Phase};
 use crate::sealed;
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use run::{Act, Bad, Run, acts, experiments, gentle};
@@ -216,7 +216,8 @@ fn forged_numbers_are_refused_or_can_be_stepped() {
 fn a_state_with_a_nan_is_refused() {
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
     let common = Common::default();
-    let dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 31.0, xi_v: 0.13 };
+    let dimensionless =
+        Dimensionless { alpha: 0.3, p: 1.7, supports: Supports::Viscoelastic(Ratios { eta: 31.0, xi_v: 0.13 }) };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 7.1, period: 0.37, start: 0.11, ..Pulse::NONE };
     let initial = Initial { theta: 0.05, theta_dot: 0.2, vertical: Some((0.19, 1.3)) };
@@ -266,5 +267,28 @@ fn fields(value: &serde_json::Value) -> Vec<(String, serde_json::Value)> {
             list.iter().enumerate().flat_map(|(i, value)| within(&i.to_string(), value)).collect()
         }
         other => vec![(String::new(), other.clone())],
+    }
+}
+
+/// A peak of NaN would stay for ever, since no value is above it.
+#[test]
+fn forged_peaks_are_refused() {
+    let mut fmu = Fmu::new();
+    assert_eq!(fmu.set(fmu::reference("initial.theta"), 0.1), OK);
+    assert_eq!([fmu.setup(None, 0.0, None), fmu.enter(), fmu.exit(), fmu.step(0.0, 0.5)], [OK; 4]);
+    assert_eq!(fmu.save(0), OK);
+    let content = sealed::content(&fmu.serialize(0).unwrap()).to_vec();
+    for name in ["peak.theta", "peak.N", "peak.H", "peak.uplift", "peak.friction_demand"] {
+        let mut peak = [0.0];
+        assert_eq!(fmu.reals(&[fmu::reference(name)], &mut peak), OK);
+        let places = (0..content.len() - 8).filter(|&at| content[at..at + 8] == peak[0].to_le_bytes());
+        let refused = |forged: f64| {
+            places.clone().any(|at| {
+                let mut content = content.clone();
+                content[at..at + 8].copy_from_slice(&forged.to_le_bytes());
+                Fmu::new().deserialize(&sealed::seal(&content)) == ERROR
+            })
+        };
+        assert!(places.clone().count() > 0 && refused(f64::NAN) && refused(f64::INFINITY), "{name} = {}", peak[0]);
     }
 }

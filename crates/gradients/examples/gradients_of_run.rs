@@ -1,14 +1,14 @@
 //! One run with derivatives, whose instructions `scripts/instructions --gradients` counts:
 //! `gradients_of_run (sine | record | rigid-sine | rigid-record) COUNT`, where COUNT is the number of parameters; 0 is the run alone.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
+use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_gradients::{BATCH, Follower, Parameters, Varied, advance};
 use rocking_records::ReadOptions;
 
-const RECORD: &[u8] = include_bytes!("../../../records/np01002p_4225a_a.smc");
+const RECORD: &[u8] = include_bytes!("../../../examples/records/np01002p_4225a_a.smc");
 
 /// Steps from stop to stop of the ground motion. Never inlined, since callgrind counts inside it.
 #[inline(never)]
@@ -33,15 +33,15 @@ fn main() {
         let record = rocking_records::parse("record", RECORD, &ReadOptions::default()).expect("a record");
         Ground { horizontal: Some(record), vertical: None }
     };
-    let rigid = Common { foundation: Foundation::Rigid, ..Common::default() };
-    let (alpha, p, xi_v, common, pulse, ground, end) = match case.as_str() {
-        "sine" => (0.25, 1.0, 0.1, Common::default(), sine, Ground::default(), 10.0),
-        "record" => (0.15, 2.0, 0.2, Common::default(), Pulse::NONE, record(), 40.0),
-        "rigid-sine" => (0.25, 1.0, 0.1, rigid, sine, Ground::default(), 10.0),
-        "rigid-record" => (0.15, 2.0, 0.2, rigid, Pulse::NONE, record().scaled(4.0), 40.0),
+    let damped = |xi_v| Supports::Viscoelastic(Ratios { eta: 40.0, xi_v });
+    let (alpha, p, supports, pulse, ground, end) = match case.as_str() {
+        "sine" => (0.25, 1.0, damped(0.1), sine, Ground::default(), 10.0),
+        "record" => (0.15, 2.0, damped(0.2), Pulse::NONE, record(), 40.0),
+        "rigid-sine" => (0.25, 1.0, Supports::HOUSNER, sine, Ground::default(), 10.0),
+        "rigid-record" => (0.15, 2.0, Supports::HOUSNER, Pulse::NONE, record().scaled(4.0), 40.0),
         other => panic!("case \"{other}\"; expected sine, record, rigid-sine or rigid-record"),
     };
-    let dimensionless = Dimensionless { alpha, p, eta: 40.0, xi_v };
+    let (dimensionless, common) = (Dimensionless { alpha, p, supports }, Common::default());
     let block = Block::from_dimensionless(&dimensionless, &common).expect("a block");
     let initial = Initial::default();
     let scale = ground.horizontal.is_some().then_some(1.0);

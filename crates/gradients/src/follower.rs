@@ -72,8 +72,10 @@ impl Follower {
             grazing: None,
         };
         follower.adopt_values(simulation.pose());
+        // The peaks begin with the block that a jump of the excitation has released.
+        let now = follower.at(&follower.pose, &excitation);
         let start = Segment {
-            start: follower.pose,
+            start: follower.system.released(&follower.pose, &now).unwrap_or(follower.pose),
             start_shift: follower.shift,
             excitation,
             course: Course::Stayed,
@@ -114,15 +116,18 @@ impl Follower {
         let start_shift = self.shift;
         let start = if *peaks == simulation.peaks() { None } else { Some(self.pose) };
         self.advance(course, simulation, times, observer);
-        let mut end_shift = [0.0; BATCH];
-        if let Some(fall) = fall {
-            end_shift = self.event_time(fall, course);
-            self.shift = end_shift;
-        }
+        let (end, slip_rate) = (simulation.time(), fall.map_or(0.0, |fall| fall.rates.slip));
+        let end_shift = match fall {
+            Some(fall) => {
+                self.shift = self.event_time(fall, course);
+                self.shift
+            }
+            // The excitation may jump where the pulse begins or ends.
+            None => self.varied.kink(simulation.pulse(), end).map_or([0.0; BATCH], |(shift, _)| shift),
+        };
         let Some(start) = start else { return };
-        let (excitation, course, end) = (self.excitation, *course, simulation.time());
-        let segment = Segment { start, start_shift, excitation, course, end, end_shift };
-        self.peak_segments.record(peaks, &simulation.peaks(), self.slip, &segment);
+        let segment = Segment { start, start_shift, excitation: self.excitation, course: *course, end, end_shift };
+        self.peak_segments.record(peaks, &simulation.peaks(), (self.slip, slip_rate), &segment);
     }
 
     fn advance(&mut self, course: &Course, simulation: &Simulation, times: &[f64], observer: &mut dyn FnMut(&Sample)) {
@@ -215,7 +220,11 @@ impl Follower {
         for corner in Corner::BOTH {
             match (pose.contacts.of_mut(corner), run.contacts.of(corner)) {
                 (Contact::Bearing, Contact::Bearing) => {}
-                (Contact::Held(creep), Contact::Held(value)) | (Contact::Lifted(creep), Contact::Lifted(value)) => {
+                (Contact::Held(creep, slide), Contact::Held(value, run)) => {
+                    alike &= *slide == run;
+                    (creep.depth.re, creep.since.re, *slide) = (value.depth, value.since, run);
+                }
+                (Contact::Lifted(creep), Contact::Lifted(value)) => {
                     (creep.depth.re, creep.since.re) = (value.depth, value.since);
                 }
                 (contact, value) => (*contact, alike) = (value.map(Number::from), false),
@@ -291,7 +300,8 @@ impl Follower {
 
     /// Returns the peaks since the start.
     pub fn peaks(&self, simulation: &Simulation) -> Peaks<Number> {
-        self.peak_segments.peaks(&simulation.peaks(), &|segment, elapsed| self.inside(segment, elapsed))
+        let inside = |segment: &Segment, elapsed: f64| self.inside(segment, elapsed);
+        self.peak_segments.peaks(&self.system.block, &simulation.peaks(), &inside)
     }
 
     /// Returns the events since the start, with the derivatives of their times.

@@ -1,10 +1,10 @@
 //! The steps in which peaks rise for the last time → the derivatives of the peaks.
 
-use rocking_block::block::restraints;
+use rocking_block::block::{Block, restraints};
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::sign_change;
 use rocking_block::simulation::follow::Course;
-use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::outputs::{MOST_FRICTION_DEMAND, Observation};
 use rocking_block::simulation::peaks::{Channel, Peaks};
 use rocking_block::system::instant::Pose;
 
@@ -65,8 +65,9 @@ impl PeakSegments {
         }
     }
 
-    /// Records a step with the peaks before and after it; `slip` is the displacement of the foot at its end (m).
-    pub fn record(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: &Segment) {
+    /// Records a step with the peaks before and after it; `slip` is the displacement of the foot at its end (m), and its rate before an event
+    /// there (m/s).
+    pub fn record(&mut self, before: &Peaks, after: &Peaks, slip: (Number, f64), step: &Segment) {
         let record = |slot: &mut Option<Box<Segment>>| match slot {
             Some(last) => **last = *step,
             None => *slot = Some(Box::new(*step)),
@@ -82,7 +83,7 @@ impl PeakSegments {
             }
         }
         if after.slip != before.slip {
-            self.record_slip(slip, 0.0, [0.0; BATCH]);
+            self.record_slip(slip.0, slip.1, step.end_shift);
         }
     }
 
@@ -91,10 +92,10 @@ impl PeakSegments {
         self.slip = std::array::from_fn(|i| slip.re.signum() * (slip.eps[i] + rate * shift[i]));
     }
 
-    /// Returns these peaks of the run with their derivatives.
-    pub fn peaks(&self, peaks: &Peaks, observe: &ObserveInside) -> Peaks<Number> {
+    /// Returns these peaks of a run of the block with their derivatives.
+    pub fn peaks(&self, block: &Block<Number>, peaks: &Peaks, observe: &ObserveInside) -> Peaks<Number> {
         let peak = |quantity: Quantity, value: f64, segment: &Option<Box<Segment>>| {
-            let eps = segment.as_deref().map_or([0.0; BATCH], |segment| derivatives(observe, segment, quantity, value));
+            let eps = segment.as_deref().map_or([0.0; BATCH], |segment| derivatives(observe, segment, quantity));
             Number::new(value, eps)
         };
         let channel = |i: usize| peak(Quantity::Channel(CHANNELS[i]), peaks.of(CHANNELS[i]), &self.channels[i]);
@@ -103,32 +104,32 @@ impl PeakSegments {
             reaction: channel(1),
             horizontal: channel(2),
             uplift: channel(3),
-            friction_demand: channel(4),
+            // A limit of the numbers shown does not vary.
+            friction_demand: match peaks.friction_demand < MOST_FRICTION_DEMAND {
+                true => channel(4),
+                false => Number::from(peaks.friction_demand),
+            },
             slip: Number::new(peaks.slip, self.slip),
-            pull: std::array::from_fn(|i| peak(Quantity::Pull(i), peaks.pull[i], &self.pulls[i])),
+            pull: std::array::from_fn(|i| match restraints::strength(block, i) {
+                // It has broken, perhaps at an impact, at which the pull jumps.
+                Some(strength) if strength.re == peaks.pull[i] => strength,
+                Some(_) | None => peak(Quantity::Pull(i), peaks.pull[i], &self.pulls[i]),
+            }),
         }
     }
 }
 
-/// Returns the derivatives of a peak with this value: at an end of the segment, whose time may vary, or at a maximum inside, where the
+/// Returns the derivatives of a peak: at an end of the segment, whose time may vary, or at a maximum inside, where the
 /// rate is zero.
-fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity, peak: f64) -> [f64; BATCH] {
+fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity) -> [f64; BATCH] {
     // The maximum is bracketed by the neighbours of the highest of these instants.
     const PIECES: u32 = 8;
     let duration = segment.end - segment.start.time.re;
     let at = |elapsed: f64| samples(quantity, &observe(segment, elapsed));
-    let ends = [(at(0.0), segment.start_shift, -1.0), (at(duration), segment.end_shift, 1.0)];
     // A channel has a value for each corner or direction; the greatest counts.
     let greatest = |samples: &[(Number, f64)]| {
         samples.iter().enumerate().max_by(|(_, a), (_, b)| a.0.re.total_cmp(&b.0.re)).map_or(0, |(i, _)| i)
     };
-    const SAME: f64 = 1e-12;
-    for (samples, shift, outwards) in &ends {
-        let Some((value, rate)) = samples.get(greatest(samples)) else { continue };
-        if value.re >= peak - SAME * peak.abs() && outwards * rate >= 0.0 {
-            return std::array::from_fn(|i| value.eps[i] + rate * shift[i]);
-        }
-    }
     let times: Vec<f64> = (0..=PIECES).map(|i| duration * f64::from(i) / f64::from(PIECES)).collect();
     let highest = |time: &&f64| {
         let samples = at(**time);
@@ -137,6 +138,12 @@ fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity, p
     let Some(&top) = times.iter().max_by(|a, b| highest(a).total_cmp(&highest(b))) else { return [f64::NAN; BATCH] };
     let which = greatest(&at(top));
     let rate = |time: f64| at(time)[which].1;
+    for (end, shift, outwards) in [(0.0, segment.start_shift, -1.0), (duration, segment.end_shift, 1.0)] {
+        let (value, rate) = at(end)[which];
+        if top == end && outwards * rate >= 0.0 {
+            return std::array::from_fn(|i| value.eps[i] + rate * shift[i]);
+        }
+    }
     let piece = duration / f64::from(PIECES);
     let (low, high) = if rate(top) >= 0.0 { (top, top + piece) } else { (top - piece, top) };
     let (low, high) = (low.max(0.0), high.min(duration));

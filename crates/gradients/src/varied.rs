@@ -1,7 +1,7 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
-use rocking_block::block::restraints::{Tie, Ties};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Physical};
+use rocking_block::block::restraints::{Tie, Ties, tie};
+use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Physical, Ratios, Springs, Supports};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
@@ -54,29 +54,16 @@ const PARAMETERS: [(&str, &str); 25] = [
     ("scale", "1"),
 ];
 
-/// The parameters of a tie with their units.
-const TIE_PARAMETERS: [(&str, &str); 9] = [
-    ("block_x", "m"),
-    ("block_z", "m"),
-    ("ground_x", "m"),
-    ("ground_z", "m"),
-    ("stiffness", "N/m"),
-    ("pretension", "N"),
-    ("slack", "m"),
-    ("damping", "N.s/m"),
-    ("strength", "N"),
-];
-
 /// Returns the unit of a parameter; `1` for one without a unit.
 pub fn unit(name: &str) -> &'static str {
-    let of_tie = name.split_once('.').and_then(|(_, name)| TIE_PARAMETERS.iter().find(|(known, _)| *known == name));
+    let of_tie = name.split_once('.').and_then(|(_, name)| tie::NUMBERS.iter().find(|(known, _)| *known == name));
     PARAMETERS.iter().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
 }
 
 impl Parameters {
     /// Returns the names of all parameters that the run reads.
     pub fn names(&self) -> Vec<String> {
-        let of_ties = (1..=self.ties.len()).flat_map(|tie| TIE_PARAMETERS.map(|(name, _)| format!("tie_{tie}.{name}")));
+        let of_ties = (1..=self.ties.len()).flat_map(|tie| tie::NUMBERS.map(|(name, _)| format!("tie_{tie}.{name}")));
         let all = PARAMETERS.iter().map(|(name, _)| name.to_string()).chain(["pulse.cycles".into()]).chain(of_ties);
         let mut parameters = self.clone();
         all.filter(|name| parameters.number(name).is_some()).collect()
@@ -89,36 +76,27 @@ impl<T: Elementary> Parameters<T> {
         let Parameters { parameterization, common, ties, initial, pulse, scale } = self;
         if let Some((tie, name)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
             let tie = ties.get_mut(tie.parse::<usize>().ok()?.checked_sub(1)?)?;
-            return match name {
-                "block_x" => Some(&mut tie.block[0]),
-                "block_z" => Some(&mut tie.block[1]),
-                "ground_x" => Some(&mut tie.ground[0]),
-                "ground_z" => Some(&mut tie.ground[1]),
-                "stiffness" => Some(&mut tie.stiffness),
-                "pretension" => Some(&mut tie.pretension),
-                "slack" => Some(&mut tie.slack),
-                "damping" => Some(&mut tie.damping),
-                // 0 means that it does not break.
-                "strength" if tie.strength.value() > 0.0 => Some(&mut tie.strength),
-                _ => None,
-            };
+            let number = tie.number(name)?;
+            // A strength of 0 means that it does not break.
+            return (name != "strength" || number.value() > 0.0).then_some(number);
         }
-        let on_supports = common.foundation == Foundation::Viscoelastic;
         match parameterization {
-            Parameterization::Dimensionless(block) => match name {
-                "alpha" => return Some(&mut block.alpha),
-                "p" => return Some(&mut block.p),
-                "eta" if on_supports => return Some(&mut block.eta),
-                "xi_v" if on_supports => return Some(&mut block.xi_v),
+            Parameterization::Dimensionless(block) => match (name, &mut block.supports) {
+                ("alpha", _) => return Some(&mut block.alpha),
+                ("p", _) => return Some(&mut block.p),
+                ("eta", Supports::Viscoelastic(ratios)) => return Some(&mut ratios.eta),
+                ("xi_v", Supports::Viscoelastic(ratios)) => return Some(&mut ratios.xi_v),
+                ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
                 _ => {}
             },
-            Parameterization::Physical(block) => match name {
-                "width" => return Some(&mut block.width),
-                "height" => return Some(&mut block.height),
-                "K" if on_supports => return Some(&mut block.stiffness),
-                "C" if on_supports => return Some(&mut block.damping),
-                "inertia" => return block.inertia.as_mut(),
-                "gamma" if block.inertia.is_some() => return None,
+            Parameterization::Physical(block) => match (name, &mut block.supports) {
+                ("width", _) => return Some(&mut block.width),
+                ("height", _) => return Some(&mut block.height),
+                ("K", Supports::Viscoelastic(springs)) => return Some(&mut springs.stiffness),
+                ("C", Supports::Viscoelastic(springs)) => return Some(&mut springs.damping),
+                ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
+                ("inertia", _) => return block.inertia.as_mut(),
+                ("gamma", _) if block.inertia.is_some() => return None,
                 _ => {}
             },
         }
@@ -128,7 +106,6 @@ impl<T: Elementary> Parameters<T> {
             "gamma" => Some(&mut common.gamma),
             "epsilon" => Some(&mut common.epsilon),
             "g" => Some(&mut common.gravity),
-            "restitution_factor" if !on_supports => Some(&mut common.restitution_factor),
             "eccentricity" => Some(&mut common.eccentricity),
             // 0 means no limit.
             "friction" if common.friction.value() > 0.0 => Some(&mut common.friction),
@@ -147,24 +124,21 @@ impl<T: Elementary> Parameters<T> {
     }
 
     fn map<U: Elementary>(&self, of: impl Fn(T) -> U) -> Parameters<U> {
-        let Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction } =
-            self.common;
+        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = self.common;
         Parameters {
             parameterization: match self.parameterization {
-                Parameterization::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
-                    Parameterization::Dimensionless(Dimensionless {
-                        alpha: of(alpha),
-                        p: of(p),
-                        eta: of(eta),
-                        xi_v: of(xi_v),
-                    })
+                Parameterization::Dimensionless(Dimensionless { alpha, p, supports }) => {
+                    let ratios = |Ratios { eta, xi_v }| Ratios { eta: of(eta), xi_v: of(xi_v) };
+                    let supports = supports.map(ratios, &of);
+                    Parameterization::Dimensionless(Dimensionless { alpha: of(alpha), p: of(p), supports })
                 }
-                Parameterization::Physical(Physical { width, height, stiffness, damping, inertia }) => {
+                Parameterization::Physical(Physical { width, height, supports, inertia }) => {
+                    let springs =
+                        |Springs { stiffness, damping }| Springs { stiffness: of(stiffness), damping: of(damping) };
                     Parameterization::Physical(Physical {
                         width: of(width),
                         height: of(height),
-                        stiffness: of(stiffness),
-                        damping: of(damping),
+                        supports: supports.map(springs, &of),
                         inertia: inertia.map(&of),
                     })
                 }
@@ -174,8 +148,6 @@ impl<T: Elementary> Parameters<T> {
                 gamma: of(gamma),
                 epsilon: of(epsilon),
                 gravity: of(gravity),
-                foundation,
-                restitution_factor: of(restitution_factor),
                 eccentricity: of(eccentricity),
                 friction: of(friction),
             },
@@ -279,5 +251,22 @@ fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
         share: std::array::from_fn(|i| at(from.share[i], block.share[i])),
         friction: at(from.friction, block.friction),
         restraints: from.restraints,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rocking_block::unit::variables::VARIABLES;
+
+    /// Units are those of modelDescription.xml.
+    #[test]
+    fn units_are_those_of_the_fmu() {
+        let of_ties = tie::NUMBERS.into_iter().map(|(name, unit)| (format!("tie_1.{name}"), unit));
+        for (name, unit) in PARAMETERS.into_iter().map(|(name, unit)| (name.to_string(), unit)).chain(of_ties) {
+            let group = format!(".{name}");
+            let found = VARIABLES.iter().find(|known| known.name == name || known.name.ends_with(&group));
+            assert_eq!(found.map(|known| known.unit.unwrap_or("1")), Some(unit), "{name}");
+        }
     }
 }

@@ -166,9 +166,9 @@ pub fn pulls<P: Scalar, T: CombinesWith<P>>(
 }
 
 /// Returns the strength (N) of the restraint with this number, if it can break.
-pub fn strength(block: &Block, number: usize) -> Option<f64> {
+pub fn strength<T: Elementary>(block: &Block<T>, number: usize) -> Option<T> {
     let strength = block.ties().get(number)?.strength;
-    (strength > 0.0).then_some(strength)
+    (strength.value() > 0.0).then_some(strength)
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the restraints.

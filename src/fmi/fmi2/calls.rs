@@ -42,6 +42,7 @@ macro_rules! calls {
                 }
             }
 
+            #[inline]
             fn phases(self) -> u16 {
                 match self {
                     $(Call::$call => $phases,)*
@@ -103,26 +104,12 @@ impl fmi::Call for Call {
         self.name()
     }
 
+    #[inline]
     fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
-        let phases = self.phases();
-        if phases & phase.bit() != 0 && self.interface().is_none_or(|needed| needed == interface) {
+        if self.phases() & phase.bit() != 0 && self.interface().is_none_or(|needed| needed == interface) {
             return Ok(());
         }
-        Err(match (phases, self.interface()) {
-            (NEVER, _) => "no step is ever in progress, steps are synchronous".into(),
-            (_, Some(Interface::ModelExchange)) if interface == Interface::CoSimulation => {
-                "this belongs to Model Exchange; the instance is one for Co-Simulation".into()
-            }
-            (_, Some(Interface::CoSimulation)) if interface == Interface::ModelExchange => {
-                "this belongs to Co-Simulation; the instance is one for Model Exchange".into()
-            }
-            _ => {
-                let allowed = |phase: &Phase| phases & phase.bit() != 0 && Call::lead_to(*phase, interface);
-                let allowed = Phase::ALL.into_iter().filter(allowed);
-                let allowed: Vec<&str> = allowed.map(name).collect();
-                format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
-            }
-        })
+        Err(self.refusal(phase, interface))
     }
 
     fn lead_to(phase: Phase, interface: Interface) -> bool {
@@ -135,7 +122,30 @@ impl fmi::Call for Call {
 }
 
 impl Call {
+    /// Returns the reason why the call is illegal in a state, with the states in which it is legal.
+    #[cold]
+    fn refusal(self, phase: Phase, interface: Interface) -> String {
+        let phases = self.phases();
+        match (phases, self.interface()) {
+            (NEVER, _) => "no step is ever in progress, steps are synchronous".into(),
+            (_, Some(Interface::ModelExchange)) if interface == Interface::CoSimulation => {
+                "this belongs to Model Exchange; the instance is one for Co-Simulation".into()
+            }
+            (_, Some(Interface::CoSimulation)) if interface == Interface::ModelExchange => {
+                "this belongs to Co-Simulation; the instance is one for Model Exchange".into()
+            }
+            _ => {
+                let allowed =
+                    |phase: &Phase| phases & phase.bit() != 0 && <Call as fmi::Call>::lead_to(*phase, interface);
+                let allowed = Phase::ALL.into_iter().filter(allowed);
+                let allowed: Vec<&str> = allowed.map(name).collect();
+                format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
+            }
+        }
+    }
+
     /// Returns the only interface type that has the call, or `None` if both have it.
+    #[inline]
     fn interface(self) -> Option<Interface> {
         match self {
             Call::DoStep

@@ -47,6 +47,7 @@ macro_rules! calls {
                 }
             }
 
+            #[inline]
             fn phases(self) -> u16 {
                 match self {
                     $(Call::$call => $phases,)*
@@ -135,25 +136,12 @@ impl fmi::Call for Call {
         self.name()
     }
 
+    #[inline]
     fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
-        let phases = self.phases();
-        if let Some(needed) = self.interface().filter(|needed| *needed != interface) {
-            let called = |interface| match interface {
-                Interface::CoSimulation => "Co-Simulation",
-                Interface::ModelExchange => "Model Exchange",
-            };
-            return Err(format!("this belongs to {}; the instance is one for {}", called(needed), called(interface)));
-        }
-        if phases & phase.bit() != 0 {
+        if self.phases() & phase.bit() != 0 && self.interface().is_none_or(|needed| needed == interface) {
             return Ok(());
         }
-        if phases == NEVER {
-            return Err(self.missing().into());
-        }
-        let allowed = |phase: &Phase| phases & phase.bit() != 0 && Call::lead_to(*phase, interface);
-        let allowed = Phase::ALL.into_iter().filter(allowed);
-        let allowed: Vec<&str> = allowed.map(name).collect();
-        Err(format!("not allowed in {}; it is in {}", name(phase), allowed.join(", ")))
+        Err(self.refusal(phase, interface))
     }
 
     fn lead_to(phase: Phase, interface: Interface) -> bool {
@@ -166,7 +154,28 @@ impl fmi::Call for Call {
 }
 
 impl Call {
+    /// Returns the reason why the call is illegal in a state, with the states in which it is legal.
+    #[cold]
+    fn refusal(self, phase: Phase, interface: Interface) -> String {
+        let phases = self.phases();
+        if let Some(needed) = self.interface().filter(|needed| *needed != interface) {
+            let called = |interface| match interface {
+                Interface::CoSimulation => "Co-Simulation",
+                Interface::ModelExchange => "Model Exchange",
+            };
+            return format!("this belongs to {}; the instance is one for {}", called(needed), called(interface));
+        }
+        if phases == NEVER {
+            return self.missing().into();
+        }
+        let allowed = |phase: &Phase| phases & phase.bit() != 0 && <Call as fmi::Call>::lead_to(*phase, interface);
+        let allowed = Phase::ALL.into_iter().filter(allowed);
+        let allowed: Vec<&str> = allowed.map(name).collect();
+        format!("not allowed in {}; it is in {}", name(phase), allowed.join(", "))
+    }
+
     /// Returns the only interface type that has the call, or `None` if both have it.
+    #[inline]
     fn interface(self) -> Option<Interface> {
         match self {
             Call::DoStep | Call::EnterStepMode | Call::GetOutputDerivatives => Some(Interface::CoSimulation),

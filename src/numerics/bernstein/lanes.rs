@@ -96,17 +96,20 @@ impl<V: Simd> Pairs<V> {
 
     /// The greatest value of `a p + b q` in some lanes, see [`Bernsteins::highest`].
     #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "`zip` is not inlined")]
     pub fn highest(&self, lanes: Lanes<V>, [a, b]: [Wide<V>; 2], most: Wide<V>) -> Highest<V> {
         let zero = Wide::default();
         let (mut powers, mut coefficients) = ([zero; DEGREE + 1], [zero; DEGREE + 1]);
-        for (coefficient, &[p, q]) in coefficients.iter_mut().zip(&self.coefficients) {
-            *coefficient = a * p + b * q;
+        for k in 0..DEGREE + 1 {
+            let [p, q] = self.coefficients[k];
+            coefficients[k] = a * p + b * q;
         }
         if !exceeding(&coefficients, most).and(lanes).any() {
             return Highest { place: zero, exceeds: lanes.except(lanes), known: lanes };
         }
-        for (power, &[p, q]) in powers.iter_mut().zip(&self.powers) {
-            *power = a * p + b * q;
+        for k in 0..DEGREE + 1 {
+            let [p, q] = self.powers[k];
+            powers[k] = a * p + b * q;
         }
         Bernsteins { degree: self.degree, powers, coefficients }.highest(lanes, most)
     }

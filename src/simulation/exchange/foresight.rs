@@ -31,6 +31,13 @@ pub(super) struct Foreseen {
     pub inputs: Inputs,
 }
 
+impl Foreseen {
+    /// Whether all numbers are finite, and no peak is negative.
+    pub(super) fn is_valid(&self) -> bool {
+        self.pose.is_finite() && self.peaks.is_valid() && self.inputs.is_finite()
+    }
+}
+
 impl Simulation {
     /// The surface of the next event, if it is known.
     pub(in crate::simulation) fn foreseen_surface(&self) -> Option<Surface> {

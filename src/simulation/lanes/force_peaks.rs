@@ -5,8 +5,7 @@ use crate::numerics::Real;
 use crate::numerics::bernstein::DEGREE;
 use crate::numerics::bernstein::lanes::{Highest, Pairs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
-use crate::simulation::force_peaks::{MOST_ROUNDS, PRESSED};
-use crate::simulation::outputs::MOST_FRICTION_DEMAND;
+use crate::simulation::force_peaks::{MOST_ROUNDS, PRESSED, friction_demand};
 use crate::system::swing::Pivoting;
 use crate::system::swing::lanes::Swings;
 
@@ -37,13 +36,6 @@ pub struct ForcePeaks<V> {
     pub friction_demand: Wide<V>,
     /// The number of evaluations of the equations of motion.
     pub evaluations: Wide<V>,
-}
-
-/// The friction demand of N/M and H/M (m/s²).
-#[inline(always)]
-fn friction_demand<V: Simd>([n, h]: [Wide<V>; 2]) -> Wide<V> {
-    let is_bounded = h.abs().less(n * MOST_FRICTION_DEMAND);
-    (h.abs() / n).in_lanes(is_bounded, Wide::from(MOST_FRICTION_DEMAND))
 }
 
 impl<V: Simd> ForcePeaks<V> {

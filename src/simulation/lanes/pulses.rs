@@ -28,8 +28,9 @@ impl Pulses {
     /// The pulses of a group in a short step or one of order 8.
     pub fn of(width: VectorWidth, short: bool, runs: &[&Lane; MOST_LANES]) -> Pulses {
         let mut pulses = Pulses::NONE;
-        for form in [Form::Sine, Form::SymmetricRicker, Form::AntisymmetricRicker, Form::Gabor] {
-            if runs.iter().any(|run| wave_of(run, form).is_some()) {
+        for (i, run) in runs.iter().enumerate() {
+            let Some(form) = run.wave.as_ref().map(|wave| wave.form) else { continue };
+            if runs[..i].iter().all(|before| wave_of(before, form).is_none()) {
                 width.run(OfForm { form, short, runs, pulses: &mut pulses });
             }
         }

@@ -93,8 +93,8 @@ pub struct Swung {
 pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> Swung {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
-    for (place, run) in runs.iter_mut().zip(group) {
-        *place = run;
+    for (lane, run) in group.iter().enumerate() {
+        runs[lane] = run;
     }
     width.run(GroupSwing { is_wave, runs, count })
 }
@@ -156,7 +156,7 @@ impl Task for GroupSwing<'_> {
         let size = swings.size();
         let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
         let end_time = (time + part * size).in_lanes(ends_before, stop);
-        let advances = lands.or(time.less(end_time));
+        let advances = time.less(end_time);
         let [theta, theta_dot] = swings.at(part);
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
         let usual = is_decided.and(advances).and(is_finite);

@@ -2,13 +2,14 @@
 
 use super::*;
 
-use crate::block::{Common, Dimensionless};
+use crate::block::{Common, Dimensionless, Ratios, Supports};
 use crate::excitation::Pulse;
 use crate::simulation::{Initial, Settings};
 
 /// A block that tilts and does not come down within the next step.
 fn lane() -> Lane {
-    let numbers = Dimensionless { alpha: 0.25, p: 2.0, eta: 20.0, xi_v: 0.1 };
+    let numbers =
+        Dimensionless { alpha: 0.25, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 20.0, xi_v: 0.1 }) };
     let block = Block::from_dimensionless(&numbers, &Common::default()).unwrap();
     let initial = Initial { theta: 0.15, ..Initial::default() };
     let inputs = Inputs::default();

@@ -1,6 +1,6 @@
 //! Coulomb's limit `|H| ≤ μ N`: a gripping foot slides when it is reached, and a sliding foot grips when it stops.
 
-use crate::block::{Block, Corner, Foot, Foundation, Regime};
+use crate::block::{Block, Corner, Foot, Foundation, Regime, StandingSlide};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -26,6 +26,21 @@ where
 pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, x: &Instant<T>, push: Corner) -> T {
     let normal = x.reaction[0] + x.reaction[1];
     normal * block.friction + x.horizontal * push.sign()
+}
+
+/// Returns the footing that a block would have in another regime now: where it slides, the velocity of the new foot decides.
+pub(super) fn footing_on<T: Elementary>(at: &Evaluation<T>, regime: Regime) -> Footing<T> {
+    let Footing::Slides { u, u_dot, direction } = at.footing else { return at.footing };
+    if let (Some(held), Some(_)) = (&at.held, regime.pivot()) {
+        return match held.standing {
+            StandingSlide::Follows => at.footing,
+            StandingSlide::Opposes => Footing::Slides { u, u_dot, direction: -direction },
+        };
+    }
+    let height = impact::height_over(at.block, regime.foot().unwrap_or(Foot::Middle), at.instant.theta);
+    let speed = (at.instant.u_dot - height * at.instant.theta_dot).value();
+    let direction = if speed.abs() > speed_rounding(at.block) { speed.signum() } else { direction };
+    Footing::Slides { u, u_dot, direction }
 }
 
 /// Returns the speed of a sliding foot (m/s).

@@ -1,17 +1,19 @@
 //! A held corner: full contact would lift it, and standing on the other corner alone would press it back.
 //!
-//! It lifts once it would no longer be pressed back, and bears again once full contact would no longer lift it.
+//! It lifts once it would no longer be pressed back, and bears again once full contact would no longer lift it. Where the middle of the base
+//! and the other corner slide to opposite sides, it lifts once the latter stops.
 
-use crate::block::{Contact, Corner, Regime};
+use crate::block::{Contact, Corner, Foot, Lever, Regime, StandingSlide};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving};
+use crate::system::events::friction;
 use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
-use crate::system::instant::Instant;
+use crate::system::instant::{Footing, Held, Instant};
 
 /// Returns the acceleration (m/s²) with which a held corner would be pressed on if it were let go.
 ///
@@ -27,13 +29,40 @@ pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sa
     Sample { value: x.corner_ddot[i] - at.instant.corner_ddot[i], rate: T::from(0.0) }
 }
 
+/// Returns the speed of the corner that stands while the other one is held (m/s), along or against the slide of the middle of the base.
+pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
+    let (Some(held), Footing::Slides { direction, .. }) = (&at.held, at.footing) else { return Sample::default() };
+    let (x, (sin, cos)) = (&at.instant, at.instant.theta.sin_cos());
+    let Lever { x: across, q } = at.block.lever(Foot::Corner(held.corner.other()), sin, cos);
+    let direction = match held.standing {
+        StandingSlide::Follows => direction,
+        StandingSlide::Opposes => -direction,
+    };
+    let acceleration = x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot;
+    Sample { value: (x.u_dot - q * x.theta_dot) * direction, rate: acceleration * direction }
+}
+
 impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
     /// Holds `corner` on its support at this height (m).
     pub(super) fn hold_corner(&mut self, corner: Corner, height: T) {
-        self.pose.contacts.set(corner, Contact::Held(self.creep_from(corner, height)));
+        let creep = self.creep_from(corner, height);
+        self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Follows));
+        if let Footing::Slides { .. } = self.pose.footing
+            && standing_slide(&self.now()).value.value() < -friction::speed_rounding(&self.system.block)
+        {
+            self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Opposes));
+        }
+    }
+
+    /// Lifts the held corner since the standing one has stopped, which no longer presses it back; that one grips, or slides on.
+    pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) {
+        let mut placement = Placement::of(&now.instant);
+        placement.hold_pivot(now.block, held.corner.other());
+        self.take_off(held.corner, &placement);
+        self.settle(Regime::FullContact, placement);
     }
 
     /// Handles two corners without load, so that nothing holds the block horizontally. The paper's analysis ends here.

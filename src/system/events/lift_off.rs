@@ -9,6 +9,7 @@ use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving, ROUNDING};
+use crate::system::events::friction;
 use crate::system::events::placement::Placement;
 use crate::system::forces::support;
 use crate::system::instant::{Footing, Instant};
@@ -74,7 +75,8 @@ fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> 
     let other = corner.other();
     let after = if at.regime.touches(other) {
         let state = [x.theta, x.theta_dot, x.corner[other.index()], x.corner_dot[other.index()]];
-        instant(block, Regime::on(other), state, at.footing, at.forcing)
+        let regime = Regime::on(other);
+        instant(block, regime, state, friction::footing_on(at, regime), at.forcing)
     } else {
         let flight = Footing::Free { u: x.u, u_dot: x.u_dot };
         instant(block, Regime::Separated, [x.theta, x.theta_dot, x.v, x.v_dot], flight, at.forcing)

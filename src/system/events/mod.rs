@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`lift_off`] | the reaction of a touching corner → it leaves its support, slips, or is held |
 //! | `slip` | the last corner bears nothing but would be pressed on again → it slides |
-//! | `held` | whether a held corner would be pressed on, or lifted → it lifts, or bears again |
+//! | `held` | whether a held corner would be pressed on, or lifted; the slide of the standing corner → it lifts, or bears again |
 //! | [`landing`] | the gap of a lifted corner while the other one stands → the impact map |
 //! | `pivot` | the gap of a lifted corner on a rigid base → Housner's change of the pivot |
 //! | `flight` | the gap of a corner in flight, or while the other one slides → landing with or without grip |
@@ -68,6 +68,8 @@ pub enum Surface {
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
+    /// The speed of the corner that stands while the other one is held and the middle of the base slides (m/s).
+    StandingSlide,
     /// A function of a restraint.
     Restraint(restraints::Surface),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
@@ -106,6 +108,7 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
             watched[1] = Some(Surface::Friction(Corner::Right));
         } else {
             watched[0] = Some(Surface::Speed);
+            watched[1] = law.held().map(|_| Surface::StandingSlide);
         }
     }
     if !block.restraints.is_empty() {
@@ -146,6 +149,7 @@ impl Surface {
             Surface::Slide => grip::slide(at),
             Surface::Friction(push) => friction::margin(at, push),
             Surface::Speed => friction::speed(at),
+            Surface::StandingSlide => held::standing_slide(at),
             Surface::Restraint(surface) => restraint::sample(surface, at),
             Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]),
         }
@@ -161,6 +165,7 @@ impl Surface {
             Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
             Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
             Surface::Speed => friction::speed(at).value,
+            Surface::StandingSlide => held::standing_slide(at).value,
             Surface::Restraint(surface) => surface.value(at.block, &Kinematics::of(&at.instant)),
             Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]).value,
         }
@@ -169,7 +174,7 @@ impl Surface {
     /// Whether value and rate follow from the state and its rate, without the rates of the inputs, and an event may leave it at zero.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
-            Surface::Gap(_) | Surface::Slide | Surface::Speed => true,
+            Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::StandingSlide => true,
             Surface::Restraint(surface) => surface.follows_from_state(),
             Surface::Reaction(_) => match foundation {
                 Foundation::Viscoelastic => true,
@@ -190,6 +195,7 @@ impl Surface {
             | Surface::Slide
             | Surface::Friction(_)
             | Surface::Speed
+            | Surface::StandingSlide
             | Surface::QuarterTurn => true,
         }
     }
@@ -202,7 +208,7 @@ impl Surface {
             Surface::Gap(_) => landing::rounding(block),
             Surface::Slide => grip::rounding(block),
             Surface::Friction(_) => friction::margin_rounding(block),
-            Surface::Speed => friction::speed_rounding(block),
+            Surface::Speed | Surface::StandingSlide => friction::speed_rounding(block),
             Surface::Restraint(surface) => ROUNDING * surface.size(block),
             Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
@@ -262,6 +268,10 @@ where
             }
             Surface::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
             Surface::Speed => Some(change.slide_or_grip(None, now)),
+            Surface::StandingSlide => now.held.map(|held| {
+                change.stop_standing_corner(&held, now);
+                EventKind::LiftOff(held.corner)
+            }),
             Surface::Restraint(surface) => change.switch(surface, now),
             Surface::QuarterTurn => Some(EventKind::Overturning),
         };

@@ -36,16 +36,19 @@ where
     /// Changes the pivot with friction.
     ///
     /// e determines the vertical rates after the impact and thus the vertical impulse; a horizontal impulse within its limit slows the new
-    /// pivot. e is reduced if a sliding block would gain energy.
+    /// pivot. e is reduced if a sliding block would gain energy. The last impact of a block that grips stands for all further ones, and stops
+    /// the foot.
     fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: T, now: &Evaluation<T>) {
         let block = &self.system.block;
         let zero = T::from(0.0);
         let mut placement = Placement { theta: zero, v: zero, ..Placement::of(&now.instant) };
         let before = placement.velocities;
         let ends = theta_dot.value().abs() < self.system.slowest * block.p.value();
+        let stops = ends && now.footing.grips();
         let land = |theta_dot: T| {
             let v_dot = -block.offset(corner) * theta_dot;
-            let most = block.friction * greatest(v_dot - before.v_dot, zero);
+            let most =
+                if stops { T::from(f64::INFINITY) } else { block.friction * greatest(v_dot - before.v_dot, zero) };
             let u_dot = before.u_dot + least(greatest(block.h * theta_dot - before.u_dot, -most), most);
             Velocities { u_dot, v_dot, theta_dot }
         };

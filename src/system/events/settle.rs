@@ -1,6 +1,6 @@
 //! The regime after an event: a corner leaves if its support or the rigid base would have to pull it.
 
-use crate::block::{Corner, Foundation, Regime};
+use crate::block::{Contact, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
@@ -18,14 +18,13 @@ impl<T: Elementary> Change<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Decides the regime: drops touching corners one by one while a support would have to pull, now or within the resolution of time.
+    /// Decides the regime: drops touching corners one by one while a support would have to pull, now or within round-off of time.
     ///
     /// `before` is the previous regime.
     pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) {
         let block = &self.system.block;
-        let omega_v = block.omega_v.value();
-        // Two events closer than this cannot be distinguished.
-        let resolution = 4.0 * f64::EPSILON * self.pose.time.value().abs().max(1.0 / omega_v);
+        // Two events closer than this differ by round-off. On a clock far from zero they may be at one time, and yet apart.
+        let resolution = 4.0 * f64::EPSILON / block.omega_v.value().max(block.p.value());
         loop {
             self.pose.contacts.let_bear();
             let regime = self.regime();
@@ -68,6 +67,23 @@ where
             }
             let Some((corner, _)) = leaving else { break };
             self.take_off(corner, &placement);
+        }
+        if self.landed {
+            self.rejoin_supports();
+        }
+    }
+
+    /// Lowers or raises the supports of corners that landed and lifted in this instant to the corners.
+    ///
+    /// Such a corner keeps its height, and the clock may be off the landing by its resolution, in which supports creep.
+    fn rejoin_supports(&mut self) {
+        let leaves_now = |contact: Contact<T>| matches!(contact, Contact::Lifted(creep) if creep.since.value() == self.pose.time.value());
+        let leaving = Corner::each(|corner| leaves_now(self.pose.contacts.of(corner)));
+        if leaving.contains(&true) {
+            let x = self.now().instant;
+            for corner in Corner::BOTH.into_iter().filter(|corner| leaving[corner.index()]) {
+                self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, x.corner[corner.index()])));
+            }
         }
     }
 

@@ -65,8 +65,7 @@ pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     forcing: &Forcing<T>,
     x: &Instant<T>,
 ) -> [T; DISSIPATIVE] {
-    let friction = friction::power(x.horizontal, x.slip_rate);
-    joined([friction], powers_of_restraints(block, &forcing.restraints, x).into_array())
+    joined([x.friction_power], powers_of_restraints(block, &forcing.restraints, x).into_array())
 }
 
 /// Returns the pulls of the restraints (N), by their numbers.

@@ -132,7 +132,7 @@ impl<V: Simd> Swings<V> {
                     series.order = N;
                     *orders = orders.in_lanes(done, Wide::from(N as f64));
                     if N >= LEAST {
-                        rest = rest.in_lanes(done, slope[N].abs() + slope[N - 1].abs());
+                        rest = rest.in_lanes(done, series.rest(N, slope[N].abs() + slope[N - 1].abs(), scale));
                         done = done.or(rest.less(allowed));
                         if done.all() {
                             return;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Foundation};
+use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Supports};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::numerics::bernstein::Zero;
 use crate::numerics::control::LONGEST;
@@ -47,8 +47,8 @@ prop_compose! {
         ramps in prop::array::uniform6(-1.0..1.0_f64),
         (shape, period, amplitude) in (0..3_usize, 0.3..2.0_f64, -6.0..6.0_f64),
     ) -> Case {
-        let numbers = Dimensionless { alpha, p, eta: 40.0, xi_v: 0.1 };
-        let common = Common { foundation: Foundation::Rigid, gamma, ..Common::default() };
+        let numbers = Dimensionless { alpha, p, supports: Supports::HOUSNER };
+        let common = Common { gamma, ..Common::default() };
         let even = Block::from_dimensionless(&numbers, &common).unwrap();
         let common = Common { eccentricity: uneven * even.b, ..common };
         let block = Block::from_dimensionless(&numbers, &common).unwrap();
@@ -155,8 +155,8 @@ proptest! {
 /// A tolerance that low orders meet takes few terms, and one that none meets shortens the swing.
 #[test]
 fn the_order_follows_the_tolerance() {
-    let numbers = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let numbers = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::HOUSNER };
+    let common = Common::default();
     let block = Block::from_dimensionless(&numbers, &common).unwrap();
     let excitation = Excitation::none();
     let of = |longest: f64, allowed: f64| {
@@ -177,8 +177,8 @@ fn the_order_follows_the_tolerance() {
 /// Bounds tell without a search whether a block that rocks freely lands, and whether it turns round.
 #[test]
 fn free_swings_are_certain() {
-    let numbers = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let numbers = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::HOUSNER };
+    let common = Common::default();
     let block = Block::from_dimensionless(&numbers, &common).unwrap();
     let excitation = Excitation::none();
     // θ̈ is −0.15 rad/s² at θ = 0.1 rad.

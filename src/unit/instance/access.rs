@@ -29,21 +29,25 @@ impl Unit {
             self.settable(metadata)?;
             metadata.admits(real(value)).map_err(Fault::new)?;
         }
-        let mut states = self.states;
+        let mut states = None;
         self.begin_inputs();
         for (&reference, &value) in references.iter().zip(values) {
             let (variable, value) = (VARIABLES[reference as usize].variable, real(value));
             match VARIABLES[reference as usize].role {
                 Role::Input(input) => self.inputs[input].value = value,
                 // Continuous states are the only outputs that can be set.
-                Role::Output(output) => state(output).into_iter().for_each(|i| states[i] = value),
-                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => self.values[variable] = value,
-            }
-            if Values::is_of_ground(variable) {
-                self.ground = None;
+                Role::Output(output) => {
+                    state(output).into_iter().for_each(|i| states.get_or_insert(self.states)[i] = value);
+                }
+                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+                    self.values[variable] = value;
+                    if Values::is_of_ground(variable) {
+                        self.ground = None;
+                    }
+                }
             }
         }
-        if states != self.states {
+        if let Some(states) = states.filter(|states| *states != self.states) {
             self.set_states(&states)?;
         }
         self.take_up_values();
@@ -98,16 +102,17 @@ impl Unit {
             Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
                 (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
                 (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
+                (DerivedSource::Supports(of), _) => Ok(of(&self.block_on_supports()?)),
                 (DerivedSource::Ground(of), _) => Ok(of.value(&*self.ground()?)),
             },
             Role::Output(output) => {
                 if let Some(value) = self.state_output(output) {
                     return Ok(value);
                 }
-                self.preview()?;
-                let Unit { simulation, acting, observed, .. } = self;
+                let (_, acting) = self.preview()?;
+                let Unit { simulation, observed, .. } = self;
                 let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
-                Ok(source(output).value(observed, simulation, acting))
+                Ok(source(output).value(observed, simulation, &acting))
             }
         }
     }

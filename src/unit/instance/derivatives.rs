@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::block::Block;
+use crate::excitation::records::{Ground, VariedRecord};
 use crate::excitation::{Excitation, Inputs, Pulse, Ramp};
-use crate::ground::{Ground, VariedRecord};
 use crate::numerics::gradient::Along;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
@@ -107,6 +107,8 @@ enum Derivatives {
 struct InitialSensitivities {
     derivatives: InitialDerivatives,
     block: Block<Along>,
+    /// The block as it would stand on its supports.
+    on_supports: Block<Along>,
     /// Component of the start time.
     time: f64,
     /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::derived::OfGround).
@@ -123,6 +125,7 @@ impl Derivatives {
                 Unknown::Output(Output::EventsLastTime) => Ok(initial.time),
                 Unknown::Output(output) => Ok(source(output).initial_derivative(&initial.derivatives)),
                 Unknown::Derived(DerivedSource::Block(derive)) => Ok(derive(&initial.block).eps[0]),
+                Unknown::Derived(DerivedSource::Supports(derive)) => Ok(derive(&initial.on_supports).eps[0]),
                 Unknown::Derived(DerivedSource::Ground(quantity)) => Ok(initial.ground[quantity as usize]),
             },
         }
@@ -262,7 +265,13 @@ impl Unit {
         } else {
             [0.0; 3]
         };
-        Ok(Derivatives::Initial(Box::new(InitialSensitivities { derivatives, block, time: direction.time, ground })))
+        Ok(Derivatives::Initial(Box::new(InitialSensitivities {
+            derivatives,
+            block,
+            on_supports: values.varied_block_on_supports(component),
+            time: direction.time,
+            ground,
+        })))
     }
 
     /// Returns the records without scale if the scale is zero and the direction contains it.

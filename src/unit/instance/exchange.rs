@@ -37,17 +37,17 @@ impl Unit {
             return Err(Fault::new("there is no block yet"));
         };
         let time = simulation.time();
-        let end;
-        (self.acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
+        let (acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
+        self.acting = Some(acting);
         self.observed = ObservationCache::default();
         let before = simulation.clone();
-        simulation.pass_events(&self.acting, end, observer).map_err(|error| {
+        simulation.pass_events(&acting, end, observer).map_err(|error| {
             // A failed transition may leave numbers that are not finite.
             *simulation = before;
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
-        let after = simulation.states(&self.acting);
+        let after = simulation.states(&acting);
         // Events leave the works unchanged, except for the last one: the energy of a spring that breaks.
         self.states[..6].copy_from_slice(&after[..6]);
         self.states[STATES - 1] = after[STATES - 1];

@@ -5,7 +5,7 @@ use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::outputs::{Rates, source};
-use crate::unit::variables::{Kind, Metadata};
+use crate::unit::variables::{Kind, Metadata, Role, VARIABLES};
 
 impl Unit {
     /// Sets the time derivatives of inputs over the next step. The order is 1.
@@ -22,8 +22,9 @@ impl Unit {
             self.inputs = self.inputs.held();
         }
         for (&reference, &value) in references.iter().zip(values) {
-            let (input, _) = input(reference, "has set derivatives")?;
-            self.inputs[input].rate = value;
+            if let Role::Input(input) = VARIABLES[reference as usize].role {
+                self.inputs[input].rate = value;
+            }
         }
         self.take_up_values();
         Ok(())

@@ -6,7 +6,7 @@ use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 
-use crate::blocks::block;
+use crate::blocks::{block, block_on};
 
 fn first_instant(block: Block, initial: Initial) -> (Simulation, Observation<f64>) {
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
@@ -85,7 +85,7 @@ fn an_uneven_block_begins_at_its_height() {
 fn ties_begin_taut_limp_or_broken() {
     use TieState::{Broken, Limp, Slack, Taut};
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
-        let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
         let Block { b, h, mass, gravity, .. } = plain;
         let weight = mass * gravity;
         let mut found = vec![];
@@ -130,5 +130,27 @@ fn ties_begin_taut_limp_or_broken() {
             found.push(expected.0);
         }
         assert_eq!(found, [Taut, Taut, Taut, Limp, Broken, Taut, Limp, Slack]);
+    }
+}
+
+/// A tie without slack is taut at rest, whatever the round-off of its stretch, and slack if it begins to shorten.
+#[test]
+fn ties_without_slack_begin_taut() {
+    for (i, foundation) in (0..20).flat_map(|i| [(i, Foundation::Viscoelastic), (i, Foundation::Rigid)]) {
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
+        let Block { b, h, mass, gravity, .. } = plain;
+        let reach = 1.0 + 0.37 * f64::from(i);
+        let guys = [-1.0, 1.0].map(|side| Tie {
+            block: [side * b, 1.3 * h],
+            ground: [side * (b + reach), 0.0],
+            stiffness: 2.0 * mass * gravity,
+            ..Tie::default()
+        });
+        let begin = |theta_dot| {
+            let initial = Initial { theta_dot, ..Initial::default() };
+            first_instant(plain.with_ties(&guys).unwrap(), initial).0.restraints().ties
+        };
+        assert_eq!(begin(0.0)[..2], [TieState::Taut; 2], "{reach} m, {foundation:?}");
+        assert_eq!(begin(0.2)[..2], [TieState::Taut, TieState::Slack], "{reach} m, {foundation:?}");
     }
 }

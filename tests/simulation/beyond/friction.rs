@@ -1,18 +1,18 @@
 //! Sliding blocks in closed form, and the modes in which a block leaves rest.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Common, Corner, Foundation, Ratios, Regime, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
-use rocking_block::system::events::EventKind;
+use rocking_block::system::events::{Event, EventKind};
 
-use crate::blocks::block;
+use crate::blocks::{block, block_on};
 use crate::cases::cases;
 
 const G: f64 = 9.81;
 
 fn squat(friction: f64, foundation: Foundation) -> Block {
-    block([0.9, 2.0, 60.0, 0.3], &Common { foundation, friction, ..Common::default() })
+    block_on(foundation, [0.9, 2.0, 60.0, 0.3], &Common { friction, ..Common::default() })
 }
 
 fn start(block: Block, pulse: Pulse, inputs: &Inputs) -> Simulation {
@@ -41,6 +41,40 @@ fn newmarks_block_under_a_rectangular_pulse() {
         assert!((slip.total - way).abs() < 1e-10 && (simulation.peaks().slip - way).abs() < 1e-10);
         let energies = simulation.energies();
         assert!(energies.residual.abs() < 1e-8 * energies.friction && energies.friction > 0.0, "{energies:?}");
+    }
+}
+
+/// A sliding corner that lifts bears nothing, as far as round-off tells, and needs no more friction than there is.
+#[test]
+fn the_friction_demand_of_a_sliding_corner_that_lifts_is_the_friction() {
+    let common = Common { epsilon: 0.3, friction: 0.4, ..Common::default() };
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 6.7, period: 1.61, ..Pulse::NONE };
+    let inputs = Inputs::default();
+    let block = block([0.31, 2.2, 40.0, 0.2], &common);
+    let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
+    let mut flights = 0;
+    let count = &mut |event: &Event| flights += u32::from(event.after == Regime::Separated);
+    simulation.advance(3.0, &inputs, count).unwrap();
+    assert!(flights > 0 && simulation.peaks().friction_demand == 0.4, "{flights} flights, {:?}", simulation.peaks());
+}
+
+/// A push beyond both limits slides a block whose friction is tan α. Whether it also rocks is round-off, and so is its rotation.
+#[test]
+fn friction_of_tan_alpha_does_not_rattle() {
+    for (i, ulps) in (0..300).flat_map(|i| (-4..4).map(move |ulps| (i, ulps))) {
+        let alpha = 0.05 + 0.0017 * f64::from(i);
+        let friction = libm::tan(alpha) * (1.0 + f64::from(ulps) * f64::EPSILON);
+        let common = Common { friction, ..Common::default() };
+        let block = block_on(Foundation::Rigid, [alpha, 2.0, 60.0, 0.1], &common);
+        let amplitude = 1.2 * G * libm::tan(alpha);
+        let push = Pulse { shape: PulseShape::Rectangular, amplitude, period: 0.5, ..Pulse::NONE };
+        let inputs = Inputs::default();
+        let mut simulation = Simulation::new(block, Settings::default(), push, &Initial::default(), 0.0, &inputs);
+        simulation.advance(3.0, &inputs, &mut |_| ()).unwrap();
+        let (impacts, peaks) = (simulation.counts().impacts, simulation.peaks());
+        assert!(impacts < 500 && peaks.theta < 1e-11, "α = {alpha}, {ulps} ulp: {impacts} impacts, {peaks:?}");
+        assert!(peaks.slip > 0.01, "α = {alpha}: {peaks:?}");
     }
 }
 
@@ -147,8 +181,8 @@ fn slide(limit: f64, a: f64, omega: f64) -> [f64; 2] {
 /// The mode in which a block on the rigid base leaves rest under a constant acceleration, after Shenton (1996): it rests, slides,
 /// rocks, or both. A block at rest on which the acceleration begins to act is shown in this mode at once.
 fn mode(alpha: f64, friction: f64, a: f64) -> (bool, bool) {
-    let common = Common { foundation: Foundation::Rigid, friction, gravity: G, ..Common::default() };
-    let (block, inputs) = (block([alpha, 1.7, 40.0, 0.1], &common), push(a));
+    let common = Common { friction, gravity: G, ..Common::default() };
+    let (block, inputs) = (block_on(Foundation::Rigid, [alpha, 1.7, 40.0, 0.1], &common), push(a));
     let mut simulation = start(block, Pulse::NONE, &inputs);
     simulation.advance(1e-9, &inputs, &mut |_| ()).unwrap();
     let mode = (simulation.slides(), simulation.regime() != Regime::FullContact);
@@ -196,8 +230,9 @@ fn friction_at_the_tangent_of_alpha() {
         for over in [1.5, 2.0, 3.0] {
             let friction = libm::tan(alpha);
             let inputs = push(over * friction * G);
-            let common = Common { foundation: Foundation::Rigid, friction, ..Common::default() };
-            let mut simulation = start(block([alpha, 1.7, 40.0, 0.1], &common), Pulse::NONE, &inputs);
+            let common = Common { friction, ..Common::default() };
+            let mut simulation =
+                start(block_on(Foundation::Rigid, [alpha, 1.7, 40.0, 0.1], &common), Pulse::NONE, &inputs);
             simulation.advance(0.5, &inputs, &mut |_| ()).unwrap();
             let way = 0.5 * (over - 1.0) * friction * G * 0.25;
             assert!(simulation.slides());
@@ -210,9 +245,11 @@ fn friction_at_the_tangent_of_alpha() {
 /// A friction at which a corner may jam on the rigid base is refused there, and only there.
 #[test]
 fn friction_that_jams() {
-    let common = |friction, foundation| Common { friction, foundation, ..Common::default() };
-    let dimensionless = rocking_block::block::Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
-    let on = |friction, foundation| Block::from_dimensionless(&dimensionless, &common(friction, foundation));
+    let on = |friction, foundation| {
+        let supports = Supports::of(foundation, Ratios { eta: 40.0, xi_v: 0.1 });
+        let given = rocking_block::block::Dimensionless { alpha: 0.25, p: 1.0, supports };
+        Block::from_dimensionless(&given, &Common { friction, ..Common::default() })
+    };
     assert!(on(1.33, Foundation::Rigid).is_ok() && on(1.34, Foundation::Viscoelastic).is_ok());
     let message = on(1.34, Foundation::Rigid).unwrap_err().to_string();
     assert!(message.contains("friction = 1.34") && message.contains("1.333"), "{message}");

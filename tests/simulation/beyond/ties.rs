@@ -6,12 +6,12 @@ use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 
-use crate::blocks::block;
+use crate::blocks::{block, block_on};
 
 /// Returns a block with a tendon through the middle of its base, guided at the ground, with a stiffness k b / (M g) of `stiffness` and
 /// a pretension T0/(M g).
 fn with_tendon(foundation: Foundation, stiffness: f64, pretension: f64) -> Block {
-    let block = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+    let block = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
     let weight = block.mass * block.gravity;
     let tendon = Tie {
         // The length at rest is negligible, but gives a direction.
@@ -107,7 +107,7 @@ fn the_rocking_period_with_a_tendon() {
 /// until the last: `θ̇ → e θ̇`, and no arc adds any.
 #[test]
 fn each_impact_of_a_tied_block_takes_its_part() {
-    let block = block([0.2, 1.0, 60.0, 0.1], &Common { foundation: Foundation::Rigid, ..Common::default() });
+    let block = block_on(Foundation::Rigid, [0.2, 1.0, 60.0, 0.1], &Common::default());
     let Block { mass, gravity, r0, alpha, p, b, h, .. } = block;
     let tie =
         Tie { block: [0.0, 1.33 * h], ground: [-5.5 * b, 0.0], stiffness: 9.4 * mass * gravity / r0, ..Tie::default() };
@@ -122,7 +122,7 @@ fn each_impact_of_a_tied_block_takes_its_part() {
 #[test]
 fn two_ties_that_break_at_once() {
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
-        let block = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let block = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
         let weight = block.mass * block.gravity;
         let tie = |stiffness: f64, strength: f64| Tie {
             block: [-block.b, block.h],
@@ -161,7 +161,7 @@ fn two_ties_that_break_at_once() {
 /// An impact turns the velocity of a tendon's dashpot, whose force then exceeds the strength in that instant.
 #[test]
 fn an_impact_that_breaks_a_tendon() {
-    let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation: Foundation::Rigid, ..Common::default() });
+    let plain = block_on(Foundation::Rigid, [0.2, 1.5, 60.0, 0.1], &Common::default());
     let weight = plain.mass * plain.gravity;
     // The pretension changes little with the elongation; the dashpot adds some tenths of the weight at the impact.
     let tendon = Tie {
@@ -192,7 +192,7 @@ fn an_impact_that_breaks_a_tendon() {
 #[test]
 fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
-        let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
         let weight = plain.mass * plain.gravity;
         let tie = Tie {
             block: [-plain.b, plain.h],

@@ -6,7 +6,7 @@ mod independent;
 use nalgebra::{Matrix5, Vector5};
 use proptest::prelude::*;
 
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Regime};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Ratios, Regime, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -49,7 +49,7 @@ prop_compose! {
         gamma in 1.0..5.0,
     ) -> Block {
         Block::from_dimensionless(
-            &Dimensionless { alpha, p, eta, xi_v },
+            &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
             &Common { epsilon, gamma, ..Common::default() },
         ).unwrap()
     }
@@ -233,7 +233,11 @@ fn flights_do_not_depend_on_the_communication_steps() {
 #[test]
 fn the_last_corner_slides_where_it_can_neither_hold_nor_lift() {
     let block = Block::from_dimensionless(
-        &Dimensionless { alpha: 0.254_889_381, p: 1.709_870_996, eta: 39.216_316_06, xi_v: 0.331_827_6 },
+        &Dimensionless {
+            alpha: 0.254_889_381,
+            p: 1.709_870_996,
+            supports: Supports::Viscoelastic(Ratios { eta: 39.216_316_06, xi_v: 0.331_827_6 }),
+        },
         &Common { gamma: 2.225, ..Common::default() },
     )
     .unwrap();

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization};
+use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::Initial;
 use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Unit};
@@ -62,18 +62,15 @@ pub fn reference(folder: &str, name: &str) -> Run {
             parameterization: Parameterization::Dimensionless(Dimensionless {
                 alpha: of("alpha", 0.0),
                 p: of("p", 1.0),
-                eta: of("eta", 40.0),
-                xi_v: of("xi_v", 0.1),
+                supports: Supports::of(foundation, Ratios { eta: of("eta", 40.0), xi_v: of("xi_v", 0.1) }),
             }),
             common: Common {
                 mass,
                 gamma: of("gamma", 3.0),
                 epsilon: of("epsilon", 0.0),
                 gravity: of("g", 9.81),
-                foundation,
                 eccentricity: of("eccentricity", 0.0),
                 friction: of("friction", 0.0),
-                ..Common::default()
             },
             ties: ties.collect(),
             initial: Initial {

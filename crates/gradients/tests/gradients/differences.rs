@@ -1,6 +1,5 @@
 //! Derivatives against central differences of the solver at a tight tolerance, extrapolated to no difference at all.
 
-use rocking_block::block::Foundation;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::system::events::EventKind;
@@ -183,8 +182,7 @@ fn with_friction() {
 
 #[test]
 fn with_friction_on_the_rigid_base() {
-    let mut run = reference("reference_more", "slip_030");
-    run.parameters.common.foundation = Foundation::Rigid;
+    let run = reference("reference_more", "slip_030").on_rigid_base();
     check(&run, ["alpha", "p", "gamma", "restitution_factor", "friction", "pulse.amplitude", "pulse.period"]);
 }
 

@@ -3,9 +3,13 @@
 #![allow(missing_docs)]
 
 mod cases;
+#[path = "../../../../tests/common/cases.rs"]
+mod cases_of_properties;
 mod closed_form;
 mod differences;
 mod held;
+mod peaks;
+mod random;
 mod run;
 mod samples;
 #[path = "../../../../tests/common/skipped.rs"]

@@ -1,8 +1,8 @@
 //! A run from its parameters → its results, and the same with their derivatives.
 
-use rocking_block::block::Block;
+use rocking_block::block::{Block, Parameterization, Supports};
 use rocking_block::excitation::Inputs;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{OnSeparation, Settings, Simulation};
@@ -36,6 +36,15 @@ pub struct Results<T> {
 }
 
 impl Run {
+    /// The same block on Housner's rigid base.
+    pub fn on_rigid_base(mut self) -> Run {
+        match &mut self.parameters.parameterization {
+            Parameterization::Dimensionless(block) => block.supports = Supports::HOUSNER,
+            Parameterization::Physical(block) => block.supports = Supports::HOUSNER,
+        }
+        self
+    }
+
     pub fn with(&self, name: &str, value: f64) -> Run {
         let mut run = self.clone();
         *run.parameters.number(name).unwrap_or_else(|| panic!("{} has no {name}", self.name)) = value;

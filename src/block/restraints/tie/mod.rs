@@ -106,6 +106,41 @@ impl<T: Copy> Tie<T> {
     }
 }
 
+/// Names and units of the numbers of a tie, in the order of [`Tie::numbers`]. Users everywhere write them so.
+pub const NUMBERS: [(&str, &str); 9] = [
+    ("block_x", "m"),
+    ("block_z", "m"),
+    ("ground_x", "m"),
+    ("ground_z", "m"),
+    ("stiffness", "N/m"),
+    ("pretension", "N"),
+    ("slack", "m"),
+    ("damping", "N.s/m"),
+    ("strength", "N"),
+];
+
+impl<T> Tie<T> {
+    /// Returns its numbers in the order of [`NUMBERS`].
+    pub fn numbers(&mut self) -> [&mut T; NUMBERS.len()] {
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = self;
+        let ([block_x, block_z], [ground_x, ground_z]) = (block, ground);
+        [block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength]
+    }
+
+    /// Returns the number with a name of [`NUMBERS`].
+    pub fn number(&mut self, name: &str) -> Option<&mut T> {
+        NUMBERS.into_iter().zip(self.numbers()).find_map(|((known, _), number)| (known == name).then_some(number))
+    }
+}
+
+impl<T: Copy> Tie<T> {
+    /// Returns its numbers with their names.
+    pub fn named(mut self) -> [(&'static str, T); NUMBERS.len()] {
+        let numbers = self.numbers();
+        std::array::from_fn(|i| (NUMBERS[i].0, *numbers[i]))
+    }
+}
+
 impl<T: Elementary> Tie<T> {
     /// Returns the distance of its ends at rest (m).
     pub fn length(&self) -> T {

@@ -170,8 +170,8 @@ fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
     spring.max(dashpot).max((block.mass * block.gravity).value())
 }
 
-/// Returns the states of ties at the beginning; a tie beyond its strength is broken. `rounding` is the round-off of a zero relative to its
-/// largest term.
+/// Returns the states of ties at the beginning: one without slack is taut, and one beyond its strength is broken. `rounding` is the round-off
+/// of a zero relative to its largest term.
 pub fn at_beginning<T: Elementary>(
     block: &Block<T>,
     ties: &Ties<T>,
@@ -182,11 +182,14 @@ pub fn at_beginning<T: Elementary>(
     for (state, tie) in states.iter_mut().zip(ties.all()).filter(|(_, tie)| tie.stiffness.value() > 0.0) {
         let stretch = stretch(block, tie, kinematics);
         let (tension, strength) = (taut_tension(tie, &stretch).value(), tie.strength.value());
-        *state = if stretch.length.value() <= rounding * size_of_stretch(block, tie) {
+        let rounding_of_tension = rounding * size_of_tension(block, tie);
+        let rounding_of_stretch = rounding * size_of_stretch(block, tie);
+        let shortens = stretch.rate.value() < -rounding_of_stretch * block.p.value();
+        *state = if stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch } {
             TieState::Slack
-        } else if tension < 0.0 {
+        } else if tension < -rounding_of_tension {
             TieState::Limp
-        } else if strength > 0.0 && tension > strength + rounding * size_of_tension(block, tie) {
+        } else if strength > 0.0 && tension > strength + rounding_of_tension {
             TieState::Broken
         } else {
             TieState::Taut

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::block::{Common, Dimensionless};
+use crate::block::{Common, Dimensionless, Ratios, Supports};
 use crate::block::{Contact, Contacts, Corner, Creep};
 use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
@@ -161,7 +161,7 @@ prop_compose! {
         (time, duration, pulse) in (0.0..10.0, 0.0..1.0, pulse()),
     ) -> Case {
         let block =
-            Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &Common::default()).unwrap();
+            Block::from_dimensionless(&Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) }, &Common::default()).unwrap();
         let free = block.static_deflection();
         let scale = if regime == Regime::FullContact { scale } else { 1.0 };
         // Near a quarter turn, if it leans; else as far as supports give way.

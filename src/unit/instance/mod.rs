@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 use crate::excitation::Inputs;
-use crate::ground::Ground;
+use crate::excitation::records::Ground;
 use crate::simulation::exchange::States;
 use crate::simulation::{Progress, Settings, Simulation, SimulationError};
 use crate::system::events::Event;
@@ -52,8 +52,8 @@ pub struct Unit {
     rates_are_new: bool,
     /// The block in motion; before initialization ends, a preview from the present values.
     simulation: Option<Simulation>,
-    /// Inputs plus the FMU's own records at the present time.
-    acting: Inputs,
+    /// Inputs plus the FMU's own records at the present time, if they are known; see [`Unit::acting`].
+    acting: Option<Inputs>,
     /// The inputs at the end of the present part of a step, if they are known in advance; see [`substeps`].
     at_end: Option<Inputs>,
     /// Planned end of a communication step that was left early (s).
@@ -92,7 +92,7 @@ impl Unit {
             inputs: Inputs::default(),
             rates_are_new: false,
             simulation: None,
-            acting: Inputs::default(),
+            acting: None,
             at_end: None,
             left: None,
             ground: None,
@@ -119,7 +119,7 @@ impl Unit {
 
     /// Whether this can be a state of this FMU, which a checksum cannot ensure.
     pub fn is_valid(&self) -> bool {
-        let times = [self.experiment.start, self.acting.time, self.left.unwrap_or(0.0)];
+        let times = [self.experiment.start, self.left.unwrap_or(0.0)];
         let is_inside_a_step = matches!(self.phase, Phase::SettingAhead | Phase::ReadingOutputs);
         let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
@@ -130,7 +130,11 @@ impl Unit {
             }
             && !is_inside_a_step
             && times.iter().chain(&self.states).all(|x| x.is_finite())
-            && [&self.inputs, &self.last_inputs].into_iter().chain(&self.at_end).all(Inputs::is_finite)
+            && [&self.inputs, &self.last_inputs]
+                .into_iter()
+                .chain(&self.at_end)
+                .chain(&self.acting)
+                .all(Inputs::is_finite)
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
             && match &self.simulation {
                 Some(simulation) => {
@@ -200,9 +204,13 @@ impl Unit {
     ///
     /// Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
-        let present = self.present_inputs();
+        let present = self.time();
         let until = self.begin_step(time, step)?;
-        self.inputs = Inputs { time, ..if self.rates_are_new { present } else { present.held() } };
+        self.inputs.move_to(present);
+        self.inputs.time = time;
+        if !self.rates_are_new {
+            self.inputs = self.inputs.held();
+        }
         let (progress, _) = self.go_on(until, |simulation, until, acting| {
             simulation.advance(until, acting, observer).map(|progress| (progress, false))
         })?;
@@ -253,13 +261,14 @@ impl Unit {
             return Err(Fault::new("there is no block yet"));
         };
         *observed = ObservationCache::default();
-        let mut piece = ground.piece_at(simulation.time());
+        let mut piece = (!ground.is_empty()).then(|| ground.piece_at(simulation.time()));
         let (progress, stopped) = loop {
-            *acting = if ground.is_empty() { *inputs } else { piece.inputs.plus(inputs) };
-            match advance(simulation, piece.end.min(until), acting) {
-                Ok((Progress::Reached, false)) if piece.end < until => ground.go_on(&mut piece),
-                Ok(progress) => break progress,
-                Err(error) => {
+            let acting = acting.insert(piece.as_ref().map_or(*inputs, |piece| piece.inputs.plus(inputs)));
+            let end = piece.as_ref().map_or(until, |piece| piece.end.min(until));
+            match (advance(simulation, end, acting), &mut piece) {
+                (Ok((Progress::Reached, false)), Some(piece)) if end < until => ground.go_on(piece),
+                (Ok(progress), _) => break progress,
+                (Err(error), _) => {
                     *phase = Phase::Error;
                     return Err(Fault::new(error.to_string()));
                 }
@@ -268,7 +277,9 @@ impl Unit {
         match progress {
             Progress::Reached if stopped => {}
             // The record's slope may change here.
-            Progress::Reached if !ground.is_empty() => *acting = with_ground(inputs, ground, simulation.time()).0,
+            Progress::Reached if !ground.is_empty() => {
+                *acting = Some(with_ground(inputs, ground, simulation.time()).0);
+            }
             Progress::Reached => {}
             Progress::Ended(..) => *phase = Phase::StepFailed,
         }
@@ -282,7 +293,7 @@ impl Unit {
 
     /// Makes the present time the reference of the inputs, before they change.
     fn begin_inputs(&mut self) {
-        self.inputs = self.present_inputs();
+        self.inputs.move_to(self.time());
         if self.at_end.take().is_some() {
             self.inputs = self.inputs.held();
         }
@@ -295,10 +306,11 @@ impl Unit {
 
     /// Applies the event at which a step was left, if any, under the present inputs.
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
-        let Unit { phase, simulation, acting, observed, .. } = self;
+        let acting = self.acting();
+        let Unit { phase, simulation, observed, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
         *observed = ObservationCache::default();
-        simulation.settle(acting, observer).map_err(|error| {
+        simulation.settle(&acting, observer).map_err(|error| {
             *phase = Phase::Error;
             Fault::new(error.to_string())
         })
@@ -310,6 +322,7 @@ impl Unit {
     }
 
     /// Returns the present time (s); before initialization, the planned start.
+    #[inline]
     pub fn time(&self) -> f64 {
         self.simulation.as_ref().map_or(self.experiment.start, Simulation::time)
     }
@@ -318,20 +331,24 @@ impl Unit {
     ///
     /// A changed rate alone also invalidates the observation, since it changes the rounding of inputs.
     fn take_up_values(&mut self) {
-        if self.phase.is_initialized() {
-            let time = self.simulation.as_ref().map_or(self.experiment.start, Simulation::piece_time);
-            (self.acting, _) = self.with_records(&Inputs { time, ..self.inputs }, time);
-            if let Some(simulation) = &mut self.simulation {
-                simulation.change_inputs(&self.acting);
-            }
-            self.observed = ObservationCache::default();
-        } else {
-            self.forget();
+        if !self.phase.is_initialized() {
+            return self.forget();
+        }
+        (self.acting, self.observed) = (None, ObservationCache::default());
+        if let (Interface::ModelExchange, Some(simulation)) = (self.interface, &mut self.simulation) {
+            let time = simulation.piece_time();
+            let inputs = Inputs { time, ..self.inputs };
+            let acting = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
+            simulation.change_inputs(self.acting.insert(acting));
         }
     }
 
     fn block(&self) -> Result<Block, Fault> {
         self.values.block().map_err(|error| Fault::new(error.to_string()))
+    }
+
+    fn block_on_supports(&self) -> Result<Block, Fault> {
+        self.values.block_on_supports().map_err(|error| Fault::new(error.to_string()))
     }
 
     /// Returns the records. Files are read at the first call.
@@ -370,15 +387,21 @@ impl Unit {
                 experiment.start,
                 &acting,
             );
-            self.acting = acting;
+            self.acting = Some(acting);
             if self.interface == Interface::ModelExchange {
                 simulation.begin_exchange();
             }
             self.simulation = Some(simulation);
         }
-        let Unit { simulation, acting, .. } = self;
-        let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
-        Ok((simulation, *acting))
+        let acting = self.acting();
+        let simulation = self.simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
+        Ok((simulation, acting))
+    }
+
+    /// Returns the inputs plus the FMU's own records at the present time. A step overwrites them, and few importers read them before.
+    fn acting(&mut self) -> Inputs {
+        let acting = self.acting.unwrap_or_else(|| self.with_records(&self.inputs, self.inputs.time).0);
+        *self.acting.insert(acting)
     }
 }
 

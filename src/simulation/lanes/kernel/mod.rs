@@ -61,8 +61,8 @@ pub struct Stepped {
 pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
-    for (slot, run) in runs.iter_mut().zip(group) {
-        *slot = run;
+    for (lane, run) in group.iter().enumerate() {
+        runs[lane] = run;
     }
     let some;
     let pulses = if runs.iter().any(|run| run.wave.is_some()) {
@@ -175,6 +175,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
             | Surface::Slide
             | Surface::Friction(_)
             | Surface::Speed
+            | Surface::StandingSlide
             | Surface::Restraint(_) => {
                 unreachable!("a block that is held, slides, or has friction or restraints is not stepped in a lane")
             }
@@ -223,7 +224,8 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         if self.law.regime() != Regime::FullContact {
             return 0;
         }
-        let [accelerates, moves] = here.unrest().map(|unrest| rounding.reaction.less(unrest));
+        let [accelerations, rates] = here.unrest();
+        let (accelerates, moves) = (rounding.reaction.less(accelerations), rounding.reaction.less(rates));
         let (zero, rate) = (Wide::default(), here.forcing_rate());
         let changes = zero.less(rate.x.abs()).or(zero.less(rate.z.abs()));
         !accelerates.or(moves).or(changes).bits()
@@ -299,10 +301,11 @@ fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>)
 impl<L: Law> StepTask<'_, L> {
     /// Four numbers of each lane.
     #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "`zip` is not inlined")]
     fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
         let mut rows = [of(self.runs[0]); MOST_LANES];
-        for (row, run) in rows[..V::LANES].iter_mut().zip(&self.runs) {
-            *row = of(run);
+        for lane in 1..V::LANES {
+            rows[lane] = of(self.runs[lane]);
         }
         Wide::columns(rows)
     }
@@ -445,8 +448,10 @@ impl<L: Law> Task for StepTask<'_, L> {
         let eventful = usual & (events | inside) & runs;
         let mut accepted = Vec::new();
         if let Some(rates) = &rates {
-            for lane in (0..self.count).filter(|lane| eventful >> lane & 1 == 1) {
-                accepted.push((lane, Step::of_lane(lane, [time, size], [state, end], work, rates)));
+            for lane in 0..self.count {
+                if eventful >> lane & 1 == 1 {
+                    accepted.push((lane, Step::of_lane(lane, [time, size], [state, end], work, rates)));
+                }
             }
         }
         Stepped {

@@ -33,8 +33,9 @@ impl Ground {
     }
 
     /// Whether there is no record.
+    #[inline]
     pub fn is_empty(&self) -> bool {
-        self.records().next().is_none()
+        self.horizontal.is_none() && self.vertical.is_none()
     }
 
     /// Returns the time of the first sample (s); 0 without a record.
@@ -127,11 +128,15 @@ impl Ground {
 /// Describes a record in one line that distinguishes it from any other, independent of its path.
 pub fn fingerprint(record: &Record) -> String {
     let Record { acceleration, time_step, start_time, processing, .. } = record;
-    let mut hasher = crc32fast::Hasher::new();
-    acceleration.iter().for_each(|a| hasher.update(&a.to_le_bytes()));
-    let sum = hasher.finalize();
     let processing = if processing.is_none() { String::new() } else { format!("; {processing}") };
-    format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}{processing}", acceleration.len())
+    format!("{} samples, every {time_step} s from {start_time} s, {}{processing}", acceleration.len(), checksum(record))
+}
+
+/// Returns the checksum of the samples, such as `crc32 0123abcd`.
+pub fn checksum(record: &Record) -> String {
+    let mut hasher = crc32fast::Hasher::new();
+    record.acceleration.iter().for_each(|a| hasher.update(&a.to_le_bytes()));
+    format!("crc32 {:08x}", hasher.finalize())
 }
 
 /// Returns the line of a record from `time` (s) on, and the time of its end (s).

@@ -15,8 +15,9 @@
 //!                                n X_n =  Σ j θ_j Q_(n−j),    n Q_n = −Σ j θ_j X_(n−j),            j from 1 to n
 //! ```
 //!
-//! The series ends where its last two terms of θ̇ are below the allowed error; a swing that would need more than [`ORDER`] terms is
-//! shortened. X and Q differ from the displacements of the centre of mass by constants, so that `N/M = g + a_z + Q̈` and `H/M = a_x + Ẍ`.
+//! The series ends where its last two terms of θ̇ are below the allowed error, and so are the next two of the pulse: two terms may vanish
+//! while later ones do not, as where a sine of the frequency p and the rotation cancel. A swing that would need more than [`ORDER`] terms
+//! is shortened. X and Q differ from the displacements of the centre of mass by constants, so that `N/M = g + a_z + Q̈` and `H/M = a_x + Ẍ`.
 //!
 //! Since |τ| ≤ 1, the sum of the other terms' sizes bounds the distance of a series from its first term. [`Swing::bounds`] tells by such
 //! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
@@ -30,7 +31,7 @@ pub mod tangent;
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, Forcing, ForcingSeries};
 use crate::numerics::bernstein::{DEGREE, Pair, Row};
-use crate::numerics::scalar::{Real, Scalar};
+use crate::numerics::scalar::{Real, Scalar, greatest};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
@@ -171,6 +172,19 @@ impl<T: Real> Swing<T> {
         earlier + (x[k] * weight - q[k] * forcing.x[0])
     }
 
+    /// The size of the `last` two terms of θ̇ up to n, or of the next two that a pulse alone makes, whichever is more.
+    ///
+    /// `scale` is the square of the swing's duration over the moment of inertia.
+    #[inline(always)]
+    fn rest(&self, n: usize, last: T, scale: T) -> T {
+        let Swing { q, forcing, .. } = self;
+        if forcing.terms == 2 {
+            return last;
+        }
+        let next = (forcing.x[n - 1].abs() + forcing.x[n].abs()) * (q[0].abs() * scale) * RECIPROCAL[n];
+        greatest(last, next)
+    }
+
     /// Makes `factor` times the duration the unit of the powers.
     #[inline(always)]
     fn scale(&mut self, factor: T) {
@@ -274,7 +288,7 @@ impl Swing {
         swing
     }
 
-    /// Adds powers until the last two terms of θ̇ together are below `allowed`, in units of the swing, and returns their sum.
+    /// Adds powers until the [rest](Swing::rest) is below `allowed`, in units of the swing, and returns it.
     #[inline]
     fn extend(&mut self, gravity: f64, scale: f64, allowed: f64) -> f64 {
         let weight = self.forcing.z[0] + gravity;
@@ -299,7 +313,7 @@ impl Swing {
                         sums = [sums[0] + rate * lever[0], sums[1] + rate * lever[1]];
                     }
                     (self.x[N], self.q[N]) = (sums[0] * RECIPROCAL[N], sums[1] * RECIPROCAL[N]);
-                    rest = slope[N].abs() + slope[N - 1].abs();
+                    rest = self.rest(N, slope[N].abs() + slope[N - 1].abs(), scale);
                     if N >= LEAST && rest < allowed {
                         return rest;
                     }

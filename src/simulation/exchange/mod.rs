@@ -72,7 +72,7 @@ impl ExchangePiece {
     /// Whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         let last = self.last.is_none_or(|pose| pose.is_finite());
-        let foreseen = self.foreseen.is_none_or(|foreseen| foreseen.pose.is_finite());
+        let foreseen = self.foreseen.is_none_or(|foreseen| foreseen.is_valid());
         last && foreseen && self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
     }
 }
@@ -276,7 +276,11 @@ impl Simulation {
         let x = &now.instant;
         let dual = |value: f64, i: usize| Dual64::new(value, states[i]);
         let motion = [dual(x.theta, 0), dual(x.theta_dot, 1), dual(x.v, 2), dual(x.v_dot, 3)];
-        let [w, w_dot] = foot_height(block, now.regime, motion);
+        let [w, mut w_dot] = foot_height(block, now.regime, motion);
+        if self.is_frozen() {
+            // As in `set_states`, a block that is held keeps the rate of its foot, wherever its states place it.
+            w_dot = w_dot.re.into();
+        }
         let footing = match now.footing {
             grips @ Footing::Grips { .. } => grips.map(Dual64::from),
             Footing::Free { u, u_dot } => Footing::Free { u: dual(u, 4), u_dot: dual(u_dot, 5) },
@@ -286,9 +290,9 @@ impl Simulation {
         };
         let forcing = now.forcing.with_derivative(direction);
         let x = match now.held {
-            Some(Held { corner, top }) => {
-                let Held { top: moving, .. } = Held { corner, top }.with_rates(block);
-                let held = Held { corner, top: moving.map(|top| Dual64::new(top.re, time * top.eps)) };
+            Some(held) => {
+                let Held { corner, top, standing } = held.with_rates(block);
+                let held = Held { corner, top: top.map(|top| Dual64::new(top.re, time * top.eps)), standing };
                 instant_held(block, [motion[0], motion[1]], held, footing, forcing)
             }
             None => instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing),

@@ -1,6 +1,7 @@
-//! Inputs over a step and the built-in pulse → the forcing, per unit of the block's mass, at any time of a smooth piece.
+//! Records, inputs over a step and the built-in pulse → the forcing, per unit of the block's mass, at any time of a smooth piece.
 
 mod pulse;
+pub mod records;
 
 use std::ops::Mul;
 
@@ -82,6 +83,14 @@ impl Inputs {
         Inputs { time, ..self.with(self, |ramp, _| ramp.moved(elapsed)) }
     }
 
+    /// Gives the inputs another reference time.
+    #[inline]
+    pub fn move_to(&mut self, time: f64) {
+        if time != self.time {
+            *self = self.moved_to(time);
+        }
+    }
+
     /// Returns the values at the reference time, held constant.
     pub fn held(&self) -> Inputs {
         self.with(self, |ramp, _| Ramp::held(ramp.value))
@@ -99,8 +108,8 @@ impl Inputs {
     pub fn is_ground_motion(&self) -> bool {
         let Inputs { f_x, f_z, m_y, .. } = self;
         // One test of all bits but the signs replaces six comparisons.
-        let loads = [f_x.value, f_x.rate, f_z.value, f_z.rate, m_y.value, m_y.rate].map(f64::to_bits);
-        loads.into_iter().fold(0, |bits, load| bits | load) << 1 == 0
+        let bits = |load: &Ramp| load.value.to_bits() | load.rate.to_bits();
+        (bits(f_x) | bits(f_z) | bits(m_y)) << 1 == 0
     }
 
     /// Whether all numbers are finite.
@@ -350,11 +359,13 @@ impl Excitation {
     }
 
     /// Whether the excitation is constant.
+    #[inline]
     pub fn is_constant(&self) -> bool {
         self.wave.is_none() && [self.x, self.z, self.moment].iter().all(|ramp| ramp.rate == 0.0)
     }
 
     /// Returns the greatest circular frequency of the acting pulse (rad/s), or zero.
+    #[inline]
     pub fn frequency(&self) -> f64 {
         self.wave.map_or(0.0, |wave| wave.frequency())
     }

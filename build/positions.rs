@@ -1,0 +1,116 @@
+//! modelDescription.xml with names → the same with positions: value references, the variables that derivatives belong to, and the
+//! dependencies of ModelStructure.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use roxmltree::{Document, Node};
+
+use crate::xml::{attribute, child};
+
+/// A replacement of part of a text.
+pub type Edit = (Range<usize>, String);
+
+/// The attribute of an unknown that lists the dependencies that only FMI 3.0 has.
+pub const FMI3_DEPENDENCIES: &str = "ofFmi3";
+
+/// Marks the name of a group in a list of names.
+const GROUP: char = '@';
+
+/// The lists of unknowns whose factors are declared. All of them depend on the regime: `dependent`, without more.
+const WITH_KINDS: [&str; 2] = ["Outputs", "Derivatives"];
+
+/// Returns the file with positions instead of names, and without the groups. An error names the unknown and the name that is wrong.
+pub fn write(text: &str) -> Result<String, String> {
+    let document = Document::parse(text).map_err(|e| e.to_string())?;
+    let root = document.root_element();
+    let of_fmi2 = child(root, "ModelVariables")?;
+    let of_fmi3 = child(child(root, "Fmi3")?, "ModelVariables")?;
+    let variables: Vec<Node> = [of_fmi2, of_fmi3].iter().flat_map(Node::children).filter(Node::is_element).collect();
+    let mut names = Names { positions: BTreeMap::new(), groups: BTreeMap::new() };
+    let mut edits = Vec::new();
+    for (reference, node) in variables.iter().enumerate() {
+        let name = node.attribute_node("name").ok_or_else(|| format!("variable {reference} has no name"))?;
+        names.positions.insert(name.value(), reference + 1);
+        edits.push((name.range().end..name.range().end, format!(" valueReference=\"{reference}\"")));
+    }
+    for state in variables.iter().flat_map(Node::descendants).filter_map(|node| node.attribute_node("derivative")) {
+        edits.push((state.range_value(), names.position(state.value())?.to_string()));
+    }
+    let dimensions = of_fmi3.descendants().filter(|node| node.has_tag_name("Dimension"));
+    for length in dimensions.filter_map(|node| node.attribute_node("valueReference")) {
+        edits.push((length.range_value(), (names.position(length.value())? - 1).to_string()));
+    }
+    let structure = child(root, "ModelStructure")?;
+    let groups = child(structure, "Groups")?;
+    for group in groups.children().filter(Node::is_element) {
+        let name = attribute(group, "name")?;
+        let members = names.resolve(attribute(group, "members")?).map_err(|e| format!("group {name}: {e}"))?;
+        if names.groups.insert(name, members).is_some() {
+            return Err(format!("group {name} stands twice"));
+        }
+    }
+    // Including the indentation of what follows.
+    let after = groups.next_sibling_element().ok_or("ModelStructure has nothing but groups")?;
+    edits.push((groups.range().start..after.range().start, String::new()));
+    for list in structure.children().filter(|list| list.is_element() && *list != groups) {
+        for unknown in list.children().filter(Node::is_element) {
+            let name = unknown.attribute_node("name").ok_or("an unknown of ModelStructure has no name")?;
+            edits.push((name.range(), format!("index=\"{}\"", names.position(name.value())?)));
+            for attribute in ["dependencies", FMI3_DEPENDENCIES] {
+                let Some(dependencies) = unknown.attribute_node(attribute) else { continue };
+                let positions = names.resolve(dependencies.value());
+                let positions = positions.map_err(|e| format!("{attribute} of unknown {}: {e}", name.value()))?;
+                let words: Vec<String> = positions.iter().map(usize::to_string).collect();
+                edits.push((dependencies.range_value(), words.join(" ")));
+                if attribute == "dependencies" && !positions.is_empty() && WITH_KINDS.contains(&list.tag_name().name())
+                {
+                    let kinds = vec!["dependent"; positions.len()].join(" ");
+                    let last = unknown.attributes().map(|attribute| attribute.range().end).max().unwrap_or_default();
+                    edits.push((last..last, format!(" dependenciesKind=\"{kinds}\"")));
+                }
+            }
+        }
+    }
+    Ok(apply(text, edits))
+}
+
+/// Makes the replacements, which do not overlap.
+pub fn apply(text: &str, mut edits: Vec<Edit>) -> String {
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut text = text.to_string();
+    for (range, replacement) in edits {
+        text.replace_range(range, &replacement);
+    }
+    text
+}
+
+/// The names that lists may have.
+struct Names<'a> {
+    /// The positions of variables, from 1.
+    positions: BTreeMap<&'a str, usize>,
+    /// The positions of the members of groups.
+    groups: BTreeMap<&'a str, BTreeSet<usize>>,
+}
+
+impl Names<'_> {
+    fn position(&self, name: &str) -> Result<usize, String> {
+        self.positions.get(name).copied().ok_or_else(|| format!("{name} is no variable"))
+    }
+
+    /// Names of variables and groups → positions in order. A variable that stands twice, by itself or in groups, is refused.
+    fn resolve(&self, list: &str) -> Result<BTreeSet<usize>, String> {
+        let mut positions = BTreeSet::new();
+        for word in list.split_whitespace() {
+            let members = match word.strip_prefix(GROUP) {
+                None => BTreeSet::from([self.position(word)?]),
+                Some(group) => self.groups.get(group).ok_or_else(|| format!("{group} is no group above"))?.clone(),
+            };
+            if !positions.is_disjoint(&members) {
+                return Err(format!("{word} names a variable that is listed already"));
+            }
+            positions.extend(members);
+        }
+        Ok(positions)
+    }
+}

@@ -1,0 +1,17 @@
+//! The files from which the FMUs are built.
+
+/// Paths in the repository; their last commit gives the date of the FMUs.
+pub const SOURCES: [&str; 12] = [
+    "build.rs",
+    "build",
+    "crates/fmu2",
+    "crates/fmu3",
+    "crates/fmu3-wasm",
+    "crates/records",
+    "modelDescription.xml",
+    "src",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "Cargo.toml",
+    "Cargo.lock",
+];
