@@ -42,6 +42,8 @@ pub fn drawing(height: u32, draw: impl FnOnce(&Area) -> Drawn) -> Result<String,
     result().map_err(|error| PictureError::Drawing(error.to_string()))?;
     // The view box keeps the units; viewers and PNG take the size in pixels.
     let size = |pixel: u32| format!("width=\"{}\" height=\"{}\" viewBox", WIDTH / pixel, height / pixel);
+    // Without this, viewers blend the edges of adjacent rectangles with the background, which shows as hairlines.
+    let svg = svg.replace("<rect ", "<rect shape-rendering=\"crispEdges\" ");
     Ok(typeset(&svg.replacen(&size(1), &size(PIXEL), 1)))
 }
 

@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, Data, Fit, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
+    Assessment, Data, Fit, Goodness, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -18,10 +18,12 @@ use rocking_studies::statistics::{self, normal};
 const HEIGHT: u32 = 10_000;
 /// Points of the curve and of its band.
 const POINTS: u32 = 1200;
-/// Maximum number of bins.
-const MAX_BINS: usize = 12;
-/// Minimum number of rows per bin, for a meaningful fraction.
-const MIN_ROWS_OF_A_BIN: usize = 5;
+/// Curves of incremental dynamic analysis beyond which a picture shows their density.
+const MAX_CURVES: usize = 60;
+/// Cells of the density along both axes.
+const CELLS: [usize; 2] = [150, 100];
+/// Darkest grey of the density, on which the fractiles stay visible.
+const DARKEST: f64 = 90.0;
 
 /// Draws a fragility curve with its band, the fractions of binned rows, and each row as a tick.
 ///
@@ -41,7 +43,6 @@ pub fn curve(
     let curve = at.iter().map(|&measure| (measure, found.fit.probability(&[measure]))).collect();
     let band = at.iter().zip(found.band(&at));
     let band = band.map(|(&measure, interval)| (measure, interval.low.unwrap_or(0.0), interval.high.unwrap_or(1.0)));
-    let bins = bins(observations);
     // Ticks of rows with the same measure stand side by side.
     let tick = |(number, row): (usize, &Observation)| {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -63,7 +64,8 @@ pub fn curve(
         ),
     ];
     let ticks = observations.iter().enumerate().map(|row| (Mark::Tick, tick(row)));
-    let circles = bins.iter().map(|bin| (Mark::Circle, (bin.measure, bin.fraction)));
+    let groups = &found.groups;
+    let circles = groups.iter().map(|group| (Mark::Circle, (group.measure, group.fraction)));
     let (axis, unit) = axis(heading);
     let ordinate = probability_of(limit);
     let chart = Chart {
@@ -72,7 +74,10 @@ pub fn curve(
         areas: vec![band.collect()],
         curves: vec![Curve::new(LineStyle::BLACK, vec![curve])],
         marks: ticks.chain(circles).collect(),
-        notes: bins.iter().map(|bin| ((bin.measure + 0.9 * side, bin.fraction + 0.03), bin.rows.to_string())).collect(),
+        notes: groups
+            .iter()
+            .map(|group| ((group.measure + 0.9 * side, group.fraction + 0.03), group.rows.to_string()))
+            .collect(),
         ..Chart::default()
     };
     let title = format!(
@@ -83,7 +88,28 @@ pub fn curve(
         found.brier,
         observations.len()
     );
-    page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
+    page(&[title, misfit(found, &unit), blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
+}
+
+/// Names the groups of rows outside the band by more than half a row, and the test of the fit.
+fn misfit(found: &Assessment, unit: &str) -> String {
+    let measures: Vec<f64> = found.groups.iter().map(|group| group.measure).collect();
+    let bands = found.band(&measures).into_iter().map(|band| [band.low.unwrap_or(0.0), band.high.unwrap_or(1.0)]);
+    let outside = found.groups.iter().zip(bands).filter(|(group, [low, high])| {
+        let half = 0.5 / group.rows as f64;
+        group.fraction + half < *low || group.fraction - half > *high
+    });
+    let outside: Vec<String> = outside.map(|(group, _)| significant(group.measure, 3)).collect();
+    let places = if outside.is_empty() { String::new() } else { format!(", at {}{unit}", outside.join(", ")) };
+    let groups = format!("groups outside the band: {} of {}{places}", outside.len(), found.groups.len());
+    match found.goodness {
+        Some(Goodness { deviance, degrees_of_freedom, p }) => format!(
+            "{groups}; deviance {} (df = {degrees_of_freedom}), p = {}",
+            significant(deviance, 3),
+            significant(p, 2)
+        ),
+        None => groups,
+    }
 }
 
 /// Draws the curves of several limits, each with its name, over the measure with this heading.
@@ -106,60 +132,131 @@ pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> R
     page(&[title.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles.
+/// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles. Many curves are a density.
 ///
-/// A curve goes to the right edge if its block overturns at the next level, and returns when it stands again.
+/// A curve leaves to the right edge at the level at which its block overturns, and returns at that at which it stands again.
 pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureError> {
     let stands = |response: &Response| match *response {
         Response::Stands(peak) => Some(peak),
         Response::Overturns | Response::Unknown => None,
     };
-    let peaks = found.curves.iter().flatten().filter_map(stands);
-    let (x, y) = (rotations(peaks), range(found.levels.iter().copied()));
-    let segments = |responses: &[Response]| {
-        // At rest without shaking.
-        let mut segments = vec![vec![(0.0, 0.0)]];
-        for (response, &level) in responses.iter().zip(&found.levels) {
-            let open = segments.len() - 1;
-            match *response {
-                Response::Stands(peak) => segments[open].push((peak, level)),
-                Response::Overturns => {
-                    if let Some(&(_, before)) = segments[open].last() {
-                        segments[open].push((x.end, before + 0.5 * (level - before)));
-                        segments.push(Vec::new());
-                    }
-                }
-                Response::Unknown => segments.push(Vec::new()),
-            }
-        }
-        segments
-    };
-    let curve = |style: LineStyle, responses: &[Response]| Curve::new(style, segments(responses));
-    let single = found.curves.iter().map(|responses| curve(LineStyle::FAINT, responses));
-    let fractiles = [(LineStyle::DASHED, 0.16), (LineStyle::BLACK, 0.5), (LineStyle::DASHED, 0.84)];
-    let fractiles = fractiles.map(|(style, part)| curve(style, &found.fractile(part)));
+    let peaks = found.curves.iter().flat_map(|curve| &curve.responses).filter_map(stands);
+    let levels = found.curves.iter().flat_map(|curve| &curve.levels).copied();
+    let (x, y) = (rotations(peaks), range(levels));
+    let is_dense = found.curves.len() > MAX_CURVES;
+    let single = found
+        .curves
+        .iter()
+        .filter(|_| !is_dense)
+        .map(|curve| Curve::new(LineStyle::FAINT, segments(&curve.responses, &curve.levels, x.end)));
+    let fractiles = [(LineStyle::DOTTED, 0.16), (LineStyle::BLACK, 0.5), (LineStyle::DASHED, 0.84)];
+    let fractiles = fractiles.map(|(style, part)| (style, part, segments(&found.fractile(part), &found.levels, x.end)));
+    let names = fractiles.iter().filter_map(|(_, part, segments)| {
+        let (peak, level) = segments.iter().flatten().copied().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        let below = (peak - 0.06 * x.end, level + 0.02 * y.end);
+        Some((below, format!("{} %", short(100.0 * part))))
+    });
     let (axis, _) = axis(heading);
     let chart = Chart {
         x: ("peak |θ|/α", x.clone()),
-        y: (&axis, y),
-        curves: single.chain(fractiles).collect(),
+        y: (&axis, y.clone()),
+        tiles: if is_dense { density(found, &x, &y) } else { Vec::new() },
+        notes: names.collect(),
         verticals: if x.contains(&1.0) { vec![(LineStyle::LEVEL, 1.0)] } else { Vec::new() },
+        curves: single.chain(fractiles.into_iter().map(|(style, _, segments)| Curve::new(style, segments))).collect(),
         ..Chart::default()
     };
+    const LEAVES: &str = "to the right edge at the level at which it overturns";
+    let one = match is_dense {
+        true => (Symbol::Grey(DARKEST as u8), format!("more curves of one block and ground motion, {LEAVES}")),
+        false => (Symbol::Curve(LineStyle::FAINT), format!("one block and ground motion, {LEAVES}")),
+    };
     let legend = [
-        (
-            Symbol::Curve(LineStyle::FAINT),
-            "one block and ground motion; to the right edge where it overturns".to_string(),
-        ),
+        one,
+        (Symbol::Curve(LineStyle::DOTTED), "16 %".into()),
         (Symbol::Curve(LineStyle::BLACK), "median".into()),
-        (Symbol::Curve(LineStyle::DASHED), "16 % and 84 %".into()),
+        (Symbol::Curve(LineStyle::DASHED), "84 %".into()),
     ];
-    let title = format!(
-        "{} curves, {} levels; overturning counts as more than any peak",
-        found.curves.len(),
-        found.levels.len()
-    );
+    let levels = match found.curves.iter().all(|curve| curve.levels.len() == found.levels.len()) {
+        true => format!("{} levels", found.levels.len()),
+        false => format!("{} runs", found.curves.iter().map(|curve| curve.levels.len()).sum::<usize>()),
+    };
+    let title = format!("{} curves, {levels}; overturning counts as more than any peak", found.curves.len());
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
+}
+
+/// Returns the segments of a curve over its levels, from rest without shaking, with peaks beyond the right edge on it.
+fn segments(responses: &[Response], levels: &[f64], edge: f64) -> Vec<Vec<(f64, f64)>> {
+    let mut segments = vec![vec![(0.0, 0.0)]];
+    let mut is_outside = false;
+    for (response, &level) in responses.iter().zip(levels) {
+        let open = segments.len() - 1;
+        let last = segments[open].last().copied();
+        match *response {
+            Response::Stands(peak) if peak < edge => {
+                // From the edge it returns at its level.
+                segments[open].extend(is_outside.then_some((edge, level)));
+                segments[open].push((peak, level));
+                is_outside = false;
+            }
+            Response::Stands(_) | Response::Overturns => {
+                if let (false, Some((peak, _))) = (is_outside, last) {
+                    segments[open].extend([(peak, level), (edge, level)]);
+                    segments.push(Vec::new());
+                }
+                is_outside = true;
+            }
+            Response::Unknown => {
+                segments.push(Vec::new());
+                is_outside = false;
+            }
+        }
+    }
+    segments
+}
+
+/// Returns grey cells, darker where more curves pass; each curve counts once per cell.
+fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
+    let [columns, rows] = CELLS;
+    let mut counts = vec![0_u32; columns * rows];
+    let cell = |position: f64, range: &Range<f64>, count: usize| {
+        ((position / range.end * count as f64) as usize).min(count - 1)
+    };
+    for curve in &found.curves {
+        let mut passed: Vec<usize> = Vec::new();
+        for segment in segments(&curve.responses, &curve.levels, x.end) {
+            for pair in segment.windows(2) {
+                // Steps of half a cell.
+                let spans =
+                    [(pair[1].0 - pair[0].0) / x.end * columns as f64, (pair[1].1 - pair[0].1) / y.end * rows as f64];
+                let steps = (2.0 * spans[0].abs().max(spans[1].abs())).ceil().max(1.0);
+                passed.extend((0..=steps as usize).map(|step| {
+                    let part = step as f64 / steps;
+                    let at = |a: f64, b: f64| a + part * (b - a);
+                    let row = cell(at(pair[0].1, pair[1].1), y, rows);
+                    row * columns + cell(at(pair[0].0, pair[1].0), x, columns)
+                }));
+            }
+        }
+        passed.sort_unstable();
+        passed.dedup();
+        passed.into_iter().for_each(|cell| counts[cell] += 1);
+    }
+    // All curves begin at rest: the few darkest cells are alike.
+    let mut sorted: Vec<u32> = counts.iter().copied().filter(|&count| count > 0).collect();
+    sorted.sort_unstable();
+    let most = sorted.get(sorted.len() * 49 / 50).map_or(1.0, |&count| f64::from(count));
+    let edges = |cell: usize, range: &Range<f64>, count: usize| {
+        let edge = |cell: usize| range.end * cell as f64 / count as f64;
+        edge(cell)..edge(cell + 1)
+    };
+    let tile = |(number, &count): (usize, &u32)| Tile {
+        x: edges(number % columns, x, columns),
+        y: edges(number / columns, y, rows),
+        // The square root shows single curves beside many.
+        grey: (250.0 - (250.0 - DARKEST) * (f64::from(count) / most).min(1.0).sqrt()).round() as u8,
+    };
+    counts.iter().enumerate().filter(|(_, count)| **count > 0).map(tile).collect()
 }
 
 /// Draws a fragility surface of two measures in grey, with the lines of 10, 50 and 90 %, and the rows.
@@ -260,6 +357,7 @@ pub(crate) fn axis(heading: &str) -> (String, String) {
 pub fn probability_of(limit: Limit) -> String {
     match limit {
         Limit::Overturned => "probability of overturning".into(),
+        Limit::Balance => "probability of passing the balance".into(),
         Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),
         Limit::Slip(limit) => format!("probability of a slip above {} m", short(limit)),
     }
@@ -272,36 +370,49 @@ fn name(found: &Assessment) -> &'static str {
     }
 }
 
-/// Rows with adjacent measures.
-struct Bin {
-    /// Mean of their measures.
-    measure: f64,
-    /// Mean of their fractions.
-    fraction: f64,
-    rows: usize,
-}
+#[cfg(test)]
+mod tests {
+    use rocking_studies::fragility::IdaCurve;
 
-/// Sorts the rows by measure into bins of similar size; rows with the same measure share a bin.
-fn bins(observations: &[Observation]) -> Vec<Bin> {
-    let mut rows: Vec<&Observation> = observations.iter().collect();
-    rows.sort_by(|a, b| a.measures[0].total_cmp(&b.measures[0]));
-    let count = (rows.len() / MIN_ROWS_OF_A_BIN).clamp(1, MAX_BINS);
-    let size = rows.len().div_ceil(count);
-    let mut bins: Vec<Vec<&Observation>> = vec![Vec::new()];
-    for alike in rows.chunk_by(|a, b| a.measures[0] == b.measures[0]) {
-        match bins.last_mut() {
-            Some(last) if last.len() < size => last.extend(alike),
-            _ => bins.push(alike.to_vec()),
-        }
+    use super::*;
+
+    /// A block that overturns at 0.2 and 0.3, stands at 0.4, and has a peak beyond the edge at 0.5.
+    #[test]
+    fn curves_leave_and_return_at_their_levels() {
+        let responses = [
+            Response::Stands(0.5),
+            Response::Overturns,
+            Response::Overturns,
+            Response::Stands(0.8),
+            Response::Stands(1.7),
+        ];
+        let found = segments(&responses, &[0.1, 0.2, 0.3, 0.4, 0.5], 1.5);
+        let drawn: Vec<_> = found.iter().filter(|segment| segment.len() > 1).cloned().collect();
+        assert_eq!(
+            drawn,
+            [
+                vec![(0.0, 0.0), (0.5, 0.1), (0.5, 0.2), (1.5, 0.2)],
+                vec![(1.5, 0.4), (0.8, 0.4), (0.8, 0.5), (1.5, 0.5)]
+            ]
+        );
     }
-    let mean = |rows: &[&Observation], value: fn(&Observation) -> f64| {
-        rows.iter().map(|row| value(row)).sum::<f64>() / rows.len() as f64
-    };
-    bins.iter()
-        .map(|rows| Bin {
-            measure: mean(rows, |row| row.measures[0]),
-            fraction: mean(rows, |row| row.fraction),
-            rows: rows.len(),
-        })
-        .collect()
+
+    /// Of many curves the picture shows cells, the darkest where all begin, and both fractiles by name.
+    #[test]
+    fn many_curves_are_a_density_with_named_fractiles() {
+        let curve = |number: usize| IdaCurve {
+            name: String::new(),
+            levels: vec![0.1, 0.2],
+            responses: vec![Response::Stands(0.01 * number as f64), Response::Overturns],
+        };
+        let picture = |count: usize| {
+            let found = Ida { levels: vec![0.1, 0.2], curves: (1..=count).map(curve).collect() };
+            ida("", &found, "PGV [m/s]").unwrap()
+        };
+        let [few, many] = [MAX_CURVES, MAX_CURVES + 1].map(picture);
+        assert!(few.matches("<rect").count() < 10 && many.matches("<rect").count() > 200);
+        assert!(few.matches("<polyline").count() > many.matches("<polyline").count() + MAX_CURVES / 2);
+        assert!(["16 %", "50 %", "84 %"].iter().all(|name| many.contains(name)));
+        assert!(many.matches("<rect").count() == many.matches("<rect shape-rendering=\"crispEdges\"").count());
+    }
 }

@@ -6,7 +6,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
 use crate::glyphs;
-use rocking_block::words::Words;
+use rocking_studies::spec::words::Words;
 
 /// Error of a picture.
 #[derive(Debug, thiserror::Error)]

@@ -8,6 +8,7 @@ use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_block::excitation::Pulse;
 use rocking_studies::pulse_fit::{FitSample, PulseFit};
+use rocking_studies::spec::pulse::text;
 
 /// Heights of the charts of accelerations and velocities.
 const HEIGHTS: [u32; 2] = [4600, 5200];
@@ -34,7 +35,8 @@ pub fn pulse_fit(samples: &[FitSample], fit: &PulseFit, title: &str) -> Result<S
     let Pulse { shape, amplitude, period, start, phase, cycles } = fit.pulse;
     let [amplitude, period, phase, cycles] = [amplitude, period, phase, cycles].map(digits);
     let shown_pulse = Pulse { shape, amplitude, period, start, phase, cycles };
-    let heading = [title.into(), formula(&format!("{shown_pulse}; R² = {:.3} of the velocity", fit.r_squared))];
+    let heading =
+        [title.into(), formula(&format!("{}; R² = {:.3} of the velocity", text(&shown_pulse), fit.r_squared))];
     let legend = [
         (Symbol::Curve(LineStyle::FAINT), "record".to_string()),
         (Symbol::Curve(LineStyle::BLACK), "pulse".to_string()),

@@ -2,7 +2,6 @@
 //!
 //! Geometric mean and standard deviation cover the records under which a block rocks and stands.
 
-use std::io::Read;
 use std::ops::Range;
 
 use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, Tile, rotations};
@@ -25,11 +24,10 @@ const GREYS: [u8; 4] = [25, 140, 225, 190];
 pub fn spectrum(
     spectrum: &Spectrum,
     statistics: &Statistics,
-    table: impl Read,
-    over: Abscissa,
+    curves: &Curves,
     title: &str,
 ) -> Result<String, PictureError> {
-    let curves = spectrum::read(spectrum, table, over).map_err(|error| PictureError::Drawing(error.to_string()))?;
+    let over = curves.over();
     let groups = &statistics.groups;
     let heading = [spectrum::heading(spectrum, title), spectrum::block_line(spectrum)];
     let panel: u32 = HEIGHTS.iter().sum();
@@ -45,7 +43,7 @@ pub fn spectrum(
             };
             let margin = 0.02 * (range.end - range.start);
             let range = range.start - margin..range.end + margin;
-            peaks(spectrum, group, &curves, &sizes, range.clone()).draw(root, &upper)?;
+            peaks(spectrum, group, curves, &sizes, range.clone()).draw(root, &upper)?;
             shares(&sizes, range, over).draw(root, &lower)?;
             rest = below;
         }

@@ -1,7 +1,6 @@
 //! The table of a spectrum → peak rotations over size, with separation and overturning.
 
 use std::f64::consts::TAU;
-use std::io::Read;
 use std::ops::Range;
 
 use crate::chart::{Chart, Curve, EVEN_BALANCE, Fill, MAX_ROTATION, OutcomeBar, bars_height, rotations};
@@ -10,11 +9,13 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page};
 use crate::picture::PictureError;
+use rocking_block::block::{Ratios, Supports};
 use rocking_block::excitation::Pulse;
-use rocking_block::words::Words;
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{FoundationParameters, Spectrum};
+use rocking_studies::spec::words::Words;
+use rocking_studies::spectrum::statistics::BlockOutcome;
+use rocking_studies::spectrum::{Base, Spectrum};
 
 /// Maximum number of stretches of a curve.
 const STRETCHES: u64 = 1500;
@@ -62,48 +63,13 @@ impl Abscissa {
             Abscissa::PulseRatio => TAU / pulse.period / p,
         }
     }
-
-    fn column(self) -> &'static str {
-        match self {
-            Abscissa::TwoPiOverP => "2pi/p [s]",
-            Abscissa::PulseRatio => "omega_p/p [1]",
-        }
-    }
-}
-
-/// A block in a picture of a spectrum.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
-    x: f64,
-    /// Peak |θ|/α (1).
-    peak: f64,
-    end: End,
-    /// Whether the block left the ground completely.
-    flew: bool,
-}
-
-/// Reads the block of a table row, without the row number.
-pub(super) fn point<'a>(over: Abscissa, row: impl Fn(usize) -> Option<&'a str>) -> Result<Point, String> {
-    let field = |name: &str| {
-        Spectrum::column(name).and_then(&row).ok_or_else(|| format!("found no column {name} in the table"))
-    };
-    let number = |name: &str| {
-        let text = field(name)?;
-        text.parse::<f64>().map_err(|_| format!("found {name} = `{text}` in the table; expected a number"))
-    };
-    Ok(Point {
-        x: number(over.column())?,
-        peak: number("peak.theta/alpha [1]")?,
-        end: field("outcome")?.parse()?,
-        flew: field("flights [1]")? != "0",
-    })
 }
 
 impl Stretch {
-    fn add(&mut self, Point { x, peak, end, flew }: Point) {
+    fn add(&mut self, x: f64, BlockOutcome { end, peak, flights, .. }: BlockOutcome) {
         self.to = x;
         self.is_broken |= end != End::Completed;
-        self.outcomes[Fill::Separated as usize] |= flew && end != End::Overturned;
+        self.outcomes[Fill::Separated as usize] |= flights > 0 && end != End::Overturned;
         match end {
             End::Completed => self.points.push((x, peak)),
             End::Separated => {}
@@ -125,14 +91,12 @@ impl Stretch {
     }
 }
 
-/// Draws a spectrum from its table as SVG, with a title for the ground motion.
-pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &str) -> Result<String, PictureError> {
-    let failed = |error: Box<dyn std::error::Error>| PictureError::Drawing(error.to_string());
-    let curves = read(spectrum, table, over).map_err(failed)?;
-    let count = curves.0.len();
+/// Draws a spectrum as SVG, with a title for the ground motion.
+pub fn spectrum(spectrum: &Spectrum, curves: &Curves, title: &str) -> Result<String, PictureError> {
+    let count = curves.curves.len();
     let mut legend: Vec<_> = (0..count).map(|i| (Symbol::Curve(LineStyle::of(i)), name(spectrum, i))).collect();
     legend.extend(curves.fills());
-    let chart = curves.chart(over, curves.beyond());
+    let chart = curves.chart(curves.beyond());
     let heading = [heading(spectrum, title), block_line(spectrum)];
     page(&heading, &legend, 12_000 + bars_height(count), |root, body| chart.draw(root, body))
 }
@@ -148,43 +112,38 @@ pub(super) fn block_line(spectrum: &Spectrum) -> String {
     formula(&format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma)))
 }
 
-/// Reads the curves of a spectrum from its table.
-pub(super) fn read(
-    spectrum: &Spectrum,
-    table: impl Read,
+/// The curves of a spectrum, one per ground motion and foundation.
+pub struct Curves {
     over: Abscissa,
-) -> Result<Curves, Box<dyn std::error::Error>> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
-    Curves::gather(
-        spectrum,
-        reader.records().map(|record| {
-            let record = record?;
-            // The first column is the row number.
-            Ok(point(over, |column| record.get(column + 1))?)
-        }),
-    )
+    curves: Vec<Vec<Stretch>>,
 }
 
-/// The curves of a spectrum, one per ground motion and foundation.
-pub(super) struct Curves(Vec<Vec<Stretch>>);
-
 impl Curves {
-    /// Collects the blocks in the order of the rows.
-    pub(super) fn gather<E>(spectrum: &Spectrum, rows: impl Iterator<Item = Result<Point, E>>) -> Result<Curves, E> {
+    /// Begins the curves of a spectrum.
+    pub fn new(spectrum: &Spectrum, over: Abscissa) -> Curves {
+        Curves { over, curves: vec![Vec::new(); (spectrum.rows() / spectrum.sizes.count) as usize] }
+    }
+
+    /// Their abscissa.
+    pub(super) fn over(&self) -> Abscissa {
+        self.over
+    }
+
+    /// Includes the next blocks of the table.
+    pub fn add(&mut self, spectrum: &Spectrum, outcomes: &[BlockOutcome]) {
         let count = spectrum.sizes.count;
         let size = count.div_ceil(STRETCHES);
-        let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
-        for (row, values) in (0..spectrum.rows()).zip(rows) {
-            let point = values?;
-            let curve = &mut curves[(row / count) as usize];
+        for &outcome in outcomes {
+            let row = outcome.row;
+            let x = self.over.of(spectrum.inputs(row).p, &spectrum.pulse);
+            let curve = &mut self.curves[(row / count) as usize];
             if (row % count).is_multiple_of(size) {
-                curve.push(Stretch { from: point.x, to: point.x, ..Stretch::default() });
+                curve.push(Stretch { from: x, to: x, ..Stretch::default() });
             }
             if let Some(stretch) = curve.last_mut() {
-                stretch.add(point);
+                stretch.add(x, outcome);
             }
         }
-        Ok(Curves(curves))
     }
 
     /// Returns the segments of a curve between blocks without peak rotation.
@@ -192,7 +151,7 @@ impl Curves {
     /// A block between two of these makes a single point without a line; the outcome bar shows it.
     pub(super) fn segments(&self, curve: usize) -> Vec<Vec<(f64, f64)>> {
         let mut segments = vec![Vec::new()];
-        for stretch in &self.0[curve] {
+        for stretch in &self.curves[curve] {
             if let Some(segment) = segments.last_mut() {
                 segment.extend(&stretch.points);
             }
@@ -206,7 +165,7 @@ impl Curves {
 
     /// Returns the greatest peak |θ|/α of the lines.
     pub(super) fn highest(&self) -> f64 {
-        let segments = (0..self.0.len()).flat_map(|curve| self.segments(curve));
+        let segments = (0..self.curves.len()).flat_map(|curve| self.segments(curve));
         segments.filter(|segment| segment.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
     }
 
@@ -222,30 +181,30 @@ impl Curves {
 
     /// Returns the legend of the outcome bars.
     pub(super) fn fills(&self) -> Vec<Key> {
-        let shown = Fill::ALL.into_iter().filter(|fill| self.0.iter().flatten().any(|stretch| stretch.has(*fill)));
+        let shown = Fill::ALL.into_iter().filter(|fill| self.curves.iter().flatten().any(|stretch| stretch.has(*fill)));
         shown.map(|fill| (Symbol::Fill(fill), fill.name().into())).collect()
     }
 
     /// Returns the abscissa above which no block of a curve separates, or `None` if none or the last one separates.
     pub(super) fn limit(&self, curve: usize) -> Option<f64> {
-        let curve = &self.0[curve];
+        let curve = &self.curves[curve];
         let last = curve.iter().rposition(|stretch| stretch.has(Fill::Separated))?;
         curve.get(last + 1).map(|stretch| stretch.from)
     }
 
     /// Draws the curves with their outcome bars.
-    pub(super) fn chart(&self, over: Abscissa, title: String) -> Chart<'static> {
-        let all = || self.0.iter().flatten();
+    pub(super) fn chart(&self, title: String) -> Chart<'static> {
+        let all = || self.curves.iter().flatten();
         let (from, to) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.from), b.max(s.to)));
         let margin = 0.02 * (to - from);
         let curve = |i| {
             let style = LineStyle::of(i);
-            (Curve::new(style, self.segments(i)), outcome_bar(&self.0[i], style, from..to))
+            (Curve::new(style, self.segments(i)), outcome_bar(&self.curves[i], style, from..to))
         };
-        let (curves, bars) = (0..self.0.len()).map(curve).unzip();
+        let (curves, bars) = (0..self.curves.len()).map(curve).unzip();
         Chart {
             title,
-            x: (over.name(), from - margin..to + margin),
+            x: (self.over.name(), from - margin..to + margin),
             y: ("peak |θ|/α", rotations(std::iter::once(self.highest()))),
             balance: Some(EVEN_BALANCE),
             curves,
@@ -256,13 +215,21 @@ impl Curves {
 }
 
 fn outcome_bar(stretches: &[Stretch], style: LineStyle, range: Range<f64>) -> OutcomeBar {
-    let mut parts = Vec::new();
+    let mut parts: Vec<(Range<f64>, Fill)> = Vec::new();
     for (i, stretch) in stretches.iter().enumerate() {
         // A stretch fills its surroundings, half way to the next one.
         let from = if i == 0 { stretch.from } else { 0.5 * (stretches[i - 1].to + stretch.from) };
         let to = stretches.get(i + 1).map_or(stretch.to, |next| 0.5 * (stretch.to + next.from));
-        parts.extend(Fill::ALL.into_iter().filter(|fill| stretch.has(*fill)).map(|fill| (from..to, fill)));
+        for fill in Fill::ALL.into_iter().filter(|fill| stretch.has(*fill)) {
+            // Neighbours with the same outcome are one part: a seam between them would show.
+            match parts.iter_mut().rev().find(|(_, last)| *last == fill) {
+                Some((part, _)) if part.end == from && fill != Fill::Failed => part.end = to,
+                _ => parts.push((from..to, fill)),
+            }
+        }
     }
+    // Those that others may cover are drawn first.
+    parts.sort_by_key(|(_, fill)| *fill as usize);
     OutcomeBar { style, range, parts }
 }
 
@@ -274,17 +241,48 @@ fn name(spectrum: &Spectrum, curve: usize) -> String {
 }
 
 /// Names a foundation.
-pub(super) fn base_name(base: FoundationParameters) -> String {
-    match base {
-        FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
-        FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 } => {
-            format!("rigid base, ε = {}", short(epsilon))
+pub(super) fn base_name(base: Base) -> String {
+    let epsilon = base.epsilon;
+    match base.supports {
+        Supports::Rigid { restitution_factor } => {
+            let epsilon = if epsilon == 0.0 { String::new() } else { format!(", ε = {}", short(epsilon)) };
+            let factor = match restitution_factor {
+                1.0 => String::new(),
+                factor => format!(", {} × Housner's e", short(factor)),
+            };
+            format!("rigid base{epsilon}{factor}")
         }
-        FoundationParameters::Rigid { epsilon, restitution_factor } => {
-            format!("rigid base, ε = {}, {} × Housner's e", short(epsilon), short(restitution_factor))
-        }
-        FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
+        Supports::Viscoelastic(Ratios { eta, xi_v }) => {
             format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_with_the_same_outcome_are_one_part_of_a_lane() {
+        let stretch = |x: f64, fill: Option<Fill>| {
+            let mut outcomes = [false; Fill::ALL.len()];
+            fill.into_iter().for_each(|fill| outcomes[fill as usize] = true);
+            Stretch { from: x, to: x, outcomes, ..Stretch::default() }
+        };
+        let [overturned, separated] = [Some(Fill::Overturned), Some(Fill::Separated)];
+        let lane = [overturned, overturned, separated, None, overturned];
+        let stretches: Vec<Stretch> = (0..5).map(|i| stretch(f64::from(i), lane[i as usize])).collect();
+        let bar = outcome_bar(&stretches, LineStyle::BLACK, 0.0..4.0);
+        assert_eq!(
+            bar.parts,
+            [(1.5..2.5, Fill::Separated), (0.0..1.5, Fill::Overturned), (3.5..4.0, Fill::Overturned)]
+        );
+    }
+
+    #[test]
+    fn a_rigid_base_without_restitution_of_corners_has_no_epsilon() {
+        let name = |epsilon, restitution_factor| base_name(Base::rigid(epsilon, restitution_factor));
+        assert_eq!([name(0.0, 1.0), name(0.0, 0.9)], ["rigid base", "rigid base, 0.9 × Housner's e"]);
+        assert_eq!(name(0.2, 0.9), "rigid base, ε = 0.2, 0.9 × Housner's e");
     }
 }

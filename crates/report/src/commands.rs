@@ -1,8 +1,9 @@
 //! A plan → the commands that give the same numbers.
 
-use rocking_block::block::{Block, Foundation};
-use rocking_block::words::Words;
-use rocking_studies::assess::{Plan, Results};
+use rocking_block::block::{Block, Common, Foundation};
+use rocking_studies::assess::{Hazard, Plan, Results};
+use rocking_studies::risk::HazardOptions;
+use rocking_studies::spec::words::Words;
 
 /// Returns a line for each command.
 pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
@@ -14,14 +15,22 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
         format!("rocking sweep {} --csv runs.csv", quoted(study)),
         format!("rocking fragility runs.csv --im {} --limit {}", quoted(&im), quoted(limit)),
     ];
-    if let Some(hazard) = &report.hazard {
-        let file = quoted(&hazard.file);
-        commands.push(format!(
-            "rocking rate {file} --table runs.csv --im {} --limit {} --years {}",
+    if let Some(Hazard { file, options, .. }) = &plan.hazard {
+        let mut rate = format!(
+            "rocking rate {} --table runs.csv --im {} --limit {} --years {}",
+            quoted(file),
             quoted(&im),
             quoted(limit),
             report.years
-        ));
+        );
+        let HazardOptions { unit, site, years, gravity, .. } = options;
+        let years = years.map(|years| years.to_string());
+        let gravity = (*gravity != Common::default().gravity).then(|| gravity.to_string());
+        for (option, value) in [("hazard-unit", unit), ("site", site), ("investigation-time", &years), ("g", &gravity)]
+        {
+            rate.extend(value.iter().map(|value| format!(" --{option}={}", quoted(value))));
+        }
+        commands.push(rate);
     }
     commands.extend(pulses(plan));
     commands
@@ -30,7 +39,8 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
     let Block { alpha, p, gamma, gravity, epsilon, restitution_factor, xi_v, .. } = plan.block;
-    if plan.block.is_extended() {
+    // No command passes a pulse through a building.
+    if plan.block.is_extended() || plan.sweep.has_building() {
         return None;
     }
     let base = match plan.block.foundation {
@@ -48,6 +58,6 @@ fn pulses(plan: &Plan) -> Option<String> {
 
 /// Quotes a word of a command line if a shell requires it.
 fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "._-/".contains(c);
-    if word.chars().all(plain) { word.into() } else { format!("\"{word}\"") }
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/,:".contains(c);
+    if word.chars().all(plain) && !word.is_empty() { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }

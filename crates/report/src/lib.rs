@@ -63,6 +63,6 @@ pub fn files(plan: &Plan, results: &Results) -> Result<Vec<(String, Vec<u8>)>, R
     for picture in &pictures {
         files.push((format!("{}.png", picture.name), PictureFormat::Png.encode(&picture.svg)?));
     }
-    files.extend(tables::tables(results)?.into_iter().map(|(name, text)| (name.to_string(), text.into_bytes())));
+    files.extend(tables::tables(plan, results)?.into_iter().map(|(name, text)| (name.to_string(), text.into_bytes())));
     Ok(files)
 }

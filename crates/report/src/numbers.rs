@@ -37,6 +37,17 @@ pub fn rate(rate: f64) -> String {
     rocking_charts::rate::per_year(rate).replace('-', "−")
 }
 
+/// Writes the range of an annual rate (1/year), if it has an end.
+pub fn rate_range([low, high]: [Option<f64>; 2]) -> Option<String> {
+    // A lower end below the least printed rate carries no information.
+    match (low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high) {
+        (None, None) => None,
+        (Some(low), None) => Some(format!("above {}", rate(low))),
+        (None, Some(high)) => Some(format!("below {}", rate(high))),
+        (Some(low), Some(high)) => Some(format!("{} to {}", rate(low), rate(high))),
+    }
+}
+
 /// Writes a return period (years).
 pub fn years(years: f64) -> String {
     if years < 1e7 { significant(years, 3) } else { format!("{years:.1e}") }
@@ -81,6 +92,7 @@ pub fn limit(limit: &str) -> String {
     match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
         (Some(number), _) => format!("|θ|/α > {number}"),
         (_, Some(number)) => format!("slip > {number} m"),
+        _ if limit == "balance" => "passing the balance".into(),
         _ => "overturning".into(),
     }
 }
@@ -90,8 +102,14 @@ pub fn exceed(limit: &str) -> String {
     match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
         (Some(number), _) => format!("exceed |θ|/α = {number}"),
         (_, Some(number)) => format!("overturn or slip more than {number} m"),
+        _ if limit == "balance" => "pass their balance".into(),
         _ => "overturn".into(),
     }
+}
+
+/// Writes the number of runs that exceed a limit, as a range if some have no known outcome.
+pub fn exceeded(runs: &Counts) -> String {
+    if runs.left_out == 0 { runs.exceeded.to_string() } else { format!("{} to {}", runs.exceeded, runs.at_most()) }
 }
 
 /// Writes the reason why runs have no curve.

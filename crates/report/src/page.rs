@@ -10,9 +10,8 @@ use crate::pictures::Picture;
 use crate::sentences::summary;
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
-use rocking_block::words::Words;
-use rocking_charts::rate::NEGLIGIBLE;
 use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, Report, Results};
+use rocking_studies::spec::words::Words;
 
 /// Fills the template.
 pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<String, ReportError> {
@@ -107,8 +106,12 @@ impl Page<'_> {
         self.optional(&value.map(|value| value / self.report.object.g))
     }
 
+    fn exceeded(&self, counts: &Counts) -> String {
+        numbers::exceeded(counts)
+    }
+
     fn counts(&self, counts: &Counts) -> String {
-        format!("{} of {}", counts.exceeded, counts.known)
+        format!("{} of {}", numbers::exceeded(counts), counts.all())
     }
 
     fn median(&self, curve: &Option<CurveResult>) -> String {
@@ -123,8 +126,21 @@ impl Page<'_> {
         curve.map_or("—".into(), |curve| short(curve.beta))
     }
 
-    fn optional_rate(&self, value: &Option<f64>) -> String {
-        value.map_or("—".into(), rate)
+    fn variant_rate(&self, variant: &Comparison) -> String {
+        let bounds = || numbers::rate_range(variant.rate_bounds);
+        variant.rate.map(rate).or_else(bounds).unwrap_or_else(|| "—".into())
+    }
+
+    fn rate_bounds(&self, bounds: &[Option<f64>; 2]) -> String {
+        numbers::rate_range(*bounds).unwrap_or_else(|| "—".into())
+    }
+
+    fn has_building(&self) -> bool {
+        self.report.building.is_some()
+    }
+
+    fn floor(&self, floor: &Option<usize>) -> String {
+        floor.map_or("—".into(), |floor| floor.to_string())
     }
 
     /// Writes the amplitude of a least pulse relative to gravity.
@@ -164,12 +180,14 @@ impl Page<'_> {
         let slip = variant
             .peak_slip
             .map(|slip| format!("μ = {}, slips up to {} m", short(variant.friction), numbers::slip(slip)));
-        let tension =
-            variant.peak_tension.map(|tension| format!("a tie must carry {} times the weight", short(tension)));
+        let tension = variant
+            .peak_tension
+            .map(|tension| format!("breaking load of a tie: at least {} times the weight", short(tension)));
         let no_curve = variant.no_curve.as_ref().map(|why| numbers::no_curve(&variant.runs, why));
         let left_out =
             (variant.runs.left_out > 0).then(|| format!("{} runs without a known outcome", variant.runs.left_out));
-        [slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
+        let limit = (variant.limit != self.report.variants[0].limit).then(|| limit(&variant.limit));
+        [limit, slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
     /// Returns the size of the object in the spectrum, 2π/p (s).
@@ -186,14 +204,8 @@ impl Page<'_> {
         Some(format!("{} of {all} ground motions overturn the object itself", size.overturned))
     }
 
-    fn rate_interval(&self, &[low, high]: &[Option<f64>; 2]) -> String {
-        // A lower end below the least printed rate carries no information.
-        match (low.filter(|&low| low >= NEGLIGIBLE), high) {
-            (None, None) => "unbounded".into(),
-            (Some(low), None) => format!("above {}", rate(low)),
-            (None, Some(high)) => format!("below {}", rate(high)),
-            (Some(low), Some(high)) => format!("{} to {}", rate(low), rate(high)),
-        }
+    fn rate_interval(&self, interval: &[Option<f64>; 2]) -> String {
+        numbers::rate_range(*interval).unwrap_or_else(|| "unbounded".into())
     }
 
     fn slip(&self, slip: &f64) -> String {

@@ -3,12 +3,14 @@
 use crate::numbers::{limit, quantity};
 use crate::{ReportError, range};
 use rocking_charts::fragility::{curve, ida, probability_of, states};
+use rocking_charts::picture::PictureError;
 use rocking_charts::record_spectra;
 use rocking_charts::sketch::Sketch;
-use rocking_charts::spectrum::{Abscissa, spectrum};
+use rocking_charts::spectrum::{Abscissa, Curves, spectrum};
 use rocking_charts::tornado::{Bar, tornado};
 use rocking_studies::assess::{CurveResult, Plan, Results};
 use rocking_studies::fragility::Ida;
+use rocking_studies::spectrum::statistics::BlockOutcome;
 use rocking_studies::sweep::strength::Strengths;
 
 /// A drawing, with the name of its file.
@@ -27,12 +29,13 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
     add("sketch", Sketch { block: plan.block, height: plan.height }.svg()?);
     let sizes = &results.sizes;
     let title = format!("Blocks of this shape in other sizes, ground motions scaled to {}", sizes.strength);
-    let table = sizes.table.as_bytes();
+    let mut curves = Curves::new(&sizes.spectrum, Abscissa::TwoPiOverP);
+    curves.add(&sizes.spectrum, &BlockOutcome::all(&sizes.table).map_err(PictureError::Drawing)?);
     add(
         "spectrum",
         match sizes.statistics.groups.is_empty() {
-            true => spectrum(&sizes.spectrum, table, Abscissa::TwoPiOverP, &title)?,
-            false => record_spectra::spectrum(&sizes.spectrum, &sizes.statistics, table, Abscissa::TwoPiOverP, &title)?,
+            true => spectrum(&sizes.spectrum, &curves, &title)?,
+            false => record_spectra::spectrum(&sizes.spectrum, &sizes.statistics, &curves, &title)?,
         },
     );
     if let Strengths::Levels(measure, _) = &plan.sweep.strengths {

@@ -1,14 +1,15 @@
 //! Results → plain English.
 
 use crate::numbers::{self, exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
-use rocking_studies::assess::{Comparison, Counts, ObjectResult, Report, StateResult};
+use rocking_studies::assess::{BuildingResult, Comparison, ObjectResult, Report, StateResult};
 
 /// Writes the result in a few sentences.
 pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     let state = &report.states[report.compared_state];
     let (measure, unit) = heading(&report.im);
-    let mut sentences = vec![object(&report.object)];
-    let count = |state: &StateResult| format!("{} {}", state.runs.exceeded, exceed(&state.limit));
+    let mut sentences = vec![object(&report.object, report.building.as_ref())];
+    sentences.extend(report.building.as_ref().map(building));
+    let count = |state: &StateResult| format!("{} {}", numbers::exceeded(&state.runs), exceed(&state.limit));
     let counts: Vec<String> = report.states.iter().map(count).collect();
     sentences.push(format!(
         "In {} runs ({} blocks × {} ground motions × {} strengths) {}.",
@@ -47,13 +48,21 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     }
     if let (Some(found), Some(hazard)) = (state.rate, &report.hazard) {
         sentences.push(format!(
-            "With the hazard curve {}, the annual rate of {} is {}: once in {} years. The probability in {} years is {}.",
+            "With the hazard curve {}, the annual rate of {} is {} ({} interval: {}): once in {} years. The probability in {} years is {}.",
             hazard.file,
             limit(&state.limit),
             rate(found.rate),
+            percent(report.confidence),
+            numbers::rate_range(found.rate_interval).unwrap_or_else(|| "unbounded".into()),
             years(1.0 / found.rate),
             report.years,
             percent(found.probability)
+        ));
+    } else if let (Some(bounds), Some(hazard)) = (numbers::rate_range(state.rate_bounds), &report.hazard) {
+        sentences.push(format!(
+            "With the hazard curve {}, the annual rate of {} is {bounds}, by the levels at which no run or all runs exceed it.",
+            hazard.file,
+            limit(&state.limit)
         ));
     }
     sentences.extend(best_variants(report));
@@ -61,17 +70,28 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     sentences
 }
 
-fn object(object: &ObjectResult) -> String {
+fn object(object: &ObjectResult, building: Option<&BuildingResult>) -> String {
     let ObjectResult { width, center_height, alpha, p, foundation, static_threshold, g, friction, .. } = object;
     let is_rigid = *foundation == "rigid";
     let base = if is_rigid { "It stands on a rigid base" } else { "It stands on viscoelastic supports" };
     let subject = if is_rigid { "it" } else { "on a rigid base it" };
     let start = match static_threshold {
-        Some(threshold) if *friction > 0.0 && friction * g < *threshold => {
+        Some(threshold) if friction * g < *threshold => {
             format!("; {subject} would slide beyond {} g, before it rocks", long(*friction))
         }
         Some(threshold) => {
-            format!("; {subject} would begin to rock at a horizontal ground acceleration of {} g", long(threshold / g))
+            let place = if building.is_some() { "floor" } else { "ground" };
+            let pga = building.and_then(|building| building.least_pga).map(|pga| {
+                format!(
+                    ", which the weakest of these ground motions that reaches it gives with a PGA of {} g",
+                    long(pga / g)
+                )
+            });
+            let threshold = long(threshold / g);
+            format!(
+                "; {subject} would begin to rock at a horizontal {place} acceleration of {threshold} g{}",
+                pga.unwrap_or_default()
+            )
         }
         None => String::new(),
     };
@@ -86,11 +106,25 @@ fn object(object: &ObjectResult) -> String {
     )
 }
 
+fn building(building: &BuildingResult) -> String {
+    let BuildingResult { floors, stands_on, periods, damping, .. } = building;
+    let floor = |&floor: &usize| if floor == 0 { "the ground".into() } else { format!("floor {floor}") };
+    let floors = if *floors == 1 { "one floor".into() } else { format!("{floors} floors") };
+    let places: Vec<String> = stands_on.iter().map(floor).collect();
+    format!(
+        "It stands on {} of an elastic building of {floors} with a first period of {} s (damping {}), whose ground has the ground motions \
+         and pulses.",
+        join(&places),
+        short(periods[0]),
+        percent(damping[0])
+    )
+}
+
 /// Names the variants with the fewest runs beyond the limit, if these are fewer than those of the object, and how far they slip.
 fn best_variants(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
     // A run with an unknown outcome may exceed the limit.
-    let worst = |variant: &Comparison| variant.runs.exceeded + variant.runs.left_out;
+    let worst = |variant: &Comparison| variant.runs.at_most();
     let least = variants.iter().map(worst).min()?;
     let exceed = exceed(&report.states[report.compared_state].limit);
     if least >= plain.runs.exceeded {
@@ -98,12 +132,14 @@ fn best_variants(report: &Report) -> Option<String> {
     }
     let best: Vec<&Comparison> = variants.iter().filter(|variant| worst(variant) == least).collect();
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
-    let Counts { exceeded, known, .. } = best[0].runs;
     let mut text = format!(
-        "Of the variants, {} {} most: {exceeded} of {known} runs {exceed} instead of {}.",
+        "Of the variants, {} {} most: {} of {} runs {} instead of {}.",
         join(&names),
         if best.len() == 1 { "helps" } else { "help" },
-        plain.runs.exceeded
+        numbers::exceeded(&best[0].runs),
+        best[0].runs.all(),
+        numbers::exceed(&best[0].limit),
+        numbers::exceeded(&plain.runs)
     );
     for (variant, name) in best.iter().zip(&names) {
         let Some(slip) = variant.peak_slip.filter(|slip| *slip > 0.0) else { continue };

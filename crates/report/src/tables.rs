@@ -1,13 +1,16 @@
 //! Results → CSV, in SI units and full precision.
 
-use rocking_studies::assess::{Comparison, Results};
+use rocking_studies::assess::{Comparison, Plan, Results};
 use rocking_studies::fragility::split_heading;
+use rocking_studies::output::csv::lines;
+use rocking_studies::output::runner::Study;
 
 /// Makes the tables, with the names of their files.
-pub fn tables(results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
+pub fn tables(plan: &Plan, results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
+    let sizes = &results.sizes;
     Ok(vec![
-        ("runs.csv", results.runs.clone()),
-        ("spectrum.csv", results.sizes.table.clone()),
+        ("runs.csv", plan.sweep.header().text()? + &lines(results.table.table())?),
+        ("spectrum.csv", sizes.spectrum.header().text()? + &lines(&sizes.table)?),
         ("states.csv", states(results)?),
         ("variants.csv", comparisons(results)?),
     ])

@@ -1,109 +1,19 @@
 //! The `rocking` program: command line → tables, pictures and summaries.
 //!
-//! | module | in → out |
+//! | folder | in → out |
 //! | --- | --- |
-//! | [`choices`] | words of the command line → choices of the engine |
-//! | [`explicit_options`] | command line → the options set by the user; errors for those without effect |
-//! | [`checks`] | numbers of options → errors for those out of range |
-//! | [`input`] | path or `-` → content |
-//! | [`formats`] | name of an output → its format |
-//! | [`output`] | content → files, checked first and replaced as a whole |
-//! | [`report`] | result → a summary, as text or JSON |
-//! | [`progress`] | finished part of the work → a bar on the terminal |
-//! | [`accelerograms`] | options, files → records |
-//! | [`excitation`] | options → records and a pulse |
-//! | [`run_options`] | options shared by commands → settings, a table of many runs |
-//! | [`mod@tie`] | text of an option → a tie |
-//! | [`block_options`] | options of a single block → a block |
-//! | [`single_run`] | tolerance, duration, rows → one run |
-//! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
-//! | [`sketch`] | options → a block → its sketch and its values |
-//! | [`frame`] | options → columns under a beam → one run of their equivalent block |
-//! | [`spectrum`] | options → peak rotations of blocks of all sizes |
-//! | [`sweep`] | study file → the table of a sweep |
-//! | [`fit_options`] | options, table of a sweep → its rows, a limit, the method of intervals |
-//! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
-//! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
-//! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
-//! | [`search`] | range → the values at which the outcome changes |
-//! | [`mod@fit`] | study file with measured tests of a block → estimates with intervals |
-//! | [`assess`] | study file with an object → a page on it, with pictures and tables |
-//! | [`record`] | accelerograms → their contents and intensity measures |
-//! | [`pulse`] | an accelerogram → the pulse that fits it best |
-//! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
-//! | [`figures`] | numbers of figures → pictures with their tables |
-//! | [`shell`] | command line → completions, manual pages |
+//! | [`options`] | command line, files → blocks, records, settings |
+//! | [`output`] | results → files, pictures, summaries |
+//! | [`commands`] | one module a command: options → results |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 #![expect(rustdoc::broken_intra_doc_links, reason = "help texts give units in brackets")]
 
-mod choices;
-
-mod explicit_options;
-
-mod checks;
-
-mod input;
-
-mod formats;
+mod options;
 
 mod output;
 
-mod report;
-
-mod progress;
-
-mod accelerograms;
-
-mod excitation;
-
-mod run_options;
-
-mod tie;
-
-mod block_options;
-
-mod gradients;
-
-mod summary;
-
-mod simulate;
-mod single_run;
-
-mod sketch;
-
-mod frame;
-
-mod spectrum;
-
-mod sweep;
-
-mod relative_measure;
-
-mod fit_options;
-mod fragility_report;
-
-mod fragility;
-
-mod rate_report;
-
-mod rate;
-
-mod search;
-
-mod fit;
-
-mod assess;
-
-mod record;
-
-mod pulse;
-
-mod foundations;
-
-mod figures;
-
-mod shell;
+mod commands;
 
 use std::any::TypeId;
 use std::io;
@@ -112,7 +22,11 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use explicit_options::ExplicitOptions;
+use commands::{
+    assess, figures, fit, foundations, fragility, frame, ida, pulse, rate, record, schema, search, shell, simulate,
+    sketch, spectrum, sweep,
+};
+use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
 
 /// Simulate rigid blocks that rock under earthquakes and pulses.
@@ -137,6 +51,8 @@ enum Command {
     Spectrum(Box<spectrum::Options>),
     /// Vary any parameters, records and their strengths: a table of runs for fragility curves
     Sweep(sweep::Options),
+    /// Incremental dynamic analysis: a table of runs at given or hunted levels, fractiles and a picture
+    Ida(Box<ida::Options>),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
     Fragility(Box<fragility::Options>),
     /// Compute the annual rate of overturning from a hazard curve and a fragility curve
@@ -155,6 +71,8 @@ enum Command {
     Foundations(Box<foundations::Options>),
     /// Recompute the figures of Palmeri and Makris (2008), as pictures with their tables
     Figures(figures::Options),
+    /// Print the JSON Schema of study files, with which editors complete and check them
+    Schema(schema::Options),
     /// Print a script that completes commands and options in a shell
     Completions(shell::Completions),
     /// Print the manual page, or write one for each command
@@ -236,6 +154,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Frame(options)) => frame::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Ida(options)) => ida::run(&options, &explicit),
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
         Some(Command::Rate(options)) => rate::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
@@ -245,6 +164,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Pulse(options)) => pulse::run(&options, &explicit),
         Some(Command::Foundations(options)) => foundations::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),
+        Some(Command::Schema(options)) => schema::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, command()),
         Some(Command::Man(options)) => shell::man(&options, command()),
         None => run_with(&command().get_matches_from(EXAMPLE)),

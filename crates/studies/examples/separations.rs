@@ -10,9 +10,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_records::{ReadOptions, Record};
 use rocking_studies::run::Run;
@@ -43,7 +43,7 @@ struct Made {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let embedded = concat!(env!("CARGO_MANIFEST_DIR"), "/../../records/np01002p_4225a_a.smc").to_string();
+    let embedded = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/records/np01002p_4225a_a.smc").to_string();
     let paths = std::iter::once(embedded).chain(std::env::args().skip(1));
     let options = ReadOptions::default();
     let records = paths.map(|path| rocking_records::read(Path::new(&path), &options)).collect::<Result<Vec<_>, _>>()?;
@@ -95,7 +95,11 @@ fn make(cube: &LatinHypercube, number: u32, records: &[Record]) -> Made {
     }
     let [alpha, p, eta, xi_v, epsilon, strength, ratio] = values;
     let common = Common { epsilon, ..Common::default() };
-    let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).expect("a valid block");
+    let block = Block::from_dimensionless(
+        &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
+        &common,
+    )
+    .expect("a valid block");
     let greatest = strength * common.gravity * alpha.tan();
     let (pulse, ground) = if number.is_multiple_of(2) {
         let shapes = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
@@ -112,6 +116,6 @@ fn make(cube: &LatinHypercube, number: u32, records: &[Record]) -> Made {
     let separated = paper.flights.count > 0;
     let flying = separated.then(|| Run { settings: flies, ..run.clone() }.outcome());
     let longer = (paper.end == End::Completed)
-        .then(|| Run { duration: Some(paper.end_time - run.ground.start() + 100.0 / p), ..run.clone() }.outcome());
+        .then(|| Run { duration: Some(paper.end_time - run.start() + 100.0 / p), ..run.clone() }.outcome());
     Made { pulse: number.is_multiple_of(2), paper, flying, longer }
 }

@@ -4,10 +4,9 @@
 //! freely supported rigid beam, EESD 42 (2013) 431–449, doi:10.1002/eqe.2222. docs/frames.md has the derivation, which holds for
 //! any moment of inertia of the columns.
 
-use std::io::Write;
-
+use crate::output::table::{Column, Table};
 use crate::run::{History, Row};
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Supports};
 
 /// N equal free-standing columns on a rigid base under a rigid beam that rests freely on their tops.
 ///
@@ -95,16 +94,13 @@ impl Frame {
         let dimensionless = Dimensionless {
             alpha: column.alpha,
             p: (gamma / (1.0 + gamma) * column.gravity / r0).sqrt(),
-            eta: column.eta(),
-            xi_v: 0.0,
+            supports: Supports::Rigid { restitution_factor: column.restitution_factor },
         };
         let common = Common {
             mass: f64::from(columns) * column.mass * (moment * moment / inertia),
             gamma,
             epsilon: 0.0,
             gravity: column.gravity,
-            foundation: Foundation::Rigid,
-            restitution_factor: column.restitution_factor,
             ..Common::default()
         };
         let block = Block::from_dimensionless(&dimensionless, &common)?;
@@ -150,42 +146,45 @@ impl Frame {
         first.map(|row| row.time).filter(|_| self.beam_mass > 0.0)
     }
 
-    /// Writes the history of the frame as CSV; numbers have the digits that restore them exactly.
-    pub fn write(&self, history: &History, out: impl Write) -> csv::Result<()> {
-        let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(COLUMNS)?;
-        for row in &history.rows {
-            let (observation, FrameResponse { beam, base, top }) = (&row.observation, self.response_in(row));
-            let numbers = [
-                [row.time, observation.theta],
-                [observation.theta_dot, observation.theta_ddot],
-                beam,
-                base,
-                top,
-                row.ground,
-            ];
-            writer.write_record(numbers.as_flattened().iter().map(ToString::to_string))?;
-        }
-        writer.flush()?;
-        Ok(())
+    /// The history of the frame.
+    pub fn table(&self, history: &History) -> Table {
+        let row = |row| FrameRow { row, response: self.response_in(row) };
+        let rows: Vec<FrameRow> = history.rows.iter().map(row).collect();
+        type Of<'a> = Column<'a, FrameRow<'a>>;
+        let mut columns = vec![
+            Of::real("t", "s", |frame| frame.row.time),
+            Of::real("theta", "rad", |frame| frame.row.observation.theta),
+            Of::real("theta_dot", "rad/s", |frame| frame.row.observation.theta_dot),
+            Of::real("theta_ddot", "rad/s2", |frame| frame.row.observation.theta_ddot),
+        ];
+        columns.extend(FrameResponse::columns(|frame: &FrameRow| &frame.response));
+        columns.extend([
+            Of::real("a_gx", "m/s2", |frame| frame.row.ground[0]),
+            Of::real("a_gz", "m/s2", |frame| frame.row.ground[1]),
+        ]);
+        Table::of(&columns, &rows)
     }
 }
 
-/// Names and units of the columns of [`Frame::write`].
-const COLUMNS: [&str; 12] = [
-    "t [s]",
-    "theta [rad]",
-    "theta_dot [rad/s]",
-    "theta_ddot [rad/s2]",
-    "beam_u [m]",
-    "beam_v [m]",
-    "base_H [N]",
-    "base_N [N]",
-    "top_H [N]",
-    "top_N [N]",
-    "a_gx [m/s2]",
-    "a_gz [m/s2]",
-];
+/// A row of a history and the response of the frame in it.
+struct FrameRow<'a> {
+    row: &'a Row,
+    response: FrameResponse,
+}
+
+impl FrameResponse {
+    /// The columns of responses in rows of any kind.
+    pub fn columns<'c, R: 'c>(of: fn(&R) -> &FrameResponse) -> [Column<'c, R>; 6] {
+        [
+            Column::real("beam_u", "m", move |row| of(row).beam[0]),
+            Column::real("beam_v", "m", move |row| of(row).beam[1]),
+            Column::real("base_H", "N", move |row| of(row).base[0]),
+            Column::real("base_N", "N", move |row| of(row).base[1]),
+            Column::real("top_H", "N", move |row| of(row).top[0]),
+            Column::real("top_N", "N", move |row| of(row).top[1]),
+        ]
+    }
+}
 
 /// Refuses a column with which no block moves like the frame.
 fn equivalent(column: &Block) -> Result<(), FrameError> {
@@ -204,7 +203,11 @@ fn equivalent(column: &Block) -> Result<(), FrameError> {
     }
     if column.friction != 0.0 {
         let reason = "tops and bases would slide at different times";
-        return refused("friction", reason, "0; the forces at bases and tops show the friction that the frame needs");
+        return refused(
+            "friction",
+            reason,
+            "no limit; the forces at bases and tops show the friction that the frame needs",
+        );
     }
     if !column.ties().is_empty() {
         let reason = "a tie of a column moves its top and the beam by different amounts";
@@ -216,16 +219,19 @@ fn equivalent(column: &Block) -> Result<(), FrameError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rocking_block::block::Physical;
     use rocking_block::block::restraints::Tie;
+    use rocking_block::block::{Physical, Springs};
 
     fn column(common: Common) -> Block {
-        let physical = Physical { width: 1.6, height: 9.6, stiffness: 1e9, damping: 0.0, inertia: None };
-        Block::from_physical(&physical, &common).unwrap()
+        column_on(Supports::HOUSNER, common)
     }
 
-    fn rigid() -> Common {
-        Common { mass: 3e4, foundation: Foundation::Rigid, ..Common::default() }
+    fn column_on(supports: Supports<Springs>, common: Common) -> Block {
+        Block::from_physical(&Physical { width: 1.6, height: 9.6, supports, inertia: None }, &common).unwrap()
+    }
+
+    fn heavy() -> Common {
+        Common { mass: 3e4, ..Common::default() }
     }
 
     #[track_caller]
@@ -236,7 +242,7 @@ mod tests {
     /// Makris and Vassiliou (2013): p̂ and e of rectangular columns.
     #[test]
     fn rectangular_columns_have_the_published_frequency_parameter_and_restitution() {
-        let column = column(rigid());
+        let column = column(heavy());
         for ratio in [0.0, 0.5, 1.0, 4.0, 100.0] {
             let block = Frame::new(4, column, ratio * 4.0 * column.mass).unwrap().block;
             assert_eq!(block.alpha, column.alpha);
@@ -249,7 +255,7 @@ mod tests {
     /// At rest each base bears its share of the whole weight, each top that of the beam.
     #[test]
     fn weight_at_rest_is_that_of_columns_and_beam() {
-        let column = column(rigid());
+        let column = column(heavy());
         let frame = Frame::new(3, column, 2e5).unwrap();
         let weight = frame.block.mass * frame.block.gravity;
         let rest =
@@ -265,18 +271,18 @@ mod tests {
         let tie = Tie { block: [0.8, 9.0], ground: [3.0, 0.0], stiffness: 1e6, ..Tie::default() };
         for (column, expected) in [
             (
-                column(Common::default()),
+                column_on(Supports::Viscoelastic(Springs { stiffness: 1e9, damping: 0.0 }), heavy()),
                 "foundation = viscoelastic of the column has no equivalent in a frame: on supports",
             ),
-            (column(Common { epsilon: 0.1, ..rigid() }), "epsilon of the column"),
-            (column(Common { eccentricity: 0.1, ..rigid() }), "eccentricity of the column"),
-            (column(Common { friction: 0.5, ..rigid() }), "friction of the column"),
-            (column(rigid()).with_ties(&[tie]).unwrap(), "ties of the column"),
+            (column(Common { epsilon: 0.1, ..heavy() }), "epsilon of the column"),
+            (column(Common { eccentricity: 0.1, ..heavy() }), "eccentricity of the column"),
+            (column(Common { friction: 0.5, ..heavy() }), "friction of the column"),
+            (column(heavy()).with_ties(&[tie]).unwrap(), "ties of the column"),
         ] {
             let refused = Frame::new(2, column, 1e4).unwrap_err().to_string();
             assert!(refused.starts_with(expected), "{refused}");
         }
-        let column = column(rigid());
+        let column = column(heavy());
         assert!(Frame::new(1, column, 1e4).unwrap_err().to_string().starts_with("columns = 1; expected 2 to"));
         assert!(Frame::new(2, column, -1.0).unwrap_err().to_string().starts_with("beam_mass = -1 is not valid"));
     }

@@ -8,7 +8,9 @@
 //! | [`pulse_fit`] | a record → the pulse that fits its velocity best |
 //! | [`building`] | a record, an elastic building → the motions of its floors |
 //! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
+//! | [`spec`] | what a user says of a block → the block |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
+//! | [`doubts`] | blocks and pulses → remarks on numbers beyond reason |
 //! | [`frame`] | columns under a beam → the block that rocks like them, and the forces of the frame |
 //! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
 //! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
@@ -33,7 +35,11 @@ pub mod building;
 
 pub mod foundations;
 
+pub mod spec;
+
 pub mod run;
+
+pub mod doubts;
 
 pub mod frame;
 

@@ -7,14 +7,14 @@ use crate::line_style::LineStyle;
 use crate::numerals::short;
 use rocking_block::block::BlockError;
 use rocking_block::excitation::Pulse;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Initial;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, Scan};
-use rocking_studies::spectrum::FoundationParameters;
+use rocking_studies::spectrum::Base;
 
 /// Resolution of ξ_v (1).
 const RESOLUTION: f64 = 1e-4;
@@ -33,7 +33,7 @@ pub struct LeastDamping {
 /// Searches the least damping of a block.
 pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
-    let block = |xi_v| block(alpha, P, FoundationParameters::Viscoelastic { eta, xi_v, epsilon });
+    let block = |xi_v| block(alpha, P, Base::viscoelastic(eta, xi_v, epsilon));
     // Parameters that are valid at both ends of the range are valid between.
     block(scan.from).and(block(scan.to))?;
     let run = |&(_, xi_v): &(usize, f64)| Run {
@@ -74,7 +74,7 @@ pub fn figure(detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureEr
         detail.dampings
     )];
     let columns = ["epsilon [1]", "eta [1]", "alpha [rad]", "least.xi_v [1]", "least.xi_v.overturning [1]"];
-    let mut table = Table::new(9, &lines, &columns)?;
+    let mut table = Table::new(9, &lines, columns)?;
     let mut curves: Vec<Vec<Vec<(f64, f64)>>> = vec![vec![Vec::new()]; CURVES];
     for (task, least) in found.into_iter().enumerate() {
         let (epsilon, eta, alpha) = parameters(task as u64, detail);

@@ -87,7 +87,11 @@ pub(super) struct Table {
 
 impl Table {
     /// Begins a table with comments (figure, caption and further lines) and the names of the columns.
-    pub fn new(number: u8, lines: &[String], columns: &[&str]) -> Result<Table, FigureError> {
+    pub fn new(
+        number: u8,
+        lines: &[String],
+        columns: impl IntoIterator<Item = impl AsRef<[u8]>>,
+    ) -> Result<Table, FigureError> {
         let mut head = format!(concat!("# rocking-block ", env!("CARGO_PKG_VERSION"), " figure {}\n"), number);
         let caption = caption(number).ok_or(FigureError::Number(number))?;
         for line in std::iter::once(&caption).chain(lines) {

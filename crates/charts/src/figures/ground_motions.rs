@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use rocking_block::block::Common;
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
-use rocking_block::words::Words;
 use rocking_records::{ReadOptions, Record, RecordError, Unit};
+use rocking_studies::spec::words::Words;
 
 /// A row of Table I, and the files of its records.
 pub struct TableRow {

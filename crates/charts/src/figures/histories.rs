@@ -12,10 +12,10 @@ use crate::line_style::LineStyle;
 use crate::numerals::short;
 use crate::page::Symbol;
 use rocking_block::block::BlockError;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Ending;
 use rocking_studies::run::{History, Row, Run};
-use rocking_studies::spectrum::FoundationParameters;
+use rocking_studies::spectrum::Base;
 
 const COLUMNS: [&str; 15] = [
     "foundation",
@@ -40,7 +40,7 @@ type Value = fn(&Computed, &Row) -> f64;
 
 /// A run with its history.
 struct Computed {
-    base: FoundationParameters,
+    base: Base,
     run: Run,
     history: History,
 }
@@ -51,16 +51,16 @@ pub struct Comparison {
     /// Title.
     pub title: String,
     /// Foundation of the solid curve.
-    pub solid: FoundationParameters,
+    pub solid: Base,
     /// Foundation of the dashed curve.
-    pub dashed: FoundationParameters,
+    pub dashed: Base,
 }
 
 /// Returns the panels of Figure 6, 7 or 8 (pairs of charts in 6 and 7), or none for other figures.
 pub fn comparisons(number: u8) -> Vec<Comparison> {
-    let rigid = FoundationParameters::HOUSNER;
-    let support = |eta, xi_v, epsilon| FoundationParameters::Viscoelastic { eta, xi_v, epsilon };
-    let for_each_eta = |solid: &dyn Fn(f64) -> FoundationParameters, dashed: &dyn Fn(f64) -> FoundationParameters| {
+    let rigid = Base::HOUSNER;
+    let support = |eta, xi_v, epsilon| Base::viscoelastic(eta, xi_v, epsilon);
+    let for_each_eta = |solid: &dyn Fn(f64) -> Base, dashed: &dyn Fn(f64) -> Base| {
         let comparison =
             |&eta: &f64| Comparison { title: format!("η = {}", short(eta)), solid: solid(eta), dashed: dashed(eta) };
         ETA.iter().map(comparison).collect()
@@ -82,7 +82,7 @@ pub fn comparisons(number: u8) -> Vec<Comparison> {
 }
 
 /// Returns the foundations of a figure, each once.
-pub fn bases(number: u8) -> Vec<FoundationParameters> {
+pub fn bases(number: u8) -> Vec<Base> {
     let mut bases = Vec::new();
     for comparison in comparisons(number) {
         for base in [comparison.solid, comparison.dashed] {
@@ -95,7 +95,7 @@ pub fn bases(number: u8) -> Vec<FoundationParameters> {
 }
 
 /// Returns the run on a foundation of Figures 6 to 8.
-pub fn history_run(base: FoundationParameters, detail: &Detail) -> Result<Run, BlockError> {
+pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
     let run = run(block(ALPHA, P, base)?, history_pulse(), Ground::default());
     Ok(Run { duration: Some(HISTORY_DURATION), output_step: detail.step, ..run })
 }
@@ -124,7 +124,7 @@ pub fn figure(number: u8, detail: &Detail, workers: &mut Workers) -> Result<Figu
 fn table(number: u8, computed: &[Computed]) -> Result<Table, FigureError> {
     let mut lines: Vec<String> = computed.iter().map(|run| format!("foundation {}: {}", run.base, run.end())).collect();
     lines.push("energies over M g R0 (1 - cos alpha); a foundation is eta,xi_v,epsilon".into());
-    let mut table = Table::new(number, &lines, &COLUMNS)?;
+    let mut table = Table::new(number, &lines, COLUMNS)?;
     for computed in computed {
         let block = &computed.run.block;
         let (weight, scale) = (block.mass * block.gravity, computed.energy_scale());

@@ -4,12 +4,12 @@
 
 use std::f64::consts::TAU;
 
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
-use rocking_studies::spectrum::FoundationParameters;
+use rocking_studies::spectrum::Base;
 
 /// Numbers of the figures in the paper.
 pub const NUMBERS: [u8; 10] = [3, 6, 7, 8, 9, 10, 11, 12, 13, 14];
@@ -53,12 +53,12 @@ pub const SPECTRUM_FREQUENCY: f64 = 5.0;
 /// Slenderness angles of Figures 10 and 11 (rad). Chosen.
 pub const SPECTRUM_ALPHA: [f64; 4] = [0.10, 0.15, 0.20, 0.25];
 /// Foundations of Figures 10 and 11. Chosen.
-pub const PULSE_BASES: [FoundationParameters; 5] = [
-    FoundationParameters::HOUSNER,
-    FoundationParameters::Viscoelastic { eta: 20.0, xi_v: 0.1, epsilon: 0.0 },
-    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.0 },
-    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.4, epsilon: 0.0 },
-    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.4 },
+pub const PULSE_BASES: [Base; 5] = [
+    Base::HOUSNER,
+    Base::viscoelastic(20.0, 0.1, 0.0),
+    Base::viscoelastic(80.0, 0.1, 0.0),
+    Base::viscoelastic(80.0, 0.4, 0.0),
+    Base::viscoelastic(80.0, 0.1, 0.4),
 ];
 /// Least and greatest ω_p/p of Figures 10 and 11 (1). Chosen.
 pub const PULSE_RATIO: [f64; 2] = [1.0, 10.0];
@@ -100,20 +100,9 @@ impl Detail {
 }
 
 /// Returns a block on a foundation, with the mass and the gravity of [`Common::default`].
-pub fn block(alpha: f64, p: f64, base: FoundationParameters) -> Result<Block, BlockError> {
-    // The rigid base uses neither η nor ξ_v; any valid values do.
-    let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
-        FoundationParameters::Rigid { epsilon, restitution_factor } => {
-            (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor)
-        }
-        FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
-            (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0)
-        }
-    };
-    Block::from_dimensionless(
-        &Dimensionless { alpha, p, eta, xi_v },
-        &Common { epsilon, foundation, restitution_factor, ..Common::default() },
-    )
+pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
+    let common = Common { epsilon: base.epsilon, ..Common::default() };
+    Block::from_dimensionless(&Dimensionless { alpha, p, supports: base.supports }, &common)
 }
 
 /// Returns a run from rest until the block has come to rest or overturned, without rows in between.

@@ -5,20 +5,20 @@ use crate::figures::figure::{Figure, FigureError, Table, page};
 use crate::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::line_style::LineStyle;
 use crate::numerals::short;
-use rocking_studies::spectrum::FoundationParameters;
+use rocking_studies::spectrum::Base;
 
 /// Intervals of ε. Between the points e is linear anyway.
 const INTERVALS: u32 = 20;
 
 /// Makes the figure.
 pub fn figure() -> Result<Figure, FigureError> {
-    let mut table = Table::new(3, &[], &["alpha [rad]", "epsilon [1]", "e [1]"])?;
+    let mut table = Table::new(3, &[], ["alpha [rad]", "epsilon [1]", "e [1]"])?;
     let (mut curves, mut notes) = (Vec::new(), Vec::new());
     for &alpha in &RESTITUTION_ALPHA {
         let mut points = Vec::new();
         for i in 0..=INTERVALS {
             let epsilon = f64::from(i) / f64::from(INTERVALS);
-            let e = block(alpha, P, FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 })?.restitution();
+            let e = block(alpha, P, Base::rigid(epsilon, 1.0))?.restitution();
             table.push([alpha, epsilon, e].map(|value| value.to_string()))?;
             points.push((epsilon, e));
         }

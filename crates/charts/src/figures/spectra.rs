@@ -13,14 +13,15 @@ use crate::line_style::LineStyle;
 use crate::numerals::short;
 use crate::page::{MARGIN, Symbol};
 use crate::picture::PictureError;
-use crate::spectrum::{self, Abscissa, Curves, base_name};
-use rocking_block::block::Common;
+use crate::spectrum::{Abscissa, Curves, base_name};
+use rocking_block::block::{BlockError, Common, Ratios, Supports};
 use rocking_block::excitation::Pulse;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
 use rocking_studies::output::runner::Study;
-use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
+use rocking_studies::run::outcome::{End, Outcome};
+use rocking_studies::spectrum::statistics::BlockOutcome;
+use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
 /// Height of a panel without its outcome bars: under pulses and under records.
 const HEIGHT: [u32; 2] = [6600, 5600];
@@ -74,8 +75,8 @@ fn pulse_panel(number: u8, alpha: f64, amplitude: f64, detail: &Detail) -> Panel
 
 /// Returns the panels of a row: the horizontal motion alone, and both components.
 fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Detail) -> [Panel; 2] {
-    let supports = RECORD_ETA.map(|eta| FoundationParameters::Viscoelastic { eta, xi_v, epsilon });
-    let bases: Vec<FoundationParameters> = std::iter::once(FoundationParameters::HOUSNER).chain(supports).collect();
+    let supports = RECORD_ETA.map(|eta| Base::viscoelastic(eta, xi_v, epsilon));
+    let bases: Vec<Base> = std::iter::once(Base::HOUSNER).chain(supports).collect();
     let panel = |motion: &str, ground: Option<Ground>| Panel {
         name: format!("{}, {motion}, xi_v = {xi_v}, epsilon = {epsilon}", source.name),
         title: format!("ξ_v = {}, ε = {}, {motion}", short(xi_v), short(epsilon)),
@@ -87,7 +88,7 @@ fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Deta
 
 fn spectrum(
     alpha: f64,
-    bases: &[FoundationParameters],
+    bases: &[Base],
     [least, greatest]: [f64; 2],
     detail: &Detail,
     ground: Ground,
@@ -137,9 +138,10 @@ pub fn figure(
             None => lines.push("  no vertical record at hand".into()),
         }
     }
-    // The name of the panel replaces that of its ground motion.
-    let columns: Vec<&str> = std::iter::once("panel").chain(Spectrum::columns().skip(1)).collect();
-    let mut table = Table::new(number, &lines, &columns)?;
+    // The name of the panel replaces the number of the row and the name of the ground motion.
+    let headings = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.header().columns);
+    let names = headings.iter().flatten().skip(2).map(ToString::to_string);
+    let mut table = Table::new(number, &lines, std::iter::once("panel".to_string()).chain(names))?;
     let (mut drawn, mut failed) = (Vec::new(), 0);
     for panel in &panels {
         let Some(spectrum) = &panel.spectrum else {
@@ -147,15 +149,18 @@ pub fn figure(
             continue;
         };
         spectrum.check()?;
-        let mut rows = Vec::new();
-        for (row, outcome) in workers.map(spectrum.rows(), |number| spectrum.made(number)) {
-            failed += u64::from(outcome.end == End::Failed);
-            rows.push(row.fields);
-        }
-        let points = rows.iter().map(|row| spectrum::point(over, |column| row.get(column)));
-        drawn.push(Some(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?));
-        for row in &rows {
-            table.push(std::iter::once(panel.name.as_str()).chain(row.iter().skip(1)))?;
+        let outcomes: Vec<Outcome> = workers
+            .map(spectrum.rows(), |number| Ok(spectrum.run(number)?.outcome()))
+            .into_iter()
+            .collect::<Result<_, BlockError>>()?;
+        failed += outcomes.iter().filter(|outcome| outcome.end == End::Failed).count() as u64;
+        let rows = spectrum.table(0.., &outcomes);
+        let mut curves = Curves::new(spectrum, over);
+        curves.add(spectrum, &BlockOutcome::all(&rows).map_err(PictureError::Drawing)?);
+        drawn.push(Some(curves));
+        for row in 0..rows.rows() {
+            let fields = rows.columns().iter().skip(2).map(|column| column.text(row));
+            table.push(std::iter::once(panel.name.clone()).chain(fields))?;
         }
     }
     let svg = draw(number, sources, &panels, &drawn)?;
@@ -172,8 +177,8 @@ fn draw(
     const HEAD: u32 = 800;
     let bases = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.bases.as_slice());
     let bases = bases.unwrap_or_default();
-    let names = bases.iter().map(|&base| match (number, base) {
-        (12 | 13, FoundationParameters::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
+    let names = bases.iter().map(|&base| match (number, base.supports) {
+        (12 | 13, Supports::Viscoelastic(Ratios { eta, .. })) => format!("η = {}", short(eta)),
         _ => base_name(base),
     });
     let mut legend: Vec<_> = names.enumerate().map(|(i, name)| (Symbol::Curve(LineStyle::of(i)), name)).collect();
@@ -205,7 +210,7 @@ fn draw(
             let highest = drawn.iter().flatten().map(Curves::highest).fold(1e-9, f64::max);
             for ((panel, curves), area) in panels.iter().zip(drawn).zip([left, right]) {
                 let Some(shown) = curves.as_ref().or(drawn[0].as_ref()) else { continue };
-                let mut chart = shown.chart(abscissa(number), panel.title.clone());
+                let mut chart = shown.chart(panel.title.clone());
                 chart.y.1 = rotations(std::iter::once(highest));
                 if curves.is_none() {
                     // The axes of the panel at the left, without curves.

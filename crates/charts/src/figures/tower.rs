@@ -13,16 +13,16 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, tick};
 use crate::page::Symbol;
 use rocking_block::block::BlockError;
-use rocking_studies::output::fields::Fields;
+use rocking_studies::output::table::{Column, Table as Rows};
 use rocking_studies::run::Run;
-use rocking_studies::run::outcome::{End, Outcome};
-use rocking_studies::spectrum::FoundationParameters;
+use rocking_studies::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
+use rocking_studies::spectrum::Base;
 
 /// Returns the foundations of the tower: supports, rigid base and pads. The pads are in the table only.
-pub fn tower_bases() -> Vec<FoundationParameters> {
+pub fn tower_bases() -> Vec<Base> {
     let [xi_v, epsilon] = TOWER_SUPPORT;
-    let support = |eta: f64| FoundationParameters::Viscoelastic { eta, xi_v, epsilon };
-    let rigid = FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 };
+    let support = |eta: f64| Base::viscoelastic(eta, xi_v, epsilon);
+    let rigid = Base::rigid(epsilon, 1.0);
     TOWER_ETA.map(support).into_iter().chain([rigid]).chain(PAD_ETA.map(support)).collect()
 }
 
@@ -34,7 +34,7 @@ pub fn tower_sources(sources: &[GroundMotion]) -> Vec<GroundMotion> {
 }
 
 /// Returns the run of the tower on a foundation under a ground motion.
-pub fn tower_run(base: FoundationParameters, source: &GroundMotion) -> Result<Run, BlockError> {
+pub fn tower_run(base: Base, source: &GroundMotion) -> Result<Run, BlockError> {
     Ok(run(block(TOWER_ALPHA, TOWER_P, base)?, source.pulse, source.ground.clone()))
 }
 
@@ -52,14 +52,11 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     });
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let lines: Vec<String> = sources.iter().map(|source| format!("motion {}: {}", source.name, source.label)).collect();
-    let columns: Vec<&str> = ["motion", "foundation"].into_iter().chain(Outcome::COLUMNS).collect();
-    let mut table = Table::new(14, &lines, &columns)?;
-    for (task, outcome) in outcomes.iter().enumerate() {
-        let mut fields = Fields::default();
-        fields.push(sources[task / bases.len()].name);
-        fields.push(bases[task % bases.len()]);
-        outcome.write(TOWER_ALPHA, &mut fields);
-        table.push(fields.iter())?;
+    let columns = columns(&sources, &bases);
+    let rows = Rows::of(&columns, &outcomes.iter().enumerate().map(TowerRow).collect::<Vec<_>>());
+    let mut table = Table::new(14, &lines, columns.iter().map(|column| column.heading().to_string()))?;
+    for row in 0..rows.rows() {
+        table.push(rows.columns().iter().map(|column| column.text(row)))?;
     }
     let bars = GREYS.into_iter().zip(TOWER_ETA);
     let mut legend: Vec<_> = bars.map(|(grey, eta)| (Symbol::Grey(grey), format!("η = {}", short(eta)))).collect();
@@ -68,6 +65,28 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     let svg = page(14, &legend, 12_200, |root, body| draw(root, body, &sources, &groups))?;
     let failed = outcomes.iter().filter(|outcome| outcome.end == End::Failed).count() as u64;
     table.figure(svg, failed)
+}
+
+/// The number of a task and its outcome.
+struct TowerRow<'a>((usize, &'a Outcome));
+
+impl OutcomeRow for TowerRow<'_> {
+    fn outcome(&self) -> &Outcome {
+        self.0.1
+    }
+
+    fn alpha(&self) -> f64 {
+        TOWER_ALPHA
+    }
+}
+
+/// Returns the columns of the table.
+fn columns<'a>(sources: &[GroundMotion], bases: &'a [Base]) -> Vec<Column<'a, TowerRow<'a>>> {
+    let motion =
+        Column::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0.0 / bases.len());
+    let names = bases.iter().map(ToString::to_string);
+    let foundation = Column::choice("foundation", names, |row: &TowerRow| row.0.0 % bases.len());
+    [motion, foundation].into_iter().chain(outcome::columns(Holds::default())).collect()
 }
 
 /// Grey levels of the bars.

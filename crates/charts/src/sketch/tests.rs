@@ -1,13 +1,18 @@
 use super::*;
 use crate::glyphs;
 use resvg::usvg::{Options, Tree};
-use rocking_block::block::{Common, Physical};
+use rocking_block::block::{Common, Physical, Springs, Supports};
 use roxmltree::{Document, Node};
 
 /// Returns a block of this size.
 fn block(width: f64, height: f64, eccentricity: f64, foundation: Foundation) -> Block {
-    let physical = Physical { width, height, stiffness: 1.234e7, damping: 4.321e4, inertia: None };
-    Block::from_physical(&physical, &Common { eccentricity, foundation, friction: 0.45, ..Common::default() }).unwrap()
+    let physical = Physical {
+        width,
+        height,
+        supports: Supports::of(foundation, Springs { stiffness: 1.234e7, damping: 4.321e4 }),
+        inertia: None,
+    };
+    Block::from_physical(&physical, &Common { eccentricity, friction: 0.45, ..Common::default() }).unwrap()
 }
 
 /// Returns a tie with all of its values.

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -38,7 +39,7 @@ sensitivity = { p = [2.0, 2.4] }
 
 fn folder(assess: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let records = concat!(env!("CARGO_MANIFEST_DIR"), "/../../records");
+    let records = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/records");
     for record in ["0111a.smc", "np01002p_4225a_a.smc"] {
         fs::copy(Path::new(records).join(record), folder.path().join(record)).unwrap();
     }
@@ -154,11 +155,11 @@ fn a_report_has_the_same_bytes_on_any_number_of_threads_and_needs_no_other_file(
     let folder = folder.path();
     stdout(folder, &["assess", "study.toml", "--out", "one", "--threads", "1", "--lanes", "1"]);
     stdout(folder, &["assess", "study.toml", "--out", "two", "--threads", "2"]);
-    let names = files(&folder.join("one"));
+    let names = reported(&folder.join("one"));
     for name in ["report.html", "runs.csv", "variants.csv", "states.csv", "spectrum.csv", "sketch.png", "rate.png"] {
         assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
     }
-    assert_eq!(names, files(&folder.join("two")));
+    assert_eq!(names, reported(&folder.join("two")));
     for name in &names {
         let [one, two] = ["one", "two"].map(|out| fs::read(folder.join(out).join(name)).unwrap());
         assert!(one == two, "{name} differs");
@@ -189,15 +190,25 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         ),
         (
             "[assess]\ntitle = \"a\"\nhazard = { file = \"hazard.csv\", unit = \"in/s\" }\n",
-            &["study.toml:15: hazard.csv: found levels in in/s; expected those of PGV [m/s]"],
+            &["study.toml:15: hazard.csv: found the unit in/s; expected m/s, as the file says"],
         ),
         (
             "[assess]\ntitle = \"a\"\nvariants = [{ name = \"b\", parameters = { eta = 20 } }]\n",
-            &["study.toml:15: b: no block of the study reads it; expected foundation = Viscoelastic"],
+            &[
+                "study.toml:15: b: dimensionless.eta is read by no block of the study; expected foundation = Viscoelastic",
+            ],
+        ),
+        (
+            "[assess]\ntitle = \"a\"\nvariants = [{ name = \"b\", ties = 10, parameters.tie_1.block_x = 1 }]\n",
+            &["study.toml:15: b: tie_1.block_x is read by no block of the study; expected tie_1.stiffness"],
+        ),
+        (
+            "[assess]\ntitle = \"a\"\nvariants = [{ name = \"b\", parameters = { tie_1.damping = 9 } }]\n",
+            &["study.toml:15: b: tie_1.damping is read by no block of the study; expected tie_1.stiffness"],
         ),
         (
             "[assess]\ntitle = \"a\"\nsensitivity = { eta = [20, 80] }\n",
-            &["study.toml:15: eta: no block of the study reads it; expected foundation = Viscoelastic"],
+            &["study.toml:15: dimensionless.eta is read by no block of the study; expected foundation = Viscoelastic"],
         ),
         (
             "[assess]\ntitle = \"a\"\nvariants = [{ name = \"b\", parameters = { p = -1 } }]\n",
@@ -205,7 +216,7 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         ),
         (
             "[assess]\ntitle = \"a\"\nstates = [{ name = \"slips\", limit = \"slip:0.1\" }]\n",
-            &["runs.csv: has no column peak.slip"],
+            &["study.toml:15: a limit on the slip without friction; expected friction in [parameters]"],
         ),
     ] {
         let folder = folder(assess);
@@ -213,4 +224,219 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         let left = files(folder.path());
         assert!(!folder.path().join("report/report.html").exists(), "{left:?}");
     }
+}
+
+/// A file of several sites: the choice is a name, or coordinates as text or as a list.
+#[test]
+fn a_site_is_a_name_or_a_list_of_coordinates() {
+    let study = |site: &str| {
+        let folder = folder(&format!("[assess]\ntitle = \"a\"\nhazard = {{ file = \"sites.csv\", site = {site} }}\n"));
+        let sites = "name,lon,lat,5,20,80\nRome,12.5,41.9,1e-2,1e-3,1e-4\nMilan,9.2,45.5,1e-3,1e-4,1e-5\n";
+        fs::write(folder.path().join("sites.csv"), sites).unwrap();
+        folder
+    };
+    for (site, words) in [
+        ("[12.5, 41]", "study.toml:15: sites.csv: found no site 12.5,41; expected one such as Rome; Milan"),
+        ("[12.5]", "study.toml:15: site = [12.5]; expected a name, or longitude and latitude, as in [12.5, 41.9]"),
+        ("[\"Rome\"]", "study.toml:15: site = \"Rome\"; expected a name, or longitude and latitude"),
+    ] {
+        refused(study(site).path(), &["assess", "study.toml"], &[words]);
+    }
+    let rate =
+        |site: &str| json(study(site).path(), &["assess", "study.toml", "--out", "o"])["states"][2]["rate"].clone();
+    assert_eq!(rate("[12.5, 41.9]"), rate("\"Rome\""));
+}
+
+/// The first lines of code of a page: its commands.
+fn commands(page: &str) -> Vec<String> {
+    let code = page.split("<pre>").nth(1).unwrap().split("</pre>").next().unwrap();
+    let plain = code
+        .replace("&#60;", "<")
+        .replace("&#62;", ">")
+        .replace("&#34;", "\"")
+        .replace("&#39;", "'")
+        .replace("&#38;", "&");
+    plain.lines().filter(|line| !line.is_empty()).map(String::from).collect()
+}
+
+/// Parameters of viscoelastic supports.
+const SUPPORTS: &str = "eta = 35\nxi_v = 0.2\nepsilon = 0.1\n";
+
+/// A report prints commands that a shell runs, with all options of the study, and the numbers of the report.
+#[cfg(unix)]
+#[test]
+fn printed_commands_run_for_studies_with_every_optional_part() {
+    let hazard =
+        "hazard = { file = \"two sites.csv\", site = [-12.5, 41.9], unit = \"cm/s\", investigation_time = 50 }\n";
+    let sites =
+        "name,lon,lat,5,20,80,200\nit's Rome,-12.5,41.9,0.4,0.05,5e-3,2e-4\nMilan,9.2,45.5,1e-2,1e-3,1e-4,1e-5\n";
+    let states = "states = [{ name = \"a\", limit = 0.6 }, { name = \"slips\", limit = \"slip:0.1\" }, { name = \"o\", limit = \"overturned\" }]\n";
+    let ties = "mass = 1000\nfriction = 0.4\ntie_1.block_z = 3\ntie_1.ground_x = -2\ntie_1.ground_z = 3\ntie_1.stiffness = 2e3\n\
+                tie_1.strength = 1e3\n";
+    let building =
+        "[building]\nfloor_masses = [2e5, 2e5]\nstorey_stiffnesses = [1.5e8, 1.2e8]\ndamping = 0.05\nfloors = [1, 2]\n";
+    for (parameters, extra, assess) in [
+        ("", "", format!("[assess]\ntitle = \"a\"\npulse_periods = [1]\nim = \"PGV\"\n{hazard}")),
+        (ties, "", format!("[assess]\ntitle = \"a\"\npulse_periods = [1]\n{hazard}{states}")),
+        ("mass = 1000\n", building, "[assess]\ntitle = \"a\"\npulse_periods = [1]\nim = \"PFV\"\n".to_string()),
+        (SUPPORTS, "", format!("[assess]\ntitle = \"a\"\npulse_periods = [1]\nim = \"PGV\"\n{hazard}")),
+    ] {
+        let folder = folder("");
+        let folder = folder.path();
+        let levels = "values = [0.2, 0.4, 0.6, 0.9, 1.4]";
+        let rigid = "foundation = \"rigid\"";
+        let factor = "restitution_factor = { from = 0.9, to = 0.98 }\n";
+        let [base, factor_here] = if parameters == SUPPORTS { ["", ""] } else { [rigid, factor] };
+        let study = STUDY
+            .replace("[[records]]", &format!("{parameters}[[records]]"))
+            .replace(rigid, base)
+            .replace(factor, factor_here)
+            .replace(levels, "values = [0.2, 0.5, 0.9]");
+        fs::write(folder.join("my study.toml"), study + extra + &assess).unwrap();
+        fs::write(folder.join("two sites.csv"), sites).unwrap();
+        let report = json(folder, &["assess", "my study.toml", "--out", "first"]);
+        let page = fs::read_to_string(folder.join("first/report.html")).unwrap();
+        let path = format!(
+            "{}:{}",
+            Path::new(env!("CARGO_BIN_EXE_rocking")).parent().unwrap().display(),
+            std::env::var("PATH").unwrap()
+        );
+        let commands = commands(&page);
+        assert!(commands.iter().any(|command| command.contains("rocking rate")) || !extra.is_empty(), "{commands:?}");
+        let searches = parameters.is_empty() || parameters == SUPPORTS;
+        assert_eq!(commands.iter().any(|command| command.contains("rocking search")), searches);
+        for command in &commands {
+            let command = if command.contains("rocking rate") { format!("{command} --json") } else { command.clone() };
+            let output = std::process::Command::new("sh")
+                .args(["-c", &command])
+                .current_dir(folder)
+                .env("PATH", &path)
+                .output()
+                .unwrap();
+            let errors = String::from_utf8_lossy(&output.stderr);
+            // A curve that the report does not have either.
+            let no_curve = report["states"][report["compared_state"].as_u64().unwrap() as usize]["curve"].is_null();
+            assert!(output.status.success() || no_curve && errors.contains("found "), "{command}: {errors}");
+            if command.contains("rocking rate") && output.status.success() {
+                let alone: Value = serde_json::from_slice(&output.stdout).unwrap();
+                let state = &report["states"][report["compared_state"].as_u64().unwrap() as usize];
+                assert_eq!(state["rate"]["rate"], alone["rate"]);
+            }
+        }
+        assert_eq!(fs::read(folder.join("report/report.html")).unwrap(), page.into_bytes());
+    }
+}
+
+/// In a building, the ground has the pulses and the floor the threshold: a stiff one moves with the ground.
+#[test]
+fn pulses_and_thresholds_go_through_the_building() {
+    let assess = "[assess]\ntitle = \"a\"\npulse_periods = [0.8]\nvariants = [{ name = \"wide\", width = 1.1 }]\nsensitivity = { p = [2.1, 2.3] }\n";
+    let building = |stiffness: &str| {
+        format!(
+            "[building]\nfloor_masses = [1e5]\nstorey_stiffnesses = [{stiffness}]\ndamping = 0.05\nfloors = [1]\n{assess}"
+        )
+    };
+    let report = |text: &str| {
+        let folder = folder(text);
+        let report = json(folder.path(), &["assess", "study.toml", "--out", "report"]);
+        let table = Table::read(&folder.path().join("report/runs.csv"));
+        (report, fs::read_to_string(folder.path().join("report/report.html")).unwrap(), table)
+    };
+    let (ground, page, _) = report(assess);
+    assert!(page.contains("horizontal ground acceleration") && !page.contains("PFA"));
+    // 16 periods of 0.01 s in a sample of the pulse.
+    let (stiff, page, table) = report(&building("4e12"));
+    let least = |report: &Value| report["pulses"][0]["amplitude"].as_f64().unwrap();
+    assert!((least(&stiff) / least(&ground) - 1.0).abs() < 2e-3, "{} {}", least(&stiff), least(&ground));
+    assert_eq!([&stiff["pulses"][0]["floor"], &stiff["building"]["floors"]], [1, 1]);
+    for words in
+        ["It stands on floor 1 of an elastic building of one floor", "horizontal floor acceleration", "PFA (g)"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    let (soft, _, soft_table) = report(&building("6e6"));
+    assert!(least(&soft) < 0.9 * least(&ground), "{} {}", least(&soft), least(&ground));
+    // The PGA of the ground at which the floor meets the threshold, from the columns of the runs.
+    for (report, table) in [(&stiff, table), (&soft, soft_table)] {
+        let threshold = report["object"]["static_threshold"].as_f64().unwrap();
+        let [pga, pfa] = ["PGA", "PFA"].map(|name| table.column(name));
+        let expected = pga.iter().zip(&pfa).map(|(pga, pfa)| threshold * pga / pfa).fold(f64::INFINITY, f64::min);
+        let found = report["building"]["least_pga"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// A ground motion named twice would make one curve of two: it is refused before the first run.
+#[test]
+fn a_ground_motion_is_named_once() {
+    let folder = folder("[[records]]\nhorizontal = \"0111a.smc\"\n[assess]\ntitle = \"a\"\n");
+    refused(folder.path(), &["assess", "study.toml"], &["0111a.smc twice; expected each ground motion once"]);
+}
+
+/// The files of a report, without the rows that it keeps.
+fn reported(folder: &Path) -> Vec<String> {
+    files(folder).into_iter().filter(|name| name != "kept").collect()
+}
+
+/// A second call with another title computes nothing again, and one after an interruption only the missing runs. Damaged rows are made again. The files
+/// equal those of a fresh call.
+#[test]
+fn rows_are_kept_between_calls() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    let steps = |report: &Value| -> Vec<(String, u64, u64)> {
+        let step = |step: &Value| {
+            (step["name"].as_str().unwrap().into(), step["runs"].as_u64().unwrap(), step["kept"].as_u64().unwrap())
+        };
+        report["steps"].as_array().unwrap().iter().map(step).collect()
+    };
+    let first = steps(&json(folder, &["assess", "study.toml", "--out", "report"]));
+    let names: Vec<&str> = first.iter().map(|(name, ..)| name.as_str()).collect();
+    assert_eq!(names[..4], ["the object", "sliding", "wider", "friction 0.3"]);
+    assert_eq!(names[names.len() - 2..], ["other sizes", "pulses"]);
+    assert!(first.iter().all(|(_, runs, kept)| *runs > 0 && *kept == 0), "{first:?}");
+    let study = fs::read_to_string(folder.join("study.toml")).unwrap();
+    fs::write(folder.join("study.toml"), study.replace("Test <block>", "Another")).unwrap();
+    let tables =
+        || fs::read_dir(folder.join("report/kept")).unwrap().map(|entry| entry.unwrap().path()).collect::<Vec<_>>();
+    let mut all = tables();
+    all.sort();
+    assert_eq!(all.len(), first.len() - 1);
+    // Cut in the middle of a row, and changed.
+    let text = fs::read_to_string(&all[0]).unwrap();
+    fs::write(&all[0], &text[..text.len() / 2]).unwrap();
+    let text = fs::read_to_string(&all[1]).unwrap();
+    fs::write(&all[1], text.replace("\n3,", "\n7,")).unwrap();
+    let second = steps(&json(folder, &["assess", "study.toml", "--out", "report"]));
+    let part = second.iter().filter(|(_, runs, kept)| *kept > 0 && kept < runs).count();
+    let whole = second.iter().filter(|(_, runs, kept)| kept == runs).count();
+    assert_eq!((part, whole), (1, first.len() - 3), "{second:?}");
+    stdout(folder, &["assess", "study.toml", "--out", "fresh"]);
+    for name in reported(&folder.join("fresh")) {
+        let [kept, fresh] = ["report", "fresh"].map(|out| fs::read(folder.join(out).join(&name)).unwrap());
+        assert!(kept == fresh, "{name} differs");
+    }
+    assert_eq!(tables().len(), all.len());
+}
+
+/// Rows of another build of the program are not used: its steps may differ.
+#[test]
+fn rows_of_another_program_are_made_again() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    let program = folder.join("rocking");
+    let built = fs::read(env!("CARGO_BIN_EXE_rocking")).unwrap();
+    fs::copy(env!("CARGO_BIN_EXE_rocking"), &program).unwrap();
+    // Bytes after the end of a program do not change it.
+    let kept = |bytes: &[u8]| -> Vec<u64> {
+        fs::write(&program, [&built, bytes].concat()).unwrap();
+        let made =
+            Command::new(&program).args(["assess", "study.toml", "--json"]).current_dir(folder).output().unwrap();
+        let report: Value = serde_json::from_slice(&made.stdout).unwrap();
+        let steps = report["result"]["steps"].as_array().or(report["steps"].as_array()).unwrap();
+        steps.iter().map(|step| step["kept"].as_u64().unwrap()).collect()
+    };
+    assert!(kept(b"").iter().all(|&kept| kept == 0));
+    assert!(kept(b"").iter().any(|&kept| kept > 0));
+    assert!(kept(b"another").iter().all(|&kept| kept == 0));
 }

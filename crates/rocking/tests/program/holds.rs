@@ -91,7 +91,6 @@ fn invalid_options_are_refused() {
     let folder = folder();
     for (options, words) in [
         ("--eccentricity -2", &["eccentricity = -2 m", "half the width"][..]),
-        ("--friction -1", &["friction = -1"]),
         ("--friction 1.4 --foundation rigid", &["friction = 1.4", "rigid base", "1.33"]),
         ("--tie block_x=1,stiffness=1e3", &["--tie without --mass"]),
         ("--inertia 5", &["--inertia has no effect without --width"]),
@@ -131,7 +130,7 @@ fn the_search_begins_at_the_weaker_side() {
 fn a_sweep_has_columns_for_slip_and_tensions() {
     let folder = folder();
     let study = "[study]\ndesign = \"grid\"\nensemble = { samples = 3, p = 0.1, limits = [0.5, \"slip:0.1\"] }\n\
-                 [parameters]\np = 2\nfriction = [0, 0.4]\neccentricity = 0.05\npulse.shape = \"OneSine\"\n\
+                 [parameters]\np = 2\nfriction = [\"none\", 0.4]\neccentricity = 0.05\npulse.shape = \"OneSine\"\n\
                  pulse.amplitude = 4\nmass = 1000\ntie_1.block_x = 0.4\ntie_1.stiffness = 1e3\n";
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
@@ -146,8 +145,178 @@ fn a_sweep_has_columns_for_slip_and_tensions() {
         ("slip:0.1", "slip:no", "study.toml:3: limits = \"slip:no\""),
         ("tie_1.block_x = 0.4", "tie_1.block_x = 0.4\ntie_2.block_x = 1", "tie_2.block_x is read by no block"),
         ("eccentricity = 0.05", "eccentricity = 5", "study.toml:7: eccentricity = 5 m"),
+        (
+            "[\"none\", 0.4]",
+            "[0, 0.4]",
+            "study.toml:6: friction = 0 is not valid; expected a number > 0, or none (inf)",
+        ),
+        (
+            "[\"none\", 0.4]",
+            "\"low\"",
+            "study.toml:6: friction = \"low\"; expected a number > 0, or \"none\" for no limit",
+        ),
+        ("[\"none\", 0.4]", "{ from = 0.1, to = inf, count = 3 }", "study.toml:6: to = inf; expected a finite number"),
+        ("p = 0.1,", "friction = 0.1, seed = 1, p = 0.1,", "study.toml:3: friction = inf cannot vary"),
     ] {
         std::fs::write(folder.path().join("study.toml"), study.replace(old, new)).unwrap();
         refused(folder.path(), &["sweep", "study.toml", "--csv", "t.csv"], &[words]);
     }
+}
+
+/// No limit of friction is `none` or `inf` for users; tables write it as infinity, which sorts after all limits.
+#[test]
+fn no_limit_of_friction_is_a_word_and_sorts_last_in_tables() {
+    let folder = folder();
+    let run = |options: &[&str]| {
+        let run = [
+            "simulate",
+            "--pulse",
+            "one-sine",
+            "--amplitude",
+            "5",
+            "--period",
+            "1",
+            "--duration",
+            "1",
+            "--csv",
+            "run.csv",
+        ];
+        stdout(folder.path(), &[&run[..], options].concat());
+        std::fs::read(folder.path().join("run.csv")).unwrap()
+    };
+    let plain = run(&[]);
+    for (wrong, words) in [
+        ("0", "friction = 0 is not valid; expected a number > 0, or none (inf) for no limit"),
+        ("-1", "friction = -1 is not valid"),
+        ("low", "found `low`; expected a number > 0, or none for no limit"),
+    ] {
+        let output =
+            program(folder.path(), &[&["simulate", "--csv", "run.csv", "--friction", wrong]]).output().unwrap();
+        assert!(text(&output.stderr).contains(words) && output.status.code() == Some(2), "{}", text(&output.stderr));
+    }
+    for none in ["none", "None", "inf"] {
+        assert!(run(&["--friction", none]) == plain, "{none}");
+    }
+    let study = |friction: &str| {
+        let text = format!(
+            "[study]\ndesign = \"grid\"\n[parameters]\nfriction = {friction}\npulse.shape = \"one-sine\"\npulse.amplitude = 5\n"
+        );
+        std::fs::write(folder.path().join("study.toml"), text).unwrap();
+        stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv", "--force"]);
+        Table::read(&folder.path().join("s.csv"))
+    };
+    for list in ["[\"none\", 0.05, 0.1]", "[inf, 0.05, 0.1]"] {
+        let table = study(list);
+        let column = |name: &str| [0, 1, 2].map(|row| table.number(row, name));
+        assert_eq!(column("friction"), [f64::INFINITY, 0.05, 0.1]);
+        let [free, low, high] = column("peak.slip");
+        assert!(free == 0.0 && low > high && high > 0.0, "{free} {low} {high}");
+    }
+    assert!(!study("\"none\"").headers.iter().any(|heading| heading == "peak.slip [m]"));
+}
+
+/// A pulse, and two damped ties that catch a block on either side beyond its balance.
+const HELD: &str = "--foundation rigid --alpha 0.2 --p 2 --mass 1000 --pulse one-sine --amplitude 4 --period 1.5 \
+                    --tie block_z=1.8,ground_z=1.8,ground_x=-1.5,stiffness=6e4,slack=0.6,damping=2e4 \
+                    --tie block_z=1.8,ground_z=1.8,ground_x=1.5,stiffness=6e4,slack=0.6,damping=2e4";
+
+/// A block that hangs on a tie at the end passed its balance and is tilted; the one whose ties break says how many, and when.
+#[test]
+fn a_block_on_ties_says_what_happened_to_it() {
+    let folder = folder();
+    let simulate = |options: &str, more: &[&str]| {
+        let arguments: Vec<&str> =
+            "simulate --csv run.csv --step 0.01".split(' ').chain(options.split_whitespace()).collect();
+        stdout(folder.path(), &[&arguments, more].concat())
+    };
+    let json = |options: &str| -> serde_json::Value { serde_json::from_str(&simulate(options, &["--json"])).unwrap() };
+    let held = json(HELD);
+    let table = Table::read(&folder.path().join("run.csv"));
+    let rotations: Vec<f64> = table.column("theta").iter().map(|theta| theta.abs() / 0.2).collect();
+    let peak = rotations.iter().copied().fold(0.0, f64::max);
+    assert!(peak > 1.0 && *rotations.last().unwrap() > 1.0, "{peak} {:?}", rotations.last());
+    assert_eq!(held["outcome"], "completed");
+    assert_eq!([&held["passed_balance"], &held["ends_tilted"]], [true, true]);
+    assert_eq!(held["end.theta/alpha"].as_f64().unwrap().abs(), *rotations.last().unwrap());
+    assert!((held["peak"]["theta/balance"].as_f64().unwrap() / peak - 1.0).abs() < 1e-4);
+    assert_eq!([&held["ties_broken"], &held["first_break"]], [&serde_json::json!(0), &serde_json::Value::Null]);
+    let text = simulate(HELD, &[]);
+    assert!(text.contains("the block is at rest, tilted") && text.contains("passed its balance"), "{text}");
+    assert!(text.contains("ends tilted"), "{text}");
+
+    let weak = HELD.replace("damping=2e4", "damping=2e4,strength=3e3");
+    let broken = json(&format!("{weak} --events"));
+    let breaks: Vec<f64> = broken["events"]["list"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|event| event["event"] == "break")
+        .map(|event| event["t"].as_f64().unwrap())
+        .collect();
+    assert!(!breaks.is_empty());
+    assert_eq!(broken["ties_broken"], breaks.len());
+    assert_eq!(broken["first_break"], breaks[0]);
+    let text = simulate(&weak, &[]);
+    assert!(
+        text.contains(&format!("broke, the first at t = {:.4} s", breaks[0])) || text.contains("1 tie broke, at t"),
+        "{text}"
+    );
+}
+
+/// The balance angle is that of the side on which the block is: `arctan((b ± e_x)/h)`.
+#[test]
+fn an_uneven_block_passes_the_balance_of_its_side() {
+    let folder = folder();
+    for amplitude in ["-6", "6"] {
+        let options = "simulate --foundation rigid --alpha 0.25 --p 2 --eccentricity 0.1 --pulse one-sine --period 1 --json --csv run.csv \
+                       --duration 4 --step 0.001 --amplitude";
+        let arguments: Vec<&str> = options.split_whitespace().chain([amplitude]).collect();
+        let found: serde_json::Value = serde_json::from_str(&stdout(folder.path(), &arguments)).unwrap();
+        let table = Table::read(&folder.path().join("run.csv"));
+        let sides = ["alpha_L", "alpha_R"].map(|side| found["block"][side].as_f64().unwrap());
+        assert!((sides[0] / sides[1] - 1.0).abs() > 0.1);
+        let over = |theta: f64| theta.abs() / if theta < 0.0 { sides[0] } else { sides[1] };
+        let expected = table.column("theta").into_iter().map(over).fold(0.0, f64::max);
+        let given = found["peak"]["theta/balance"].as_f64().unwrap();
+        assert!((given / expected - 1.0).abs() < 1e-5 && expected > 0.05, "{amplitude}: {given} {expected}");
+    }
+}
+
+/// Blocks that swing on elastic ties beyond their balance are undecided for overturning: never dropped in silence, they give a range, and the
+/// usual limit counts them.
+#[test]
+fn undecided_blocks_on_ties_are_counted_or_give_a_range() {
+    let folder = folder();
+    let tie = |number: u8, x: f64| {
+        format!(
+            "tie_{number}.block_z = 1.8\ntie_{number}.ground_z = 1.8\ntie_{number}.ground_x = {x}\ntie_{number}.stiffness = 2e4\n\
+             tie_{number}.slack = 0.6\ntie_{number}.damping = 500\n"
+        )
+    };
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\nfoundation = \"rigid\"\nalpha = [0.19, 0.2, 0.21]\np = 2\nmass = 1000\n\
+                 restitution_factor = 0.9\npulse.shape = \"one-sine\"\npulse.period = 1.5\n\
+                 pulse.amplitude = { from = 1.6, to = 3, count = 16 }\n";
+    std::fs::write(folder.path().join("study.toml"), [study, &tie(1, -1.5), &tie(2, 1.5)].concat()).unwrap();
+    stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+    let table = Table::read(&folder.path().join("s.csv"));
+    let count = |is: &dyn Fn(f64, bool) -> bool| {
+        let row = |row: &usize| is(table.number(*row, "peak.theta/alpha"), table.get(*row, "outcome") == "undecided");
+        (0..table.rows.len()).filter(row).count() as f64
+    };
+    let fragility = |limit: &[&str]| -> serde_json::Value {
+        let arguments = [&["fragility", "s.csv", "--im", "pulse.amplitude", "--json"], limit].concat();
+        serde_json::from_str(&stdout(folder.path(), &arguments)).unwrap()
+    };
+    let usual = fragility(&[]);
+    assert!(count(&|peak, undecided| undecided && peak > 1.0) > 3.0);
+    assert_eq!(
+        (usual["limit"].as_str(), usual["rows"]["exceeded"].as_f64()),
+        (Some("balance"), Some(count(&|peak, _| peak > 1.0)))
+    );
+    let higher = fragility(&["--limit", "2.5"]);
+    let (known, open) = (count(&|peak, _| peak > 2.5), count(&|peak, undecided| undecided && peak <= 2.5));
+    assert!(known > 3.0 && open > 2.0, "{known} {open}");
+    assert_eq!(higher["rows"]["exceeded"], known);
+    assert_eq!(higher["rows"]["exceeded_at_most"], known + open);
+    assert!(higher["warnings"][0].as_str().unwrap().contains("may exceed the limit"), "{}", higher["warnings"]);
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// A record in the public domain, in USGS SMC format.
-pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../records/np01002p_4225a_a.smc");
+pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/records/np01002p_4225a_a.smc");
 
 /// The command that runs the program in a folder, with its arguments in parts.
 pub fn program(folder: &Path, arguments: &[&[&str]]) -> Command {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 
@@ -130,7 +130,7 @@ fn the_table_has_the_numbers_of_the_solver() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["simulate", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.25", "--duration", "3"];
     stdout(folder.path(), &[&arguments[..], &["--csv", "run.csv", "--plot", "run.svg"]].concat());
-    let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let d = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }) };
     let block = Block::from_dimensionless(&d, &Common::default()).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.25, start: 0.0, ..Pulse::NONE };
     let inputs = Inputs::default();

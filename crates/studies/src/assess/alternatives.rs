@@ -91,6 +91,10 @@ fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
     let real = sweep.parameters.iter().filter(|swept| swept.parameter.metadata.kind == Kind::Real);
     let assumption = real.filter_map(|swept| {
         let values = ends(&swept.values)?;
+        // Friction without a limit is no end of a range.
+        if values.iter().any(|&value| swept.parameter.shown(value).is_infinite()) {
+            return None;
+        }
         let changes = values.map(|value| Change::Parameter(swept.parameter.metadata.variable, value));
         let name = swept.parameter.heading();
         Some(Assumption { name, changes, values, middle: swept.values.at(0.5), is_given: true })

@@ -11,22 +11,27 @@
 //! | `states` | the table of a sweep, limits → curves and annual rates |
 //! | `pulses` | the object → the least pulses that overturn it |
 //! | `spectrum` | the object → blocks of its shape in other sizes |
+//! | `describe` | a plan → its object, building, ground motions and hazard in numbers |
+//! | `steps` | studies → their tables, kept for further calls |
 //! | `work` | a plan → its results |
 
 mod alternatives;
+mod describe;
 mod plan;
 mod pulses;
 mod results;
 mod spectrum;
 mod states;
+mod steps;
 mod work;
 
 pub use alternatives::{Alternative, Assumption};
-pub use plan::{Input, Plan, State};
+pub use plan::{Hazard, Input, Plan, State};
 pub use results::{
-    Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult, RateResult, Report,
-    Sensitivity, SizeResult, SlidingResult, StateResult,
+    BuildingResult, Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult, RateResult,
+    Report, Sensitivity, SizeResult, SlidingResult, StateResult,
 };
 pub use spectrum::SizeSpectrum;
 pub use states::StateCurve;
-pub use work::{AssessError, Results, assess};
+pub use steps::{AssessError, Kept, Step};
+pub use work::{Results, assess};

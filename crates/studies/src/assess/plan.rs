@@ -2,27 +2,27 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 use crate::assess::alternatives::{self, Alternative, Assumption};
 use crate::fragility::Limit;
-use crate::input::parameters::Parameter;
+use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::intensity::Measure;
 use crate::risk::{HazardCurve, HazardOptions, read_hazard};
+use crate::run::outcome::Holds;
+use crate::spec::study::{AssessTable, HazardTable, StateTable, StudyFile, VariantTable};
+use crate::spec::words::Words;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
-use crate::sweep::file::{self, SECTIONS};
+use crate::sweep::file;
+use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::Block;
 use rocking_block::excitation::PulseShape;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::{Kind, Variable};
-use rocking_block::words::Words;
-
-/// The keys of `[assess]`.
-const KEYS: [&str; 9] =
-    ["title", "im", "years", "pulse", "pulse_periods", "hazard", "states", "variants", "sensitivity"];
 
 /// An assessment that is ready to run.
 #[derive(Clone, Debug)]
@@ -43,8 +43,8 @@ pub struct Plan {
     pub measure: Measure,
     /// Limits on the response, the least severe first.
     pub states: Vec<State>,
-    /// Hazard curve and its file, if any.
-    pub hazard: Option<(String, HazardCurve)>,
+    /// Hazard curve, its file and the options of its reading, if any.
+    pub hazard: Option<Hazard>,
     /// Years of the probabilities.
     pub years: f64,
     /// Shape of the pulses whose least amplitude is searched.
@@ -61,6 +61,17 @@ pub struct Plan {
     pub left_out: Vec<String>,
     /// The files that were read.
     pub inputs: Vec<Input>,
+}
+
+/// A hazard curve and its origin.
+#[derive(Clone, Debug)]
+pub struct Hazard {
+    /// The file.
+    pub file: String,
+    /// The options of its reading, as in the study.
+    pub options: HazardOptions,
+    /// The curve.
+    pub curve: HazardCurve,
 }
 
 /// A limit on the response.
@@ -91,6 +102,14 @@ impl Input {
 }
 
 impl Plan {
+    /// The floors of a building on which the object stands, each once.
+    pub fn floors(&self) -> Vec<usize> {
+        let mut floors: Vec<usize> = self.sweep.motions.iter().filter_map(|motion| motion.floor).collect();
+        floors.sort_unstable();
+        floors.dedup();
+        floors
+    }
+
     /// Reads a plan from the text of a study file; its paths are relative to `folder`.
     ///
     /// # Errors
@@ -99,10 +118,12 @@ impl Plan {
         let sweep = file::read(file, text, folder)?;
         let source = StudyText { file, text };
         let document = source.parse()?;
-        let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
-        let assess =
-            root.section("assess", &KEYS)?.ok_or_else(|| root.lacks("[assess]", "title = \"Statue\" at least"))?;
+        let root = Section::of::<StudyFile>(source, "the file", document.span(), document.get_ref())?;
+        let assess = root
+            .section::<AssessTable>("assess")?
+            .ok_or_else(|| root.lacks("[assess]", "title = \"Statue\" at least"))?;
         check_runs(&sweep, &root)?;
+        check_names(&sweep, &root)?;
         let values = sweep.middle();
         let block = values.block().map_err(|error| assess_error(&root, source, &error.to_string()))?;
         let has_center_height = values[Variable::PhysicalCenterHeight] > 0.0;
@@ -111,7 +132,7 @@ impl Plan {
         let title = assess.text("title")?.ok_or_else(|| assess.lacks("title", "the name of the object"))?;
         let mut inputs = vec![Input::of(file, text.as_bytes())];
         inputs.extend(hazard.iter().map(|(input, _)| input.clone()));
-        for name in sweep.motions.iter().flat_map(|motion| &motion.names).filter(|name| !name.is_empty()) {
+        for name in sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty()) {
             if inputs.iter().all(|known| known.file != *name) {
                 let bytes = std::fs::read(folder.join(name))
                     .map_err(|error| source.wrong(&(0..0), format!("{name}: cannot be read: {error}")))?;
@@ -143,8 +164,8 @@ impl Plan {
             title: title.into(),
             file: file.into(),
             height: (!has_center_height).then_some(2.0 * block.h),
-            states: states(source, &assess)?,
-            hazard: hazard.map(|(input, curve)| (input.file, curve)),
+            states: states(source, &assess, sweep.holds())?,
+            hazard: hazard.map(|(_, hazard)| hazard),
             years: years.unwrap_or(50.0),
             pulse,
             pulse_periods: periods.unwrap_or_else(|| vec![0.25, 0.5, 1.0, 2.0]),
@@ -172,11 +193,29 @@ fn check_runs(sweep: &Sweep, root: &Section) -> Result<(), StudyFileError> {
         _ if !sweep.motions.iter().all(|motion| motion.ground.horizontal.is_some()) => {
             Some("[[records]] with a horizontal record each")
         }
-        (Strengths::Least(..), _) => Some("levels or scales; an assessment fits curves to single runs"),
+        (Strengths::Least(..) | Strengths::Hunt(..), _) => {
+            Some("levels or scales; an assessment fits curves to runs at strengths that do not depend on each other")
+        }
         (_, Some(_)) => Some("no ensemble; an assessment counts each run once"),
         (Strengths::Scales(_) | Strengths::Levels(..), None) => None,
     };
     expected.map_or(Ok(()), |expected| Err(root.lacks("what an assessment needs", expected)))
+}
+
+/// Refuses a ground motion that is named twice: its runs would be one curve.
+fn check_names(sweep: &Sweep, root: &Section) -> Result<(), StudyFileError> {
+    let key = |motion: &GroundMotion| (motion.names.clone(), motion.floor);
+    for (number, motion) in sweep.motions.iter().enumerate() {
+        if sweep.motions[..number].iter().any(|other| key(other) == key(motion)) {
+            let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+            let found = format!("{} twice; expected each ground motion once", names.join(" + "));
+            return Err(match root.get("records") {
+                Some(value) => root.refused(value, format!("records name {found}")),
+                None => root.lacks("other records", &found),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Reads the measure; by default that of the levels, else PGV.
@@ -198,9 +237,8 @@ fn hazard(
     measure: Measure,
     gravity: f64,
     folder: &Path,
-) -> Result<Option<(Input, HazardCurve)>, StudyFileError> {
-    let keys = ["file", "unit", "site", "investigation_time"];
-    let Some(section) = assess.section("hazard", &keys)? else { return Ok(None) };
+) -> Result<Option<(Input, Hazard)>, StudyFileError> {
+    let Some(section) = assess.section::<HazardTable>("hazard")? else { return Ok(None) };
     let expected = "a file of a hazard curve, as in { file = \"hazard.csv\" }";
     let (Some(name), Some(value)) = (section.text("file")?, section.get("file")) else {
         return Err(section.lacks("file", expected));
@@ -216,13 +254,15 @@ fn hazard(
     let options = HazardOptions {
         measure: Some(measure.to_string()),
         unit: section.text("unit")?.map(String::from),
-        site: section.text("site")?.map(String::from),
+        site: site(&section)?,
         years: section.number("investigation_time", |x| x > 0.0, "a number of years above 0")?,
         gravity,
     };
     let curve = read_hazard(name, &text, &options).map_err(|error| refused(error.to_string()))?;
     match curve.unit.as_deref() {
-        Some(unit) if unit == measure.unit() => Ok(Some((Input::of(name, &bytes), curve))),
+        Some(unit) if unit == measure.unit() => {
+            Ok(Some((Input::of(name, &bytes), Hazard { file: name.into(), options, curve })))
+        }
         found => {
             let found = found.map_or("no unit of the levels".into(), |unit| format!("levels in {unit}"));
             Err(refused(format!("found {found}; expected those of {}", measure.heading())))
@@ -230,39 +270,59 @@ fn hazard(
     }
 }
 
-/// Reads the states; by default three limits without a publication behind them.
-fn states(source: StudyText, assess: &Section) -> Result<Vec<State>, StudyFileError> {
+/// Reads a site: its name, or longitude and latitude as text or as a list.
+fn site(section: &Section) -> Result<Option<String>, StudyFileError> {
+    match section.get("site").map(|value| value.get_ref().is_array()) {
+        Some(true) => {
+            let expected = "a name, or longitude and latitude, as in [12.5, 41.9]";
+            let numbers = section.numbers("site", |_| true, expected)?.unwrap_or_default();
+            match (numbers.as_slice(), section.get("site")) {
+                ([longitude, latitude], _) => Ok(Some(format!("{longitude},{latitude}"))),
+                (_, Some(value)) => Err(section.wrong("site", value, expected)),
+                (_, None) => Ok(None),
+            }
+        }
+        Some(false) | None => Ok(section.text("site")?.map(String::from)),
+    }
+}
+
+/// Reads the states; by default three limits without a publication behind them. Ties may hold blocks beyond their balance.
+fn states(source: StudyText, assess: &Section, holds: Holds) -> Result<Vec<State>, StudyFileError> {
     let Some(value) = assess.get("states") else {
         let usual = [
             ("rocks visibly", Limit::Rotation(0.1)),
             ("rocks half way", Limit::Rotation(0.5)),
-            ("overturns", Limit::Overturned),
+            if holds.ties > 0 { ("passes its balance", Limit::Balance) } else { ("overturns", Limit::Overturned) },
         ];
         return Ok(usual.map(|(name, limit)| State { name: name.into(), limit, source: None }).to_vec());
     };
-    read_tables(source, assess, "states", value, &["name", "limit", "source"], |section| {
+    read_tables::<StateTable, _>(source, assess, "states", value, |section| {
         let limit = match (section.get("limit"), section.text("limit")) {
             (Some(value), _) if number(value).is_some() => {
                 section.number("limit", |x| x > 0.0, "a number > 0 for |theta|/alpha")?.map(Limit::Rotation)
             }
             _ => section.parsed("limit")?,
         };
+        if let (Some(Limit::Slip(_)), false, Some(value)) = (limit, holds.friction, section.get("limit")) {
+            return Err(section
+                .refused(value, "a limit on the slip without friction; expected friction in [parameters]".into()));
+        }
         Ok(State {
             name: section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the state"))?.into(),
-            limit: limit
-                .ok_or_else(|| section.lacks("limit", "\"overturned\", a number for |theta|/alpha, or \"slip:0.1\""))?,
+            limit: limit.ok_or_else(|| {
+                section.lacks("limit", "\"overturned\", \"balance\", a number for |theta|/alpha, or \"slip:0.1\"")
+            })?,
             source: section.text("source")?.map(String::from),
         })
     })
 }
 
 /// Reads the tables of a list.
-fn read_tables<T>(
+fn read_tables<Table: DeserializeOwned, T>(
     source: StudyText,
     assess: &Section,
     key: &str,
     value: SpannedValue,
-    keys: &[&str],
     read: impl Fn(&Section) -> Result<T, StudyFileError>,
 ) -> Result<Vec<T>, StudyFileError> {
     let name = format!("[[assess.{key}]]");
@@ -270,7 +330,7 @@ fn read_tables<T>(
     let list = list.ok_or_else(|| assess.wrong(key, value, &format!("{name}, a table for each")))?;
     let table = |value: SpannedValue| {
         let table = value.get_ref().as_table().ok_or_else(|| assess.wrong(key, value, "a table"))?;
-        read(&Section::new(source, &name, value.span(), table, keys)?)
+        read(&Section::of::<Table>(source, &name, value.span(), table)?)
     };
     list.iter().map(table).collect()
 }
@@ -282,15 +342,16 @@ fn variants(
     value: SpannedValue,
     sweep: &Sweep,
 ) -> Result<Vec<Alternative>, StudyFileError> {
-    let keys = ["name", "width", "friction_over_threshold", "ties", "parameters"];
-    read_tables(source, assess, "variants", value, &keys, |section| {
+    read_tables::<VariantTable, _>(source, assess, "variants", value, |section| {
         let name = section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the variant"))?;
         let number = |key: &str| section.number(key, |x| x > 0.0, "a number > 0");
         let mut changes = Vec::new();
         if let Some(value) = section.get("parameters") {
             let table = value.get_ref().as_table().ok_or_else(|| section.wrong("parameters", value, "a table"))?;
-            for (key, value) in table {
-                let parameter = parameter(section, key.get_ref(), value)?;
+            let mut given = Vec::new();
+            flatten(source, "", table, &[], &mut given)?;
+            for (name, value) in given {
+                let parameter = parameter(section, &name, value)?;
                 let found = read_number(section, &parameter, value)?;
                 changes.push(Change::Parameter(parameter.metadata.variable, found));
             }
@@ -329,7 +390,7 @@ fn sensitivity(
         let changes = values.map(|value| Change::Parameter(variable, value));
         for change in changes {
             let checked = sweep.check_changes(&[change]);
-            checked.map_err(|message| source.wrong(&value.span(), format!("{name}: {message}")))?;
+            checked.map_err(|message| source.wrong(&value.span(), message))?;
         }
         Ok(Assumption { name: parameter.heading(), changes, values, middle: middle[variable], is_given: true })
     };
@@ -349,6 +410,8 @@ fn parameter(section: &Section, name: &str, value: SpannedValue) -> Result<Param
 
 fn read_number(section: &Section, parameter: &Parameter, value: SpannedValue) -> Result<f64, StudyFileError> {
     let found = number(value).ok_or_else(|| section.wrong(parameter.name(), value, parameter.expected()))?;
-    parameter.metadata.admits(found).map_err(|message| section.refused(value, message))?;
-    Ok(found)
+    if found.is_infinite() {
+        return Err(section.wrong(parameter.name(), value, "a finite number"));
+    }
+    parameter.number(found).map_err(|message| section.refused(value, message))
 }

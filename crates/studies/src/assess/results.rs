@@ -14,6 +14,8 @@ pub struct Report {
     pub study: String,
     /// The object in the middle of the study.
     pub object: ObjectResult,
+    /// The building in which it stands, if any.
+    pub building: Option<BuildingResult>,
     /// The ground motions.
     pub motions: Vec<MotionResult>,
     /// Number of blocks under each ground motion.
@@ -90,7 +92,7 @@ pub struct ObjectResult {
     /// Restitution e of a rigid base only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub e: Option<f64>,
-    /// Coefficient of friction; 0 for no limit.
+    /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
     /// Distance of the centre of mass from the middle of the base (m).
     pub eccentricity: f64,
@@ -115,6 +117,21 @@ pub struct SupportsResult {
     pub delta_s: f64,
 }
 
+/// An elastic building.
+#[derive(Clone, Debug, Serialize)]
+pub struct BuildingResult {
+    /// Number of its floors.
+    pub floors: usize,
+    /// Floors on which the blocks stand; 0 is the ground.
+    pub stands_on: Vec<usize>,
+    /// Natural periods of its modes (s), the longest first.
+    pub periods: Vec<f64>,
+    /// Damping ratios of the modes (1).
+    pub damping: Vec<f64>,
+    /// Least PGA (m/s²) of the ground motions at which the peak acceleration of a floor meets the static threshold.
+    pub least_pga: Option<f64>,
+}
+
 /// A ground motion, unscaled.
 #[derive(Clone, Debug, Serialize)]
 pub struct MotionResult {
@@ -126,6 +143,12 @@ pub struct MotionResult {
     /// m/s.
     #[serde(rename = "PGV")]
     pub pgv: Option<f64>,
+    /// Peak acceleration of the floor (m/s²), in a building.
+    #[serde(rename = "PFA", skip_serializing_if = "Option::is_none")]
+    pub pfa: Option<f64>,
+    /// Peak velocity of the floor (m/s), in a building.
+    #[serde(rename = "PFV", skip_serializing_if = "Option::is_none")]
+    pub pfv: Option<f64>,
     /// Least and greatest factor on it, for the object.
     pub scales: [f64; 2],
 }
@@ -135,7 +158,10 @@ pub struct MotionResult {
 pub struct LeastPulse {
     /// T_p (s).
     pub period: f64,
-    /// Least amplitude a_p (m/s²); `None` if none overturns it.
+    /// The floor on which the object stands, in a building whose ground has the pulse.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor: Option<usize>,
+    /// Least amplitude a_p (m/s²) of the ground; `None` if none overturns it.
     pub amplitude: Option<f64>,
     /// `none`; or `upper` or `lower`, if the range of the search only bounds the value.
     pub bound: &'static str,
@@ -169,6 +195,18 @@ pub struct Counts {
     pub exceeded: usize,
     /// Runs that failed, separated before the limit, or are undecided.
     pub left_out: usize,
+}
+
+impl Counts {
+    /// Runs that exceed the limit if all those without a known outcome do.
+    pub fn at_most(&self) -> usize {
+        self.exceeded + self.left_out
+    }
+
+    /// All runs.
+    pub fn all(&self) -> usize {
+        self.known + self.left_out
+    }
 }
 
 /// A lognormal fragility curve.
@@ -209,6 +247,8 @@ pub struct StateResult {
     pub no_curve: Option<String>,
     /// The annual rate, with a hazard curve.
     pub rate: Option<RateResult>,
+    /// Bounds of the annual rate (1/year) from the runs alone: see [`Comparison::rate_bounds`].
+    pub rate_bounds: [Option<f64>; 2],
 }
 
 /// An annual rate.
@@ -248,8 +288,10 @@ pub struct Comparison {
     pub alpha: f64,
     /// m/s²; `None` for a block with ties.
     pub static_threshold: Option<f64>,
-    /// Coefficient of friction; 0 for no limit.
+    /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
+    /// The limit, as in options: that of the compared state, or the balance where ties keep blocks beyond it from overturning.
+    pub limit: String,
     /// The runs, relative to the limit.
     pub runs: Counts,
     /// The curve.
@@ -258,6 +300,9 @@ pub struct Comparison {
     pub no_curve: Option<String>,
     /// Annual rate (1/year).
     pub rate: Option<f64>,
+    /// Bounds of the annual rate (1/year) from the runs alone: the rate of the least measure from which on all runs exceed the limit, and that
+    /// of the greatest one up to which none does.
+    pub rate_bounds: [Option<f64>; 2],
     /// Greatest slip (m), with limited friction.
     pub peak_slip: Option<f64>,
     /// Greatest tension of a tie over the weight, with ties.
@@ -267,7 +312,7 @@ pub struct Comparison {
 /// The blocks of the study with a coefficient of friction.
 #[derive(Clone, Debug, Serialize)]
 pub struct SlidingResult {
-    /// Coefficient of friction; 0 for no limit.
+    /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
     /// The runs, relative to the limit.
     pub runs: Counts,

@@ -2,10 +2,11 @@
 
 use crate::assess::plan::Plan;
 use crate::assess::results::SizeResult;
+use crate::output::table::Table;
 use crate::spectrum::statistics::Statistics;
-use crate::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
+use crate::spectrum::{Base, InProportion, Sizes, Spectrum};
 use crate::sweep::strength::Strengths;
-use rocking_block::block::{Block, BlockError, Common, Foundation};
+use rocking_block::block::{Block, BlockError, Common};
 
 /// Sizes from half to twice the object, as 1/p: it is one of them.
 const SIZES: u64 = 61;
@@ -16,7 +17,7 @@ pub struct SizeSpectrum {
     /// The spectrum.
     pub spectrum: Spectrum,
     /// Its table.
-    pub table: String,
+    pub table: Table,
     /// Statistics over the ground motions.
     pub statistics: Statistics,
     /// The strength of the ground motions, in words.
@@ -30,13 +31,9 @@ pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
     let strength = match &sweep.strengths {
         Strengths::Levels(measure, levels) => format!("{measure} = {} {}", levels[middle as usize], measure.unit()),
         Strengths::Scales(scales) => format!("{} times the records", scales[middle as usize]),
-        Strengths::Least(..) => unreachable!("refused by the plan"),
+        Strengths::Least(..) | Strengths::Hunt(..) => unreachable!("refused by the plan"),
     };
-    let Block { alpha, p, mass, gamma, gravity, friction, epsilon, restitution_factor, .. } = *block;
-    let base = match block.foundation {
-        Foundation::Rigid => FoundationParameters::Rigid { epsilon, restitution_factor },
-        Foundation::Viscoelastic => FoundationParameters::Viscoelastic { eta: block.eta(), xi_v: block.xi_v, epsilon },
-    };
+    let Block { alpha, p, .. } = *block;
     let name = |motion: usize| {
         let motion = &sweep.motions[motion];
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
@@ -45,9 +42,9 @@ pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
     let motions = (0..sweep.motions.len()).map(|motion| (name(motion), sweep.ground(motion, middle, block)));
     let spectrum = Spectrum {
         alpha,
-        common: Common { mass, gamma, gravity, friction, ..Common::default() },
+        common: Common { eccentricity: 0.0, ..block.common() },
         in_proportion: InProportion::of(block),
-        bases: vec![base],
+        bases: vec![Base::of(block)],
         sizes: Sizes { least: p / RANGE, greatest: p * RANGE, count: SIZES },
         motions: motions.collect(),
         pulse: values.pulse(),

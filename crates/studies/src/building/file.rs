@@ -2,14 +2,11 @@
 
 use crate::building::{Building, Damping};
 use crate::input::study_file::{Section, StudyFileError};
-
-/// The keys of `[building]`.
-const KEYS: [&str; 8] =
-    ["floor_masses", "storey_stiffnesses", "frequencies", "participation", "shapes", "damping", "rayleigh", "floors"];
+use crate::spec::study::{BuildingTable, RayleighTable};
 
 /// Reads the building and the numbers of its floors, 0 for the ground; by default all floors above it.
 pub fn read(root: &Section) -> Result<Option<(Building, Vec<usize>)>, StudyFileError> {
-    let (Some(section), Some(table)) = (root.section("building", &KEYS)?, root.get("building")) else {
+    let (Some(section), Some(table)) = (root.section::<BuildingTable>("building")?, root.get("building")) else {
         return Ok(None);
     };
     let is_shear = section.get("floor_masses").is_some() || section.get("storey_stiffnesses").is_some();
@@ -52,7 +49,7 @@ pub fn read(root: &Section) -> Result<Option<(Building, Vec<usize>)>, StudyFileE
 
 fn damping(section: &Section) -> Result<Damping, StudyFileError> {
     const EXPECTED: &str = "a ratio, or a list of one per mode";
-    let rayleigh = section.section("rayleigh", &["damping", "modes"])?;
+    let rayleigh = section.section::<RayleighTable>("rayleigh")?;
     match (section.get("damping"), rayleigh) {
         (Some(value), Some(_)) => Err(section.wrong("damping", value, "none beside rayleigh")),
         (Some(value), None) if value.get_ref().is_array() => {

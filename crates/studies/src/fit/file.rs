@@ -6,33 +6,24 @@ use toml::de::DeTable;
 
 use crate::fit::problem::{FitError, Free, Options, Problem, Test};
 use crate::input::parameters::{Parameter, flatten};
-use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, keys};
 use crate::run::table::columns;
+use crate::spec::study::{FitFile, FitTable, RecordsTable, TestTable};
 use crate::sweep::file::values;
 use crate::sweep::parameters::ParameterValues;
 use crate::sweep::records;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
-use rocking_records::Column;
-
-/// The tables of the file.
-const SECTIONS: [&str; 3] = ["fit", "parameters", "tests"];
-
-/// The keys of `[fit]`.
-const KEYS: [&str; 7] = ["free", "bounds", "prior", "starts", "seed", "level", "tolerance"];
-
-/// The keys of `[[tests]]` that are not parameters of the block.
-const TEST_KEYS: [&str; 12] =
-    ["data", "time", "column", "factor", "output", "noise", "record", "scale", "zero", "delay", "free", "bounds"];
+use rocking_records::Choice;
 
 /// Reads a problem from the text of its file; its paths are relative to `folder`. Returns it with the names of the files read.
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<String>), StudyFileError> {
     let source = StudyText { file, text };
     let document = source.parse()?;
-    let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
-    let fit = root.section("fit", &KEYS)?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
+    let root = Section::of::<FitFile>(source, "the file", document.span(), document.get_ref())?;
+    let fit = root.section::<FitTable>("fit")?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
     let shared = parameters(source, &root, "parameters")?;
     let list = root.get("tests").ok_or_else(|| root.lacks("[[tests]]", "a table for each test"))?;
     let tables = list.get_ref().as_array().filter(|list| !list.is_empty());
@@ -40,8 +31,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
     let (mut tests, mut files, mut values) = (Vec::new(), Vec::new(), Values::default());
     for value in tables {
         let table = value.get_ref().as_table().ok_or_else(|| root.wrong("tests", value, "tables"))?;
-        let keys = [&TEST_KEYS[..], &["prior", "initial", "pulse"]].concat();
-        let section = Section::new(source, "[[tests]]", value.span(), table, &keys)?;
+        let section = Section::of::<TestTable>(source, "[[tests]]", value.span(), table)?;
         let of_test = test_parameters(source, table)?;
         values = set(source, shared.iter().chain(&of_test))?;
         tests.push(test(source, &section, value, folder, &values, &mut files)?);
@@ -79,7 +69,9 @@ fn parameters<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Ve
 
 /// Reads the parameters of a test: its initial state and its pulse.
 fn test_parameters<'a>(source: StudyText, table: &'a DeTable<'a>) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
-    named(source, table, &[&TEST_KEYS[..], &["prior"]].concat())
+    let is_other = |key: &&&str| !["initial", "pulse"].contains(key);
+    let others: Vec<&str> = keys::<TestTable>().iter().filter(is_other).copied().collect();
+    named(source, table, &others)
 }
 
 fn named<'a>(
@@ -137,22 +129,22 @@ fn test(
     let output = section.text("output")?.unwrap_or("theta");
     let unit = columns(&block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit);
     let name = section.text("data")?.ok_or_else(|| section.lacks("data", "a CSV file of times and measured values"))?;
-    let time = records::column(section, "time")?.unwrap_or(Column::Name("t".into()));
-    let column = records::column(section, "column")?.unwrap_or(Column::Name(output.into()));
+    let time = records::column(section, "time")?.unwrap_or(Choice::Name("t".into()));
+    let column = records::column(section, "column")?.unwrap_or(Choice::Name(output.into()));
     let factor = section.number("factor", |x| x != 0.0, "a number other than 0")?;
     let data = section.get("data").unwrap_or(table);
     let read = read_table(&folder.join(name), [&time, &column], unit, factor);
     let (times, values_over_time) = read.map_err(|message| section.refused(data, format!("{name}: {message}")))?;
     files.push(name.into());
     let mut ground = Ground::default();
-    if let (Some(record), Some(value)) = (section.section("record", &records::KEYS)?, section.get("record")) {
+    if let (Some(record), Some(value)) = (section.section::<RecordsTable>("record")?, section.get("record")) {
         let found = records::in_table(&record, value.span(), source, folder, values[Variable::G])?;
-        let [(names, of_record)] = &found[..] else {
+        let [of_record] = &found[..] else {
             let message = format!("record has {} files; expected one for each direction", found.len());
             return Err(section.refused(value, message));
         };
-        ground = of_record.clone();
-        files.extend(names.iter().filter(|name| !name.is_empty()).cloned());
+        ground = of_record.ground.clone();
+        files.extend(of_record.files.iter().filter(|name| !name.is_empty()).cloned());
     }
     if let (true, Some(value)) = (ground.is_empty(), section.get("scale")) {
         return Err(section.wrong("scale", value, "a record; it has no effect without one"));
@@ -218,7 +210,7 @@ fn leaves<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<(String, Spa
 /// Reads two columns of a CSV file: times (s), and values times a factor, in this unit.
 fn read_table(
     path: &Path,
-    wanted: [&Column; 2],
+    wanted: [&Choice; 2],
     unit: &str,
     factor: Option<f64>,
 ) -> Result<(Vec<f64>, Vec<f64>), String> {
@@ -236,9 +228,9 @@ fn read_table(
     let first = rows.first().ok_or("no rows; expected a table of times and values")?;
     let has_header = first.iter().any(|field| field.parse::<f64>().is_err());
     let headings: Vec<&str> = if has_header { first.iter().collect() } else { Vec::new() };
-    let position = |column: &Column| match column {
-        Column::Number(number) => Ok(number - 1),
-        Column::Name(name) => headings
+    let position = |column: &Choice| match column {
+        Choice::Number(number) => Ok(number - 1),
+        Choice::Name(name) => headings
             .iter()
             .position(|heading| heading == name || heading.split(" [").next() == Some(name))
             .ok_or_else(|| match has_header {

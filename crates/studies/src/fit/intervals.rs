@@ -10,6 +10,8 @@ use crate::fit::least_squares::{Linearization, Minimum, Triangle};
 pub enum End {
     /// The end inside the bounds.
     At(f64),
+    /// The last point of a search that has not settled within its evaluations.
+    Unsettled(f64),
     /// The data admit the bound.
     Open,
 }
@@ -36,7 +38,12 @@ pub struct Profile<'a> {
     pub variance: f64,
     /// Normal deviate of the level.
     pub deviate: f64,
+    /// Maximum number of evaluations for an end.
+    pub evaluations: usize,
 }
+
+/// The usual maximum number of evaluations for an end.
+pub const EVALUATIONS: usize = 12;
 
 impl Profile<'_> {
     /// Returns the end of the interval of coordinate `i` on a side, −1 or 1.
@@ -44,8 +51,6 @@ impl Profile<'_> {
     /// The search begins at the quadratic end. Each evaluation gives the sum of squares and its decrease over the other coordinates by the
     /// linear model, and with both the next distance.
     pub fn end(&self, i: usize, side: f64) -> Result<End, Lower> {
-        /// Greatest number of evaluations.
-        const EVALUATIONS: usize = 12;
         /// Relative error of the deviate below which a secant gives the end, and greatest gain of the other coordinates there.
         const NEAR: [f64; 2] = [0.1, 0.02];
         /// Part of the variance by which a lower minimum must lie below.
@@ -60,7 +65,7 @@ impl Profile<'_> {
         let mut distance = (deviate * (variance * self.covariance[(i, i)]).sqrt()).min(range);
         let mut ridge: DVector<f64> = self.covariance.column(i) / self.covariance[(i, i)];
         let mut from = minimum.point.clone();
-        for _ in 0..EVALUATIONS {
+        for _ in 0..self.evaluations {
             let moved = &from + &ridge * (center + side * distance - from[i]);
             let mut point = moved.map(|coordinate| coordinate.clamp(0.0, 1.0));
             point[i] = if distance >= range { 0.5 + 0.5 * side } else { center + side * distance };
@@ -98,7 +103,7 @@ impl Profile<'_> {
             let next = (distance * ratio.clamp(0.2, 5.0)).min(range);
             distance = if next > low && next < high { next } else { 0.5 * (low + high.min(range)) };
         }
-        Ok(End::At(from[i]))
+        Ok(End::Unsettled(from[i]))
     }
 
     fn linearize(&self, point: &DVector<f64>) -> Option<(Linearization, Triangle)> {

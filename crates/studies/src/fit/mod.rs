@@ -36,7 +36,7 @@ use serde::Serialize;
 
 use crate::fit::combinations::{Combination, combinations};
 use crate::fit::evaluation::{Evaluator, Runs};
-use crate::fit::intervals::{End, Lower, Profile};
+use crate::fit::intervals::{EVALUATIONS, End, Lower, Profile};
 use crate::fit::least_squares::{Minimum, minimize};
 use crate::fit::unknowns::{set, unknowns};
 use crate::statistics::normal;
@@ -54,7 +54,8 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error, to first order.
     pub standard_error: f64,
-    /// Interval of the profile likelihood; `None` for a test's own parameter, and for an end at which the data admit the bound.
+    /// Interval of the profile likelihood; `None` for a test's own parameter, where the search for intervals kept finding better fits, and for
+    /// an end at which the data admit the bound.
     pub interval: Option<[Option<f64>; 2]>,
     /// Interval of the quadratic approximation, symmetric in the logarithm where that is fitted.
     pub quadratic_interval: [f64; 2],
@@ -132,20 +133,26 @@ pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) +
     let evaluator = Evaluator { problem, unknowns: &unknowns, runs: Runs::default() };
     pool.install(|| {
         let minima = search::search(&evaluator, progress)?;
-        let (best, others, ends) = with_intervals(&evaluator, minima);
-        finish(&evaluator, &best, &others, &ends)
+        let (best, others, ends) = with_intervals(&evaluator, minima, RESTARTS, EVALUATIONS);
+        finish(&evaluator, &best, &others, ends)
     })
 }
 
 /// Ends of the intervals of the shared parameters, as coordinates.
 type Ends = Vec<[End; 2]>;
 
+/// Maximum number of searches from lower minima that are found on the way to the ends of intervals.
+const RESTARTS: usize = 4;
+
 /// Returns the best of several minima, the others that the level admits, and the ends of the intervals, which cover those of the others.
 ///
-/// A lower minimum found on the way to an end replaces the best one.
-fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, Vec<Minimum>, Ends) {
-    /// Maximum number of such replacements.
-    const RESTARTS: usize = 4;
+/// A lower minimum found on the way to an end replaces the best one. After the last of these restarts no interval is known.
+fn with_intervals(
+    evaluator: &Evaluator,
+    mut minima: Vec<Minimum>,
+    restarts: usize,
+    evaluations: usize,
+) -> (Minimum, Vec<Minimum>, Option<Ends>) {
     let counts: Vec<usize> = evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
     let shared = evaluator.problem.free.len();
     let deviate = normal::quantile(0.5 + 0.5 * evaluator.problem.options.level);
@@ -153,22 +160,25 @@ fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, 
     for restart in 0.. {
         let (least, variance) = (best.at.cost(), evaluator.variance(best.at.cost(), &counts));
         let others = minima.iter().filter(|other| other.at.cost() - least <= deviate * deviate * variance);
-        let found: Vec<Result<Ends, Lower>> = std::iter::once(&best)
-            .chain(others.clone())
+        let others: Vec<Minimum> = others.cloned().collect();
+        if restart > restarts {
+            return (best, others, None);
+        }
+        let found: Result<Vec<Ends>, Lower> = std::iter::once(&best)
+            .chain(&others)
             .map(|from| {
                 let covariance = from.at.triangle().covariance();
-                let profile = Profile { evaluator, from, least, covariance: &covariance, variance, deviate };
+                let covariance = &covariance;
+                let profile = Profile { evaluator, from, least, covariance, variance, deviate, evaluations };
                 let end = |k: usize| profile.end(k / 2, [-1.0, 1.0][k % 2]);
                 let ends = (0..2 * shared).into_par_iter().map(end).collect::<Vec<_>>();
                 let ends = ends.into_iter().collect::<Result<Vec<End>, Lower>>()?;
                 Ok(ends.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
             })
             .collect();
-        let lower = found.iter().find_map(|ends| ends.as_ref().err().cloned()).filter(|_| restart < RESTARTS);
-        let Some(Lower(point)) = lower else {
-            let ends = found.into_iter().flatten().reduce(hull).unwrap_or(vec![[End::Open; 2]; shared]);
-            let others = others.cloned().collect();
-            return (best, others, ends);
+        let point = match found {
+            Ok(found) => return (best, others, found.into_iter().reduce(hull)),
+            Err(Lower(point)) => point,
         };
         let linearize = |at: &_| evaluator.linearize(at, &counts).ok();
         if let Some(at) = linearize(&point) {
@@ -184,13 +194,16 @@ fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, 
 fn hull(one: Ends, other: Ends) -> Ends {
     let end = |one: End, other: End, outer: fn(f64, f64) -> f64| match (one, other) {
         (End::At(one), End::At(other)) => End::At(outer(one, other)),
+        (End::At(one) | End::Unsettled(one), End::At(other) | End::Unsettled(other)) => {
+            End::Unsettled(outer(one, other))
+        }
         (End::Open, _) | (_, End::Open) => End::Open,
     };
     let both = one.into_iter().zip(other);
     both.map(|([low, high], [lower, higher])| [end(low, lower, f64::min), end(high, higher, f64::max)]).collect()
 }
 
-fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: &Ends) -> Result<Fit, FitError> {
+fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Option<Ends>) -> Result<Fit, FitError> {
     let Evaluator { problem, unknowns, .. } = evaluator;
     let counts: Vec<usize> = problem.tests.iter().map(|test| test.values.len()).collect();
     let values = evaluator.values(&best.point);
@@ -201,7 +214,7 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: &Ends
     let estimate = |i: usize| {
         let unknown = &unknowns[i];
         let at = |end: &End| match end {
-            End::At(coordinate) => Some(unknown.value(*coordinate)),
+            End::At(coordinate) | End::Unsettled(coordinate) => Some(unknown.value(*coordinate)),
             End::Open => None,
         };
         let deviation = covariance[(i, i)].sqrt();
@@ -215,7 +228,7 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: &Ends
             unit: unknown.unit.clone(),
             value: values[i],
             standard_error,
-            interval: ends.get(i).map(|[low, high]| [at(low), at(high)]),
+            interval: ends.as_ref().and_then(|ends| ends.get(i)).map(|[low, high]| [at(low), at(high)]),
             quadratic_interval,
             bounds: unknown.bounds,
             at_bound: unknown.bounds.into_iter().find(|&bound| bound == values[i]),
@@ -250,6 +263,14 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: &Ends
         block: problem.block(&parameters).map_err(FitError::Block)?,
     };
     fit.notes = notes::notes(&fit);
+    match ends {
+        None => fit.notes.push(notes::NO_INTERVALS.into()),
+        Some(ends) => {
+            let is_unsettled = |(_, ends): &(_, &[End; 2])| ends.iter().any(|end| matches!(end, End::Unsettled(_)));
+            let unsettled = unknowns.iter().zip(&ends).filter(is_unsettled);
+            fit.notes.extend(unsettled.map(|(unknown, _)| notes::unsettled(&unknown.full_name())));
+        }
+    }
     Ok(fit)
 }
 
@@ -276,4 +297,76 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
         grazing: course.grazing,
         overturned: course.ended,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use rocking_block::block::{Common, Dimensionless, Parameterization, Supports};
+
+    use super::*;
+
+    /// The search for intervals about a point that is no minimum finds the minimum, which is kept and said even after the last restart.
+    #[test]
+    fn a_lower_minimum_found_at_last_is_kept() {
+        let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
+        let test = Test { noise: Some(1e-3), ..Test::release(0.1, vec![0.1, 0.2], vec![0.0; 2]) };
+        let mut problem = Problem {
+            parameterization: Parameterization::Dimensionless(truth),
+            common: Common::default(),
+            ties: Vec::new(),
+            free: vec![Free { bounds: Some([2.5, 3.5]), ..Free::named("p") }],
+            tests: vec![test],
+            options: Options::default(),
+        };
+        let counts = [2];
+        let all = unknowns(&problem).unwrap();
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let course = evaluator.course(0, &[3.0], [0.1, 0.2].into_iter(), true);
+        let points = course.unwrap_or_else(|_| unreachable!()).points;
+        problem.tests[0].values = points.iter().map(|point| point.value).collect();
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let point = nalgebra::DVector::from_element(1, 0.3);
+        let at = evaluator.linearize(&point, &counts).unwrap_or_else(|_| unreachable!());
+        let poor = Minimum { point, at, is_converged: true };
+        for restarts in [0, 1] {
+            let (best, others, ends) = with_intervals(&evaluator, vec![poor.clone()], restarts, EVALUATIONS);
+            // The poor minimum is 8 % off.
+            let found = evaluator.values(&best.point)[0];
+            assert!((found / truth.p - 1.0).abs() < 1e-3, "{found}, {restarts} restarts");
+            assert_eq!(ends.is_some(), restarts > 0);
+            let fit = finish(&evaluator, &best, &others, ends).unwrap();
+            assert_eq!(fit.estimates[0].interval.is_some(), restarts > 0);
+            assert_eq!(fit.notes.iter().any(|note| note == notes::NO_INTERVALS), restarts == 0);
+        }
+    }
+
+    /// An end that the search has not reached within its evaluations is said.
+    #[test]
+    fn an_end_that_has_not_settled_is_said() {
+        let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
+        let times: Vec<f64> = (1..=20).map(|i| 0.1 * f64::from(i)).collect();
+        let mut problem = Problem {
+            parameterization: Parameterization::Dimensionless(truth),
+            common: Common::default(),
+            ties: Vec::new(),
+            free: vec![Free { bounds: Some([2.5, 3.6]), ..Free::named("p") }],
+            tests: vec![Test { noise: Some(0.02), ..Test::release(0.1, times.clone(), vec![0.0; 20]) }],
+            options: Options::default(),
+        };
+        let all = unknowns(&problem).unwrap();
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let course = evaluator.course(0, &[3.0], times.into_iter(), true);
+        problem.tests[0].values =
+            course.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let point = nalgebra::DVector::from_element(1, 0.5);
+        let at = evaluator.linearize(&point, &[20]).unwrap_or_else(|_| unreachable!());
+        for evaluations in [0, EVALUATIONS] {
+            let minimum = Minimum { point: point.clone(), at: at.clone(), is_converged: true };
+            let (best, others, ends) = with_intervals(&evaluator, vec![minimum], 0, evaluations);
+            let fit = finish(&evaluator, &best, &others, ends).unwrap();
+            let said = fit.notes.iter().any(|note| note.starts_with("the interval of p is rough"));
+            assert_eq!(said, evaluations == 0, "{fit:?}");
+        }
+    }
 }

@@ -2,6 +2,17 @@
 
 use crate::fit::{Estimate, Fit, TestFit};
 
+/// The note on a fit without intervals.
+pub const NO_INTERVALS: &str = "the intervals are unknown: the search for them kept finding better fits, and ended with this one; \
+                                expected narrower bounds or more starts";
+
+/// Returns the note on an interval with an end whose search has not settled.
+pub fn unsettled(name: &str) -> String {
+    format!(
+        "the interval of {name} is rough: the search for an end has not settled within its evaluations; compare the quadratic interval"
+    )
+}
+
 /// Lists the weaknesses of a fit.
 pub fn notes(fit: &Fit) -> Vec<String> {
     let mut notes = Vec::new();

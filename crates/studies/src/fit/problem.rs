@@ -2,8 +2,8 @@
 
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{Block, BlockError, Common, Parameterization};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
 use rocking_gradients::Parameters;
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::fragility::bootstrap::{Bootstrap, MIN_GROUPS, bootstrap};
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
+use crate::fragility::goodness::{Goodness, Group, groups};
 use crate::fragility::likelihood::Link;
 use crate::fragility::observation::{FitError, Observation};
 use crate::fragility::profile::{Interval, Profile};
@@ -46,6 +47,10 @@ pub struct Assessment {
     pub auc: f64,
     /// Brier score.
     pub brier: f64,
+    /// Groups of rows with adjacent measures.
+    pub groups: Vec<Group>,
+    /// Whether the curve fits the groups; `None` for fewer than three.
+    pub goodness: Option<Goodness>,
     /// Scatter of the peaks about a power law of the measure, for the blocks that rock and stand.
     pub efficiency: Option<f64>,
     /// Number of blocks that rock and stand: lift-off and a peak of at least α/1000.
@@ -87,6 +92,7 @@ impl Assessment {
         let probabilities = fit.probabilities(data.observations());
         let records: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
         let covariance = clusters::covariance(&data, &fit, &records);
+        let groups = groups(data.observations(), &probabilities, &records);
         let independence = Independence::of(&records);
         let (median, dispersion, bootstrap) = match uncertainty {
             Uncertainty::Profile => {
@@ -105,6 +111,8 @@ impl Assessment {
             dispersion,
             auc: auc(data.observations(), &probabilities),
             brier: brier(data.observations(), &probabilities),
+            goodness: Goodness::of(&groups),
+            groups,
             efficiency: efficiency(&rocking, &peaks),
             rocking: rocking.len(),
             independence,

@@ -82,7 +82,7 @@ pub(super) fn covariance(data: &Data, fit: &Fit, records: &[usize]) -> Option<DM
         return Some(fit.covariance.clone());
     };
     let design = Design::full(data.observations());
-    let (_, terms) = design.terms(fit.link, &fit.coefficients);
+    let terms = design.terms(fit.link, &fit.coefficients);
     let last = records.iter().max().map_or(0, |last| last + 1);
     let mut sums = vec![(DVector::zeros(size), DMatrix::zeros(size, size)); last];
     for ((row, term), &record) in design.x.row_iter().zip(&terms).zip(records) {
@@ -91,8 +91,10 @@ pub(super) fn covariance(data: &Data, fit: &Fit, records: &[usize]) -> Option<DM
         *information += term.information * row.transpose() * row;
     }
     let whole: DMatrix<f64> = sums.iter().map(|(_, information)| information).sum();
+    let mut has_rows = vec![false; last];
+    records.iter().for_each(|&record| has_rows[record] = true);
     let mut covariance = DMatrix::zeros(size, size);
-    for (record, (score, information)) in sums.iter().enumerate().filter(|(record, _)| records.contains(record)) {
+    for (record, (score, information)) in sums.iter().enumerate().filter(|(record, _)| has_rows[*record]) {
         let refitted = if count <= MAX_REFITS { without(data, fit, records, record) } else { None };
         let shift = match refitted {
             Some(shift) => shift,

@@ -75,7 +75,14 @@ mod tests {
         // Complete separation in both directions, and quasi-complete separation with one common value.
         refused(rows(&[(1.0, 0.0), (2.0, 0.0), (3.0, 1.0)]), &["not exceeded in all rows up to 2", "from 3 on"]);
         refused(rows(&[(1.0, 1.0), (2.0, 0.0), (3.0, 0.0)]), &["exceeded in all rows up to 1", "from 2 on"]);
-        refused(rows(&[(1.0, 0.0), (2.0, 0.5), (3.0, 1.0)]), &["up to 2", "from 2 on"]);
+        refused(
+            rows(&[(1.0, 0.0), (2.0, 0.5), (3.0, 1.0)]),
+            &["not exceeded in all rows below 2, exceeded in 0.5 of 1 at 2, and exceeded in all above"],
+        );
+        refused(
+            rows(&[(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (2.0, 0.0)]),
+            &["not exceeded in all rows below 2, exceeded in 1 of 3 at 2; the steeper"],
+        );
         refused(vec![Observation::of(&[1.0, 2.0, 3.0], true)], &["found 3 measures in row 0"]);
         refused(
             vec![Observation::of(&[1.0], true), Observation::of(&[1.0, 2.0], false)],
@@ -113,6 +120,23 @@ mod tests {
             assert!((fit.dispersion() * slope - 1.0).abs() < 1e-12);
             assert!((fit.median() / (2.0 * (-deviate[0] / slope).exp()) - 1.0).abs() < 1e-12);
             assert!((fit.probability(&[2.0]) - 0.2).abs() < 1e-13 && (fit.probability(&[3.0]) - 0.7).abs() < 1e-13);
+        }
+    }
+
+    /// Sorted rows, whose long sums have the greatest round-off.
+    #[test]
+    fn many_sorted_rows_equal_their_counts() {
+        let counts = [(1.0, 1000), (2.0, 2000), (3.0, 3000), (4.0, 4000)];
+        let row = |(measure, count): (f64, u64)| (0..5000).map(move |i| Observation::of(&[measure], i < count));
+        let rows = Data::new(counts.into_iter().flat_map(row).collect()).unwrap();
+        let counted =
+            Data::new(counts.map(|(measure, count)| Observation::counted(&[measure], count, 5000)).to_vec()).unwrap();
+        for link in [Link::Probit, Link::Logit] {
+            let [many, few] = [&rows, &counted].map(|data| data.fit(link).unwrap());
+            assert!(
+                (many.median() / few.median() - 1.0).abs() < 1e-12
+                    && (many.dispersion() / few.dispersion() - 1.0).abs() < 1e-12
+            );
         }
     }
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::spec::words::Words;
 use quick_xml::escape::escape;
-use rocking_block::words::Words;
 use serde_json::json;
 
 use crate::fragility::likelihood::Link;
@@ -222,6 +222,7 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Expor
     let names = |component: &Component| {
         let name = |State { limit, .. }: &State| match limit {
             Limit::Overturned => "overturned".into(),
+            Limit::Balance => "balance".into(),
             Limit::Rotation(limit) => format!("rotation_{limit}").replace('.', "_"),
             Limit::Slip(limit) => format!("slip_{limit}_m").replace('.', "_"),
         };

@@ -1,7 +1,7 @@
 //! A linear predictor and an outcome → the log-likelihood and its derivatives.
 
+use crate::spec::words::Words;
 use crate::statistics::normal;
-use rocking_block::words::Words;
 
 /// The distribution function of the linear predictor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,16 +51,30 @@ impl Link {
         }
     }
 
+    /// [`Link::term`] without the information, which a single outcome does not need.
+    pub(super) fn term_of_step(self, predictor: f64, y: f64) -> Term {
+        let side = match (self, y) {
+            (Link::Probit, 1.0) => 1.0,
+            (Link::Probit, 0.0) => -1.0,
+            (Link::Probit | Link::Logit, _) => return self.term(predictor, y),
+        };
+        let (log_likelihood, slope) = normal::log_probability_and_slope(side * predictor);
+        Term {
+            log_likelihood,
+            score: side * slope,
+            curvature: slope * (slope + side * predictor),
+            information: f64::NAN,
+        }
+    }
+
     /// The term of a predictor for the fraction `y` of exceedances.
     pub(super) fn term(self, predictor: f64, y: f64) -> Term {
         match self {
             Link::Probit => {
-                let [up, down] = [predictor, -predictor].map(normal::inverse_mills_ratio);
-                let log = |fraction: f64, deviate| {
-                    if fraction > 0.0 { fraction * normal::log_probability(deviate) } else { 0.0 }
-                };
+                let [(log_up, up), (log_down, down)] = [predictor, -predictor].map(normal::log_probability_and_slope);
+                let log = |fraction: f64, log: f64| if fraction > 0.0 { fraction * log } else { 0.0 };
                 Term {
-                    log_likelihood: log(y, predictor) + log(1.0 - y, -predictor),
+                    log_likelihood: log(y, log_up) + log(1.0 - y, log_down),
                     score: y * up - (1.0 - y) * down,
                     curvature: y * up * (up + predictor) + (1.0 - y) * down * (down - predictor),
                     information: up * down,
@@ -106,6 +120,11 @@ mod tests {
                     let h = 1e-4;
                     let [below, at, above] = [-h, 0.0, h].map(|off| link.term(predictor + off, y));
                     let slope = (above.log_likelihood - below.log_likelihood) / (2.0 * h);
+                    let of_step = link.term_of_step(predictor, y);
+                    assert_eq!(
+                        [of_step.log_likelihood, of_step.score, of_step.curvature],
+                        [at.log_likelihood, at.score, at.curvature]
+                    );
                     assert!((slope - at.score).abs() < 1e-7 * at.score.abs() + 1e-10, "{link} {predictor} {y}");
                     let bend = (below.score - above.score) / (2.0 * h);
                     assert!((bend - at.curvature).abs() < 1e-7 * at.curvature.abs() + 1e-10, "{link} {predictor} {y}");

@@ -19,6 +19,7 @@
 //! | `profile` | a curve → intervals and bands of the profile likelihood |
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
+//! | `goodness` | observations, a curve → the deviance of the curve from groups of rows |
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
 //! | `export` | lognormal curves → the files of pelicun and OpenQuake |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
@@ -38,6 +39,7 @@ mod bootstrap;
 mod clusters;
 mod data;
 mod export;
+mod goodness;
 mod ida;
 mod likelihood;
 mod observation;
@@ -47,16 +49,18 @@ mod regression;
 mod separation;
 mod table;
 
+pub use crate::output::table::split_heading;
 pub use crate::run::limit::Limit;
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of_cases};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, ExportError, LossProgram, openquake, pelicun};
-pub use ida::{Ida, Response};
+pub use goodness::{Goodness, Group};
+pub use ida::{Ida, IdaCurve, Response};
 pub use likelihood::Link;
 pub use observation::{FitError, Observation};
 pub use profile::{Interval, Profile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::Fit;
-pub use table::{Case, Cases, SweepTable, SweepTableError, split_heading};
+pub use table::{Case, Cases, SweepTable, SweepTableError, is_needed};

@@ -1,10 +1,14 @@
 //! The intensity measures and the outcome of a case → an observation; the reasons why a fit fails.
 
+use smallvec::SmallVec;
+
+use crate::doubts::short;
+
 /// The outcome of one or several runs at one intensity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// One or two intensity measures, above zero, each in its own unit.
-    pub measures: Vec<f64>,
+    pub measures: SmallVec<[f64; 2]>,
     /// Fraction of the runs that exceeded the limit, 0 to 1.
     pub fraction: f64,
     /// Number of independent outcomes behind the fraction, above zero.
@@ -21,13 +25,13 @@ impl Observation {
     ///
     /// The samples of an ensemble differ little and are not independent of each other.
     pub fn with_probability(measures: &[f64], probability: f64) -> Observation {
-        Observation { measures: measures.to_vec(), fraction: probability, weight: 1.0 }
+        Observation { measures: measures.into(), fraction: probability, weight: 1.0 }
     }
 
     /// A number of exceedances in a number of independent runs.
     pub fn counted(measures: &[f64], exceeded: u64, trials: u64) -> Observation {
         let (exceeded, trials) = (exceeded as f64, trials as f64);
-        Observation { measures: measures.to_vec(), fraction: exceeded / trials, weight: trials }
+        Observation { measures: measures.into(), fraction: exceeded / trials, weight: trials }
     }
 }
 
@@ -89,10 +93,8 @@ pub enum FitError {
     },
     /// A value of the measure separates the classes.
     #[error(
-        "found separable data: the limit is {} in all rows up to {below} and {} in all from {above} on; the steeper a \
-         curve between them, the better it fits; expected classes that overlap",
-        if *.falls { "exceeded" } else { "not exceeded" },
-        if *.falls { "not exceeded" } else { "exceeded" }
+        "found separable data: the limit is {}; the steeper a curve between them, the better it fits; expected classes that overlap",
+        separated(*.below, *.above, *.falls, *.shared)
     )]
     Separable {
         /// Greatest measure of the lower class.
@@ -101,6 +103,8 @@ pub enum FitError {
         above: f64,
         /// Whether the lower class is the one that exceeds the limit.
         falls: bool,
+        /// Of the rows at a value of both classes: the exceedances and the rows, and whether there are rows above.
+        shared: Option<(f64, usize, bool)>,
     },
     /// A line in the plane of both logarithms separates the classes.
     #[error(
@@ -127,4 +131,17 @@ pub enum FitError {
         /// Length of the last step.
         step: f64,
     },
+}
+
+/// Describes two classes by the rows observed.
+fn separated(below: f64, above: f64, falls: bool, shared: Option<(f64, usize, bool)>) -> String {
+    let [below, above] = [below, above].map(short);
+    let [lower, upper] = if falls { ["exceeded", "not exceeded"] } else { ["not exceeded", "exceeded"] };
+    match shared {
+        None => format!("{lower} in all rows up to {below} and {upper} in all from {above} on"),
+        Some((exceeded, rows, has_more)) => {
+            let more = if has_more { format!(", and {upper} in all above") } else { String::new() };
+            format!("{lower} in all rows below {below}, exceeded in {exceeded} of {rows} at {below}{more}")
+        }
+    }
 }

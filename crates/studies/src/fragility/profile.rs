@@ -36,7 +36,8 @@ impl Interval {
 /// variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
 /// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t².
 pub struct Profile<'a> {
-    observations: &'a [Observation],
+    /// The rows, those of one measure together.
+    observations: Vec<Observation>,
     /// Logarithms of the measure.
     x: Vec<f64>,
     fit: &'a Fit,
@@ -71,8 +72,9 @@ impl<'a> Profile<'a> {
         if data.measures() != 1 {
             return Err(FitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
         }
-        let x = data.observations().iter().map(|row| libm::log(row.measures[0])).collect();
-        Ok(Profile { observations: data.observations(), x, fit, covariance, allowed: deviate * deviate })
+        let observations = together(data.observations());
+        let x = observations.iter().map(|row| libm::log(row.measures[0])).collect();
+        Ok(Profile { observations, x, fit, covariance, allowed: deviate * deviate })
     }
 
     /// Interval of the median, in the unit of the measure; unbounded where the data admit a slope of zero.
@@ -112,7 +114,7 @@ impl<'a> Profile<'a> {
         let (x, offset): (Vec<f64>, Vec<f64>) = self.x.iter().map(|&x| of(x)).unzip();
         let rows = self.x.len();
         let (x, offset) = (DMatrix::from_vec(rows, 1, x), DVector::from_vec(offset));
-        let design = Design { observations: self.observations, x, offset };
+        let design = Design { observations: &self.observations, x, offset };
         match maximize(&design, self.fit.link, DVector::from_element(1, *near)) {
             Ok(maximum) => {
                 *near = maximum.coefficients[0];
@@ -138,6 +140,9 @@ impl<'a> Profile<'a> {
         if !(deviation > 0.0 && deviation.is_finite() && allowed.is_finite()) {
             return Interval { low: None, high: None };
         }
+        // The statistic is a difference of log-likelihoods, and this its root.
+        let round_off = 4.0 * f64::EPSILON * self.fit.log_likelihood.abs() / allowed.sqrt();
+        let accuracy = round_off.max(ACCURACY * allowed.sqrt());
         let end = |sign: f64| {
             let mut other = other;
             // The root of the statistic is almost linear.
@@ -150,7 +155,7 @@ impl<'a> Profile<'a> {
                 let value = estimate + sign * deviation * libm::ldexp(1.0, doubling);
                 let far = (value, rest(value));
                 if far.1 < 0.0 {
-                    return Some(secant(near, far, ACCURACY * allowed.sqrt(), rest));
+                    return Some(secant(near, far, accuracy, rest));
                 }
                 near = far;
             }
@@ -158,6 +163,27 @@ impl<'a> Profile<'a> {
         };
         Interval { low: end(-1.0), high: end(1.0) }
     }
+}
+
+/// Puts the rows of each measure together: the log-likelihood is linear in their fractions.
+fn together(rows: &[Observation]) -> Vec<Observation> {
+    let mut sorted = rows.to_vec();
+    sorted.sort_by(|one, other| one.measures[0].total_cmp(&other.measures[0]));
+    for row in &mut sorted {
+        row.fraction *= row.weight;
+    }
+    sorted.dedup_by(|next, sum| {
+        let is_same = next.measures == sum.measures;
+        if is_same {
+            sum.fraction += next.fraction;
+            sum.weight += next.weight;
+        }
+        is_same
+    });
+    for sum in &mut sorted {
+        sum.fraction = (sum.fraction / sum.weight).min(1.0);
+    }
+    sorted
 }
 
 /// A root of a function that has opposite signs at two points `(x, f(x))`, up to values of `accuracy`.
@@ -195,6 +221,29 @@ fn variance([a, b]: [f64; 2], covariance: &DMatrix<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fragility::likelihood::Link;
+
+    /// Rows at levels have the intervals of the same rows at measures that differ by round-off, which are not put together.
+    #[test]
+    fn rows_of_one_measure_count_as_each_of_them() {
+        let row = |i: u64| {
+            let level = 0.2 * (1 + i % 6) as f64;
+            (level, (i * i + 3 * i) % 7 < 2 + i % 6)
+        };
+        let of = |apart: f64| {
+            let rows = (0..60).map(|i| Observation::of(&[row(i).0 * (1.0 + apart * i as f64)], row(i).1)).collect();
+            let data = Data::new(rows).unwrap();
+            let fit = data.fit(Link::Probit).unwrap();
+            let profile = Profile::new(&data, &fit, 0.95, &[]).unwrap();
+            let ends = [profile.median(), profile.dispersion(), profile.probability(0.5)];
+            (ends.map(|Interval { low, high }| [low.unwrap(), high.unwrap()]), profile.observations.len())
+        };
+        let ((together, six), (apart, sixty)) = (of(0.0), of(1e-13));
+        assert_eq!((six, sixty), (6, 60));
+        for (one, other) in together.as_flattened().iter().zip(apart.as_flattened()) {
+            assert!((one / other - 1.0).abs() < 1e-9, "{one} {other}");
+        }
+    }
 
     /// Without the halving, regula falsi takes hundreds of evaluations.
     #[test]

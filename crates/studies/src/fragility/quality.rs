@@ -76,7 +76,7 @@ pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -
         .observations()
         .iter()
         .zip(others)
-        .map(|(row, &other)| Observation { measures: vec![row.measures[0], other], ..row.clone() });
+        .map(|(row, &other)| Observation { measures: [row.measures[0], other].into(), ..row.clone() });
     let curve = data.fit(link)?;
     let both = Data::new(both.collect())?;
     let surface = both.fit(link)?;

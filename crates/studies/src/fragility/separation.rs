@@ -33,11 +33,13 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), FitError> {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
         let ((low_others, high_others), (low_exceeded, high_exceeded)) = (ends(others), ends(exceeded));
-        if high_others <= low_exceeded {
-            return Err(FitError::Separable { below: high_others, above: low_exceeded, falls: false });
-        }
-        if high_exceeded <= low_others {
-            return Err(FitError::Separable { below: high_exceeded, above: low_others, falls: true });
+        for (below, above, falls) in [(high_others, low_exceeded, false), (high_exceeded, low_others, true)] {
+            let at = || observations.iter().filter(|row| row.measures[0] == below);
+            let has_more = || observations.iter().any(|row| row.measures[0] > below);
+            let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
+            if below <= above {
+                return Err(FitError::Separable { below, above, falls, shared });
+            }
         }
         return Ok(());
     }

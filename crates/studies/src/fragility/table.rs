@@ -4,28 +4,18 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use crate::input::parameters::is_same_word;
+use crate::intensity::Measure;
+use crate::output::reading::{TableReadError, TableReader};
+use crate::output::table::{Series, Table, Values, split_heading};
 use crate::run::limit::{Limit, Response};
 use crate::run::outcome::End;
-
-/// Splits a heading such as `PGV [m/s]` into its name and unit.
-pub fn split_heading(heading: &str) -> (&str, Option<&str>) {
-    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
-        Some((name, unit)) => (name, Some(unit)),
-        None => (heading, None),
-    }
-}
 
 /// The reason why a table cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepTableError {
     /// The file is not a table.
-    #[error("{file}: cannot be read as CSV: {error}")]
-    Csv {
-        /// The table.
-        file: String,
-        /// The reason.
-        error: csv::Error,
-    },
+    #[error(transparent)]
+    Read(#[from] TableReadError),
     /// A column is missing.
     #[error("{file}: has no column {name}; expected one of {known}")]
     Column {
@@ -50,16 +40,6 @@ pub enum SweepTableError {
         /// The expected content.
         expected: String,
     },
-    /// The levels of two curves differ.
-    #[error(
-        "{file}: the curves have different levels of {im}; expected a sweep with levels = {{ im = \"{im}\", values = [...] }}"
-    )]
-    Levels {
-        /// The table.
-        file: String,
-        /// Name of the measure.
-        im: String,
-    },
     /// The rows are searches for the least level, whose outcomes belong to no level.
     #[error(
         "{file}: found the least levels of searches, {column}; expected an outcome at one level in each row, as from a sweep with scales \
@@ -83,12 +63,46 @@ pub enum SweepTableError {
     },
 }
 
+/// Column of blocks with ties: the peak rotation over the balance angle of its side.
+const OVER_BALANCE: &str = "peak.theta/balance";
+
 /// The table of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepTable {
     file: String,
-    columns: Vec<String>,
-    rows: Vec<csv::StringRecord>,
+    table: Table,
+    /// Headings of all columns of the file, some of which may not be in the table.
+    headings: Vec<String>,
+}
+
+/// Columns that fits read whatever their measure.
+const OF_FITS: [&str; 14] = [
+    "row",
+    "outcome",
+    "peak.theta/alpha",
+    OVER_BALANCE,
+    "peak.slip",
+    "events.liftoffs",
+    "ensemble.samples",
+    "record",
+    "vertical",
+    "alpha",
+    "eccentricity",
+    "foundation",
+    "eta",
+    "xi_v",
+];
+
+/// Whether a fit over the named columns needs a column.
+pub fn is_needed(column: &str, named: &[&str]) -> bool {
+    let is_named = |named: &&str| {
+        let name = split_heading(named).0;
+        column.eq_ignore_ascii_case(name) || name.parse::<Measure>().is_ok_and(|measure| measure.to_string() == column)
+    };
+    let stem = column.strip_prefix("dimensionless.").unwrap_or(column);
+    OF_FITS.contains(&stem)
+        || ["P(", "ensemble.", "least."].iter().any(|prefix| column.starts_with(prefix))
+        || named.iter().any(is_named)
 }
 
 /// The outcome of a row, relative to a limit.
@@ -96,8 +110,10 @@ pub struct SweepTable {
 pub struct Case {
     /// Position of the row in the table.
     pub row: usize,
-    /// Fraction of its runs that exceeded the limit: 0 or 1 for a single run.
+    /// Fraction of its known runs that exceeded the limit: 0 or 1 for a single run.
     pub fraction: f64,
+    /// Fraction of its runs that may have exceeded the limit or not: 0 for a single run, which is known.
+    pub unknown: f64,
     /// Peak |θ|/α, if the block lifted off and stands.
     pub peak: Option<f64>,
     /// Number of its ground motion; each row without records has its own.
@@ -118,16 +134,25 @@ pub struct Cases {
 }
 
 impl SweepTable {
+    /// Evaluates the rows of a study; `file` is the name of the table in errors.
+    pub fn new(file: &str, table: Table) -> SweepTable {
+        let headings = table.columns().iter().map(|column| column.heading.to_string()).collect();
+        SweepTable { file: file.into(), table, headings }
+    }
+
+    /// The same for some columns of a file with these headings.
+    pub fn of_columns(file: &str, table: Table, headings: Vec<String>) -> SweepTable {
+        SweepTable { file: file.into(), table, headings }
+    }
+
     /// Reads a table; `file` is its name in errors.
     ///
     /// # Errors
-    /// [`SweepTableError::Csv`]: a row with the wrong number of fields, or invalid UTF-8.
+    /// A row with the wrong number of fields or with the headings, or invalid UTF-8.
     pub fn read(file: &str, content: impl Read) -> Result<SweepTable, SweepTableError> {
-        let failed = |error| SweepTableError::Csv { file: file.into(), error };
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(content);
-        let columns = reader.headers().map_err(failed)?.iter().map(String::from).collect();
-        let rows = reader.records().collect::<Result<_, _>>().map_err(failed)?;
-        Ok(SweepTable { file: file.into(), columns, rows })
+        let mut reader = TableReader::new(&|_| true);
+        reader.read_csv(file, content)?;
+        Ok(SweepTable::new(file, reader.table()))
     }
 
     /// Name of the file.
@@ -135,13 +160,18 @@ impl SweepTable {
         &self.file
     }
 
+    /// Its columns.
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
     /// The distinct words of a column in the order of the rows; `None` without such a column.
-    pub fn words(&self, name: &str) -> Option<Vec<&str>> {
-        let column = self.position(name).ok()?;
-        let mut words: Vec<&str> = Vec::new();
-        for row in &self.rows {
-            if !words.contains(&&row[column]) {
-                words.push(&row[column]);
+    pub fn words(&self, name: &str) -> Option<Vec<String>> {
+        let column = self.column(name).ok()?;
+        let mut words = Vec::new();
+        for word in (0..self.rows()).map(|row| column.text(row)) {
+            if !words.contains(&word) {
+                words.push(word);
             }
         }
         Some(words)
@@ -149,7 +179,7 @@ impl SweepTable {
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.rows.len()
+        self.table.rows()
     }
 
     /// Keeps only the rows with this value in a column.
@@ -157,13 +187,17 @@ impl SweepTable {
     /// # Errors
     /// There is no such column, or no such row.
     pub fn keep(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
-        let position = self.position(column)?;
+        let series = self.column(column)?;
         let number: Option<f64> = value.parse().ok();
-        let is = |found: &str| is_same_word(found, value) || number.is_some() && found.parse().ok() == number;
-        self.rows.retain(|row| is(&row[position]));
-        match self.rows.is_empty() {
-            true => Err(SweepTableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
-            false => Ok(()),
+        let is = |row: usize| {
+            let found = series.text(row);
+            is_same_word(&found, value) || number.is_some() && found.parse().ok() == number
+        };
+        let is_kept: Vec<bool> = (0..self.rows()).map(is).collect();
+        self.table.retain(&is_kept);
+        match self.rows() {
+            0 => Err(SweepTableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
+            _ => Ok(()),
         }
     }
 
@@ -171,8 +205,8 @@ impl SweepTable {
     ///
     /// # Errors
     /// There is no such column.
-    pub fn heading(&self, name: &str) -> Result<&str, SweepTableError> {
-        self.position(name).map(|column| self.columns[column].as_str())
+    pub fn heading(&self, name: &str) -> Result<String, SweepTableError> {
+        self.column(name).map(|column| column.heading.to_string())
     }
 
     /// The numbers of a column, found by its name with or without the unit; `None` for empty fields.
@@ -180,12 +214,18 @@ impl SweepTable {
     /// # Errors
     /// There is no such column, or a field is not a number.
     pub fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, SweepTableError> {
-        let column = self.position(name)?;
-        let number = |row: usize| match &self.rows[row][column] {
-            "" => Ok(None),
-            text => text.parse().map(Some).map_err(|_| self.wrong(row, column, "a number")),
-        };
-        (0..self.rows.len()).map(number).collect()
+        let column = self.column(name)?;
+        (0..self.rows()).map(|row| self.number(column, row)).collect()
+    }
+
+    fn number(&self, column: &Series, row: usize) -> Result<Option<f64>, SweepTableError> {
+        match &column.values {
+            Values::Real(_) | Values::Integer(_) => Ok(column.number(row)),
+            Values::Boolean(_) | Values::Choice(_) | Values::Text(_) => match column.text(row).as_str() {
+                "" => Ok(None),
+                text => text.parse().map(Some).map_err(|_| self.wrong(row, column, "a number")),
+            },
+        }
     }
 
     /// Compares each row with a limit: the probability of its ensemble if the table has one, else its single run.
@@ -193,108 +233,125 @@ impl SweepTable {
     /// # Errors
     /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
     pub fn cases(&self, limit: Limit) -> Result<Cases, SweepTableError> {
-        if let Some(column) = self.columns.iter().find(|column| column.starts_with("least.")) {
-            return Err(SweepTableError::Search { file: self.file.clone(), column: column.clone() });
+        let mut headings = self.table.columns().iter().map(|column| &column.heading);
+        if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
+            return Err(SweepTableError::Search { file: self.file.clone(), column: heading.to_string() });
         }
         let ends = self.ends()?;
-        let numbers = |name: &str| match self.position(name) {
-            Ok(_) => self.numbers(name),
-            Err(_) => Ok(vec![None; self.rows.len()]),
-        };
+        let known = |name: &str| self.column(name).ok();
         // A limit on the rotation needs the peaks; for others they only serve the efficiency.
         let peaks = match limit {
-            Limit::Overturned | Limit::Slip(_) => numbers("peak.theta/alpha")?,
-            Limit::Rotation(_) => self.numbers("peak.theta/alpha")?,
+            Limit::Overturned | Limit::Balance | Limit::Slip(_) => known("peak.theta/alpha"),
+            Limit::Rotation(_) => Some(self.column("peak.theta/alpha")?),
         };
         let slips = match limit {
-            Limit::Slip(_) => self.numbers("peak.slip")?,
-            Limit::Overturned | Limit::Rotation(_) => vec![None; self.rows.len()],
+            Limit::Slip(_) => Some(self.column("peak.slip")?),
+            Limit::Overturned | Limit::Balance | Limit::Rotation(_) => None,
         };
-        let liftoffs = numbers("events.liftoffs")?;
-        let is_ensemble = self.position("ensemble.samples").is_ok();
+        let balances = match limit {
+            Limit::Balance => Some(self.over_balance()?),
+            Limit::Overturned | Limit::Rotation(_) | Limit::Slip(_) => None,
+        };
+        let liftoffs = known("events.liftoffs");
+        let is_ensemble = self.column("ensemble.samples").is_ok();
         let probabilities = match is_ensemble {
-            true => self.numbers(&format!("P({limit})"))?,
-            false => vec![None; self.rows.len()],
+            true => Some(self.column(&format!("P({limit})"))?),
+            false => None,
         };
+        // Tables of earlier versions do not have it.
+        let unknown = known(&format!("ensemble.unknown({limit})"));
+        let samples = known("ensemble.samples");
+        let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
         let mut found = Cases::default();
         let mut motions = BTreeMap::new();
-        let names = ["record", "vertical"].map(|name| self.position(name).ok());
-        for (row, ((end, peak), probability)) in ends.into_iter().zip(peaks).zip(probabilities).enumerate() {
-            let mut known: Vec<String> = names.iter().flatten().map(|&column| self.rows[row][column].into()).collect();
+        let names = ["record", "vertical"].map(|name| self.column(name).ok());
+        for (row, end) in ends.into_iter().enumerate() {
+            let peak = number(peaks, row)?;
+            let mut known: Vec<String> = names.iter().flatten().map(|column| column.text(row)).collect();
             if known.iter().all(String::is_empty) {
                 // A row without records gets a key of three parts, unlike all pairs of names.
                 known = vec![String::new(), String::new(), row.to_string()];
             }
             let next = motions.len();
             let motion = *motions.entry(known).or_insert(next);
-            let exceeds = limit.is_exceeded(end, Response { rotation: peak, slip: slips[row] });
-            let fraction = match (is_ensemble, end) {
-                // Empty if no sample decides the limit.
-                (true, _) => probability,
-                (false, End::Failed) => None,
-                (false, End::Undecided) if !exceeds => None,
-                (false, End::Separated) if !exceeds => {
-                    found.separated += 1;
-                    continue;
-                }
-                (false, _) => Some(f64::from(u8::from(exceeds))),
+            let response = Response { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
+            let fraction = match is_ensemble {
+                // Empty if no sample is known.
+                true => number(probabilities, row)?,
+                false => limit.verdict(end, response).map(|exceeds| f64::from(u8::from(exceeds))),
             };
-            match fraction {
-                Some(fraction) => {
-                    let rocked = end == End::Completed && liftoffs[row] != Some(0.0);
+            match (fraction, end) {
+                (Some(fraction), _) => {
+                    let rocked = end == End::Completed && number(liftoffs, row)? != Some(0.0);
                     let peak = peak.filter(|peak| rocked && *peak > 0.0);
-                    found.cases.push(Case { row, fraction, peak, motion });
+                    let of_samples = number(unknown, row)?.zip(number(samples, row)?);
+                    let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
+                    found.cases.push(Case { row, fraction, unknown, peak, motion });
                 }
-                None if end == End::Undecided => found.undecided += 1,
-                None => found.failed += 1,
+                (None, End::Undecided) => found.undecided += 1,
+                (None, End::Separated) => found.separated += 1,
+                (None, End::Failed | End::Completed | End::Overturned) => found.failed += 1,
             }
         }
         Ok(found)
     }
 
+    /// The peak rotations over the balance angles of their sides; without ties, even blocks have them in `peak.theta/alpha`.
+    fn over_balance(&self) -> Result<&Series, SweepTableError> {
+        let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
+        self.column(if is_even { "peak.theta/alpha" } else { OVER_BALANCE })
+    }
+
+    /// The usual limit: overturning, or the balance where ties hold blocks beyond it that never come to rest.
+    ///
+    /// # Errors
+    /// Those of [`SweepTable::cases`].
+    pub fn usual_limit(&self) -> Result<Limit, SweepTableError> {
+        let has_ties = self.column(OVER_BALANCE).is_ok() && self.column("ensemble.samples").is_err();
+        let ties_decide = has_ties && self.cases(Limit::Balance)?.undecided < self.cases(Limit::Overturned)?.undecided;
+        Ok(if ties_decide { Limit::Balance } else { Limit::Overturned })
+    }
+
     /// The end of each row's run.
     pub(super) fn ends(&self) -> Result<Vec<End>, SweepTableError> {
-        let column = self.position("outcome")?;
-        let end = |row: usize| self.rows[row][column].parse().map_err(|error: String| self.wrong(row, column, &error));
-        (0..self.rows.len()).map(end).collect()
+        let column = self.column("outcome")?;
+        let end = |row: usize| {
+            let word = column.word(row).unwrap_or_default();
+            word.parse().map_err(|error: String| self.wrong(row, column, &error))
+        };
+        (0..self.rows()).map(end).collect()
     }
 
     /// The fields of each row between its number and a column: its block and ground motion.
     pub(super) fn fields_before(&self, column: &str) -> Result<Vec<String>, SweepTableError> {
-        let position = self.position(column)?;
-        let fields =
-            |row: &csv::StringRecord| row.iter().take(position).skip(1).map(|field| format!("{field}\n")).collect();
-        Ok(self.rows.iter().map(fields).collect())
+        let end = &self.column(column)?.heading;
+        let before = self.table.columns().iter().skip(1).take_while(|column| column.heading != *end);
+        let fields = |row: usize| before.clone().map(|column| column.text(row) + "\n").collect();
+        Ok((0..self.rows()).map(fields).collect())
     }
 
     /// The error for a row without a level of a measure.
     pub(super) fn no_level(&self, row: usize, im: &str) -> SweepTableError {
-        self.position(im).map_or_else(|error| error, |column| self.wrong(row, column, "a level"))
+        self.column(im).map_or_else(|error| error, |column| self.wrong(row, column, "a level"))
     }
 
-    /// The error for curves with different levels.
-    pub(super) fn no_levels(&self, im: &str) -> SweepTableError {
-        SweepTableError::Levels { file: self.file.clone(), im: im.into() }
-    }
-
-    fn position(&self, name: &str) -> Result<usize, SweepTableError> {
-        let is_named = |column: &str, same: fn(&str, &str) -> bool| {
-            same(column, name) || column.split_once(" [").is_some_and(|(known, _)| same(known, name))
+    fn column(&self, name: &str) -> Result<&Series, SweepTableError> {
+        let find = |name: &str, same: fn(&str, &str) -> bool| {
+            let is = |series: &&Series| same(&series.heading.name, name) || same(&series.heading.to_string(), name);
+            self.table.columns().iter().find(is)
         };
-        let exact = self.columns.iter().position(|column| is_named(column, |a, b| a == b));
-        let in_any_case = || self.columns.iter().position(|column| is_named(column, str::eq_ignore_ascii_case));
-        exact.or_else(in_any_case).ok_or_else(|| SweepTableError::Column {
-            file: self.file.clone(),
-            name: name.into(),
-            known: self.columns.join(", "),
+        let exact = find(name, |a, b| a == b);
+        // `Sa(0.5)` is the column `Sa(0.5 s)`.
+        let measure = || find(&name.parse::<Measure>().ok()?.to_string(), |a, b| a == b);
+        exact.or_else(|| find(name, str::eq_ignore_ascii_case)).or_else(measure).ok_or_else(|| {
+            SweepTableError::Column { file: self.file.clone(), name: name.into(), known: self.headings.join(", ") }
         })
     }
 
-    fn wrong(&self, row: usize, column: usize, expected: &str) -> SweepTableError {
-        let number = self.rows[row].get(0).and_then(|number| number.parse().ok()).unwrap_or(row);
-        let found = self.rows[row][column].to_string();
-        let (file, column) = (self.file.clone(), self.columns[column].clone());
-        SweepTableError::Field { file, row: number, column, found, expected: expected.into() }
+    fn wrong(&self, row: usize, column: &Series, expected: &str) -> SweepTableError {
+        let number = self.table.column("row").and_then(|numbers| numbers.text(row).parse().ok()).unwrap_or(row);
+        let (file, found, expected) = (self.file.clone(), column.text(row), expected.into());
+        SweepTableError::Field { file, row: number, column: column.heading.to_string(), found, expected }
     }
 }
 
@@ -373,5 +430,38 @@ mod tests {
         for wrong in ["fallen", "-1", "theta/alpha>0", "theta/alpha>x", "slip:0", "slip:far", "slip"] {
             assert!(wrong.parse::<Limit>().unwrap_err().contains(wrong));
         }
+    }
+
+    #[test]
+    fn a_spectral_measure_is_found_without_its_unit_of_time() {
+        let table = table("row,Sa(0.5 s) [m/s2],outcome\n0,3,completed\n");
+        for name in ["Sa(0.5 s)", "Sa(0.5)", "SA(0.50)", "sa(0.5s)"] {
+            assert_eq!(table.numbers(name).unwrap(), [Some(3.0)], "{name}");
+        }
+        assert!(table.numbers("Sa(0.6)").unwrap_err().to_string().contains("has no column Sa(0.6)"));
+    }
+
+    #[test]
+    fn fits_need_the_columns_that_they_name() {
+        let named = ["PGV [m/s]", "sa(0.5)"];
+        for (column, is) in [
+            ("PGV", true),
+            ("Sa(0.5 s)", true),
+            ("dimensionless.alpha", true),
+            ("P(0.5)", true),
+            ("PGA", false),
+            ("end_time", false),
+        ] {
+            assert_eq!(is_needed(column, &named), is, "{column}");
+        }
+    }
+
+    #[test]
+    fn joined_tables_are_refused_with_that_reason() {
+        let message = SweepTable::read("t.csv", TABLE.repeat(2).as_bytes()).unwrap_err().to_string();
+        assert!(
+            message.starts_with("t.csv: repeats its headings after 9 rows, as in tables joined by cat"),
+            "{message}"
+        );
     }
 }

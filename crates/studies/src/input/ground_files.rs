@@ -1,6 +1,6 @@
 //! Accelerogram files and their options → records.
 
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_records::{ReadOptions, Record, RecordError, Setting};
 
 /// Options for reading the files of ground motions.
@@ -34,6 +34,9 @@ impl RecordOption {
             Setting::Unit => "unit",
             Setting::TimeStep => "dt",
             Setting::Channel => "channel",
+            Setting::Layout => "layout",
+            Setting::Skip => "skip",
+            Setting::ValueScale => "value_scale",
             Setting::TimeColumn => "time_column",
             Setting::AccelerationColumn => "acceleration_column",
             Setting::Baseline => "baseline",
@@ -46,14 +49,18 @@ impl RecordOption {
 
 impl RecordOptions {
     /// Reads a horizontal or a vertical file with `read`; the error is one line, with settings named by `name`.
-    pub fn read(
+    pub fn read<T>(
         &self,
         vertical: bool,
         name: impl Fn(RecordOption) -> String,
-        read: impl FnOnce(&ReadOptions) -> Result<Record, RecordError>,
-    ) -> Result<Record, String> {
-        let options = if vertical { self.vertical.or(&self.both) } else { self.both.clone() };
-        read(&options).map_err(|error| error.naming(|setting| name(RecordOption { setting, vertical })))
+        read: impl FnOnce(&ReadOptions) -> Result<T, RecordError>,
+    ) -> Result<T, String> {
+        read(&self.of(vertical)).map_err(|error| error.naming(|setting| name(RecordOption { setting, vertical })))
+    }
+
+    /// The options of horizontal or of vertical files.
+    pub fn of(&self, vertical: bool) -> ReadOptions {
+        if vertical { self.vertical.or(&self.both) } else { self.both.clone() }
     }
 
     /// The first option without effect on these ground motions, and the kind of file it needs.
@@ -78,7 +85,11 @@ impl RecordOptions {
                 true => needed.into(),
                 false => {
                     let words: Vec<String> = formats.iter().map(ToString::to_string).collect();
-                    format!("a {} file", words.join(" or "))
+                    match words.as_slice() {
+                        [format] => format!("a {format} file"),
+                        [format, other] => format!("a {format} or {other} file"),
+                        _ => format!("a file of several channels ({})", words.join(", ")),
+                    }
                 }
             };
             let read = files.iter().any(|record| formats.contains(&record.format));

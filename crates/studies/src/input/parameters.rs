@@ -3,7 +3,9 @@
 use toml::de::DeTable;
 
 use crate::input::study_file::{SpannedValue, StudyFileError, StudyText};
-use rocking_block::unit::variables::{Causality, Kind, Metadata, VARIABLES};
+use crate::output::table::Column;
+use crate::spec::words::friction;
+use rocking_block::unit::variables::{Causality, Kind, Metadata, VARIABLES, Variable};
 
 /// A parameter of the FMU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,14 +45,48 @@ impl Parameter {
         VARIABLES.iter().any(|known| known.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
     }
 
+    /// A number of a study as that of the engine, within its limits. Only for friction without a limit do they differ.
+    pub fn number(&self, found: f64) -> Result<f64, String> {
+        let found = match self.metadata.variable {
+            Variable::Friction => friction::of_user(found).map_err(|error| error.to_string())?,
+            _ => found,
+        };
+        self.metadata.admits(found).map(|()| found)
+    }
+
+    /// A number of the engine as that of users.
+    pub fn shown(&self, value: f64) -> f64 {
+        match self.metadata.variable {
+            Variable::Friction => friction::to_user(value),
+            _ => value,
+        }
+    }
+
     /// A value as written in tables: items and booleans as words, numbers in digits that restore them exactly.
     pub fn display(&self, value: f64) -> String {
         match self.metadata.kind {
             Kind::Boolean => (value != 0.0).to_string(),
             _ => match self.metadata.items.iter().find(|item| f64::from(item.0) == value) {
                 Some((_, name)) => word(name),
-                None => value.to_string(),
+                None => self.shown(value).to_string(),
             },
+        }
+    }
+
+    /// The column of its values in the engine: words of choices, numbers as those of users.
+    pub fn column<'c, R>(self, value: impl Fn(&R) -> f64 + Sync + 'c) -> Column<'c, R> {
+        let Metadata { kind, items, unit, .. } = *self.metadata;
+        let name = self.name();
+        match kind {
+            Kind::Boolean => Column::boolean(name, move |row| value(row) != 0.0),
+            Kind::Enumeration => {
+                let position = move |found: f64| items.iter().position(|item| f64::from(item.0) == found);
+                Column::choice(name, items.iter().map(|item| word(item.1)), move |row| {
+                    position(value(row)).unwrap_or_else(|| unreachable!("{name} = {}", value(row)))
+                })
+            }
+            Kind::Integer => Column::count(name, move |row| value(row) as i64).with_unit(unit),
+            Kind::Real | Kind::String => Column::real(name, "1", move |row| self.shown(value(row))).with_unit(unit),
         }
     }
 
@@ -81,6 +117,7 @@ impl Parameter {
             Kind::Boolean => "true or false",
             Kind::Enumeration => "the name of an item",
             Kind::Integer => "an integer",
+            Kind::Real if self.metadata.variable == Variable::Friction => "a number > 0, or \"none\" for no limit",
             Kind::Real | Kind::String => "a number",
         }
     }

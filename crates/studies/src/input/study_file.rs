@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::str::FromStr;
 
+use serde::de::{DeserializeOwned, Deserializer, Error, Visitor};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -55,6 +56,16 @@ pub struct Section<'a> {
 pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
 
 impl<'a> Section<'a> {
+    /// Checks that a table has only the keys of `T`; `name` is its name in errors.
+    pub fn of<T: DeserializeOwned>(
+        source: StudyText<'a>,
+        name: &'a str,
+        range: Range<usize>,
+        table: &'a DeTable<'a>,
+    ) -> Result<Section<'a>, StudyFileError> {
+        Section::new(source, name, range, table, keys::<T>())
+    }
+
     /// Checks that a table has only these keys; `name` is its name in errors.
     pub fn new(
         source: StudyText<'a>,
@@ -77,12 +88,12 @@ impl<'a> Section<'a> {
         self.table.get(key)
     }
 
-    /// A nested table with no other keys than these.
-    pub fn section(&self, key: &'a str, keys: &[&str]) -> Result<Option<Section<'a>>, StudyFileError> {
+    /// A nested table with no other keys than those of `T`.
+    pub fn section<T: DeserializeOwned>(&self, key: &'a str) -> Result<Option<Section<'a>>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let table = value.get_ref().as_table();
         let table = table.ok_or_else(|| self.wrong(key, value, "a table"))?;
-        Section::new(self.source, key, value.span(), table, keys).map(Some)
+        Section::of::<T>(self.source, key, value.span(), table).map(Some)
     }
 
     /// An error at the value of a key.
@@ -195,5 +206,39 @@ pub fn number(value: SpannedValue) -> Option<f64> {
             i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
         }
         _ => None,
+    }
+}
+
+/// Returns the keys of a table in the order of its fields.
+pub fn keys<T: DeserializeOwned>() -> &'static [&'static str] {
+    let mut keys: &'static [&'static str] = &[];
+    // A table gives its fields before it asks for a value, and gets none.
+    let _ = T::deserialize(FieldNames(&mut keys));
+    keys
+}
+
+/// Takes down the fields of a struct that is to be read, and fails.
+struct FieldNames<'a>(&'a mut &'static [&'static str]);
+
+impl<'de> Deserializer<'de> for FieldNames<'_> {
+    type Error = serde::de::value::Error;
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Self::Error> {
+        *self.0 = fields;
+        Err(Error::custom("only the names of the fields are asked for"))
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Self::Error> {
+        Err(Error::custom("expected a struct"))
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }

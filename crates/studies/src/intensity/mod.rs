@@ -197,7 +197,7 @@ impl std::fmt::Display for Measure {
 impl FromStr for Measure {
     type Err = String;
 
-    /// Reads a name in any case, as in `PGV` or `Sa(0.5 s)`.
+    /// Reads a name in any case, as in `PGV`, `Sa(0.5 s)` or `Sa(0.5)`.
     fn from_str(name: &str) -> Result<Measure, String> {
         let named = || Measure::OF_RECORD.into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK);
         if let Some(measure) = named().find(|measure| measure.to_string().eq_ignore_ascii_case(name)) {
@@ -206,7 +206,8 @@ impl FromStr for Measure {
         let spectral = [("sa(", Measure::Sa as fn(f64) -> Measure), ("sv(", Measure::Sv)];
         let lower = name.to_ascii_lowercase();
         let found = spectral.iter().find_map(|(start, kind)| {
-            let period: f64 = lower.strip_prefix(start)?.strip_suffix(" s)")?.parse().ok()?;
+            let period = lower.strip_prefix(start)?.strip_suffix(')')?;
+            let period: f64 = period.strip_suffix('s').unwrap_or(period).trim().parse().ok()?;
             PERIODS.contains(&period).then(|| kind(period))
         });
         found.ok_or_else(|| {
@@ -242,12 +243,15 @@ mod tests {
         for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK) {
             assert_eq!(measure.to_string().parse(), Ok(measure));
         }
-        for (spelling, measure) in
-            [("pgv", Measure::Pgv), ("sa(0.5 S)", Measure::Sa(0.5)), ("t_m", Measure::MeanPeriod)]
-        {
+        for (spelling, measure) in [
+            ("pgv", Measure::Pgv),
+            ("sa(0.5 S)", Measure::Sa(0.5)),
+            ("SA(0.50)", Measure::Sa(0.5)),
+            ("Sv(1s)", Measure::Sv(1.0)),
+        ] {
             assert_eq!(spelling.parse(), Ok(measure));
         }
-        for name in ["PVG", "Sa(0.5)", "Sa(-1 s)", "Sv(nan s)"] {
+        for name in ["PVG", "Sa(0,5)", "Sa(s)", "Sa(-1 s)", "Sv(nan s)"] {
             let refused = name.parse::<Measure>().unwrap_err();
             assert!(refused.contains(name) && refused.contains("CAV"), "{refused}");
         }

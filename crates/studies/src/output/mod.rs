@@ -2,12 +2,23 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`mod@fields`] | values → the fields of a row; rows → lines of CSV |
+//! | [`table`] | columns with units and types → tables of typed values |
+//! | [`csv`] | tables → lines of CSV, and back |
+//! | `parquet` | tables → Parquet, and back, with the feature `parquet` |
+//! | [`reading`] | tables of unknown columns → typed columns |
 //! | [`output_target`] | the name of an output → a file, a stream or standard output |
 //! | [`resumable`] | rows → a CSV file that an interrupted study can resume |
 //! | [`runner`] | numbered tasks → their results in order, computed on all cores |
+//! | [`parts`] | a study → its parts, each a file of a folder; such a folder → its table |
+//! | [`forecast`] | a study → its expected cost, from a sample of its rows |
 
-pub mod fields;
+pub mod csv;
+pub mod forecast;
 pub mod output_target;
+#[cfg(feature = "parquet")]
+pub mod parquet;
+pub mod parts;
+pub mod reading;
 pub mod resumable;
 pub mod runner;
+pub mod table;

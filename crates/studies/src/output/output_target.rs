@@ -98,7 +98,7 @@ impl OutputTarget {
     ///
     /// # Errors
     /// The operating system refuses.
-    pub fn open_stream(&self) -> io::Result<Option<Box<dyn Write>>> {
+    pub fn open_stream(&self) -> io::Result<Option<Box<dyn Write + Send>>> {
         Ok(match self {
             OutputTarget::StandardOutput => Some(Box::new(io::stdout())),
             // Appending keeps the earlier output of other programs.

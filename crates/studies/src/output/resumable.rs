@@ -1,14 +1,17 @@
-//! Rows → a CSV file that an interrupted study can resume.
+//! Rows → a CSV file that an interrupted study can resume, or a file in CSV or Parquet that is complete or absent.
 //!
 //! The file begins with lines that start with `# ` and describe the study, followed by the names of the columns and one line per
 //! row. An interrupted study leaves a prefix of the complete file.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::output::fields::{Fields, heading_line, lines};
+use crate::output::csv::{heading_line, read_batches};
 use crate::output::output_target::{OutputTarget, OutputTargetError};
+#[cfg(feature = "parquet")]
+use crate::output::parquet::ParquetWriter;
+use crate::output::table::{Heading, Table};
 
 /// The reason why a table cannot be created, resumed or written.
 #[derive(Debug, thiserror::Error)]
@@ -64,6 +67,14 @@ pub enum TableWriteError {
         /// Number of columns.
         columns: usize,
     },
+    /// A field of a row has no value.
+    #[error("{file}: {reason}")]
+    Content {
+        /// The file.
+        file: String,
+        /// The row, what was found there, and what was expected.
+        reason: String,
+    },
     /// Another program is writing the table.
     #[error("{file}: is being written by a running study; expected the file of an interrupted one")]
     Busy {
@@ -87,16 +98,19 @@ pub enum TableWriteError {
 pub struct TableHeader {
     /// Description of the study, line by line, with everything that affects the results.
     pub study: Vec<String>,
-    /// Names of the columns after the first, `row`, which numbers the rows from 0.
-    pub columns: Vec<String>,
+    /// The columns; the first is the number of the row, from 0.
+    pub columns: Vec<Heading>,
 }
 
 impl TableHeader {
+    /// The description of the study as comments.
+    pub fn study_text(&self) -> String {
+        self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect()
+    }
+
     /// The first lines of the file, with their ends.
     pub fn text(&self) -> std::io::Result<String> {
-        let study: String = self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect();
-        let names = std::iter::once("row").chain(self.columns.iter().map(String::as_str));
-        Ok(study + &heading_line(names)?)
+        Ok(self.study_text() + &heading_line(&self.columns)?)
     }
 }
 
@@ -108,10 +122,18 @@ pub struct ResumableTable {
     failures: Failures,
 }
 
-/// The destination of the rows; `copy` keeps the text of a stream for [`ResumableTable::read_back`].
+/// The destination of the rows.
 enum Sink {
-    File { path: PathBuf, file: File },
-    Stream { out: Box<dyn Write>, copy: Option<Vec<u8>> },
+    File {
+        path: PathBuf,
+        file: File,
+    },
+    Stream {
+        out: Box<dyn Write + Send>,
+        outlives_reader: bool,
+    },
+    #[cfg(feature = "parquet")]
+    Parquet(Box<ParquetWriter<Box<dyn Write + Send>>>),
 }
 
 /// How a table is opened.
@@ -121,11 +143,11 @@ pub struct TableOptions {
     pub resume: bool,
     /// Replace an existing table.
     pub force: bool,
-    /// Keep a copy for [`ResumableTable::read_back`] if the rows go to a device, a pipe or standard output.
-    pub read_back: bool,
+    /// Go on after the reader of a pipe has closed it, for others who need the rows.
+    pub outlives_reader: bool,
 }
 
-/// Rows of failed runs, which have the word `failed` in a field.
+/// Rows of failed runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Failures {
     /// Number of rows.
@@ -134,9 +156,12 @@ pub struct Failures {
     pub first: u64,
 }
 
+/// The column that tells failed runs, and its word for them.
+const OUTCOME: (&str, &str) = ("outcome", "failed");
+
 impl Failures {
-    fn count_row<'a>(&mut self, row: u64, mut fields: impl Iterator<Item = &'a str>) {
-        if fields.any(|field| field == "failed") {
+    fn count_row(&mut self, row: u64, outcome: Option<&str>) {
+        if outcome == Some(OUTCOME.1) {
             if self.count == 0 {
                 self.first = row;
             }
@@ -159,7 +184,7 @@ impl ResumableTable {
         rows: u64,
         options: TableOptions,
     ) -> Result<ResumableTable, TableWriteError> {
-        let TableOptions { resume, force, read_back } = options;
+        let TableOptions { resume, force, outlives_reader } = options;
         let target = OutputTarget::of(path)?;
         let name = target.name(path);
         let io = |what| {
@@ -172,7 +197,7 @@ impl ResumableTable {
                 return Err(TableWriteError::NotKept { file: name });
             }
             let Some(out) = target.open_stream().map_err(io("written"))? else { unreachable!("not a file") };
-            let mut table = new(Sink::Stream { out, copy: read_back.then(Vec::new) });
+            let mut table = new(Sink::Stream { out, outlives_reader });
             table.begin(header)?;
             return Ok(table);
         };
@@ -202,6 +227,61 @@ impl ResumableTable {
         Ok(table)
     }
 
+    /// Begins a table that is complete or absent, in CSV; `name` is its name in errors.
+    ///
+    /// # Errors
+    /// `out` takes no bytes.
+    pub fn whole(
+        name: &str,
+        header: &TableHeader,
+        out: Box<dyn Write + Send>,
+    ) -> Result<ResumableTable, TableWriteError> {
+        let sink = Sink::Stream { out, outlives_reader: false };
+        let mut table = ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() };
+        table.begin(header)?;
+        Ok(table)
+    }
+
+    /// The same in Parquet.
+    ///
+    /// # Errors
+    /// `out` takes no bytes.
+    #[cfg(feature = "parquet")]
+    pub fn parquet(
+        name: &str,
+        header: &TableHeader,
+        out: Box<dyn Write + Send>,
+    ) -> Result<ResumableTable, TableWriteError> {
+        let writer = ParquetWriter::new(out, &header.study, &header.columns)
+            .map_err(|error| TableWriteError::Content { file: name.into(), reason: error.to_string() })?;
+        let sink = Sink::Parquet(Box::new(writer));
+        Ok(ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() })
+    }
+
+    /// Writes the end of a table, which Parquet has.
+    ///
+    /// # Errors
+    /// The output takes no bytes.
+    pub fn finish(self) -> Result<(), TableWriteError> {
+        match self.sink {
+            Sink::File { .. } | Sink::Stream { .. } => Ok(()),
+            #[cfg(feature = "parquet")]
+            Sink::Parquet(writer) => {
+                let ended = writer.finish().map(|_| ());
+                ended.map_err(|error| TableWriteError::Content { file: self.name, reason: error.to_string() })
+            }
+        }
+    }
+
+    /// Whether it takes rows as lines of text.
+    pub(super) fn is_text(&self) -> bool {
+        match self.sink {
+            Sink::File { .. } | Sink::Stream { .. } => true,
+            #[cfg(feature = "parquet")]
+            Sink::Parquet(_) => false,
+        }
+    }
+
     fn begin(&mut self, header: &TableHeader) -> Result<(), TableWriteError> {
         self.write(header.text())
     }
@@ -216,40 +296,59 @@ impl ResumableTable {
         self.failures
     }
 
-    /// Writes the next rows; on return, they are in the file.
-    pub fn push<'a>(&mut self, rows: impl Iterator<Item = &'a Fields> + Clone) -> Result<(), TableWriteError> {
-        self.write(lines(self.rows, rows.clone()))?;
-        for row in rows {
-            self.failures.count_row(self.rows, row.iter());
+    /// Passes on the rows that the file had when it was opened, in batches.
+    ///
+    /// # Errors
+    /// Those of `take`; the file cannot be read, or a field is no value of its column.
+    pub fn read_resumed(
+        &self,
+        header: &TableHeader,
+        mut take: impl FnMut(Table) -> Result<(), TableWriteError>,
+    ) -> Result<(), TableWriteError> {
+        let Sink::File { path, .. } = &self.sink else { return Ok(()) };
+        let file = File::open(path).map_err(|error| self.io("read", error))?;
+        let mut refused = None;
+        let read = read_batches(&header.columns, file, |rows| {
+            take(rows).map_err(|error| {
+                refused = Some(error);
+                String::new()
+            })
+        });
+        match (refused, read) {
+            (Some(error), _) => Err(error),
+            (None, read) => read.map_err(|reason| TableWriteError::Content { file: self.name.clone(), reason }),
+        }
+    }
+
+    /// Writes the next rows, whose lines these are; on return, they are in the file.
+    pub fn push(&mut self, lines: std::io::Result<String>, rows: &Table) -> Result<(), TableWriteError> {
+        match &mut self.sink {
+            Sink::File { .. } | Sink::Stream { .. } => self.write(lines)?,
+            #[cfg(feature = "parquet")]
+            Sink::Parquet(writer) => writer
+                .push(rows.clone())
+                .map_err(|error| TableWriteError::Content { file: self.name.clone(), reason: error.to_string() })?,
+        }
+        let outcome = rows.column(OUTCOME.0);
+        for row in 0..rows.rows() {
+            self.failures.count_row(self.rows, outcome.and_then(|outcome| outcome.word(row)));
             self.rows += 1;
         }
         Ok(())
     }
 
-    /// The text of the table with all rows so far.
-    ///
-    /// # Errors
-    /// The file cannot be read.
-    pub fn read_back(&self) -> Result<Box<dyn Read + '_>, TableWriteError> {
-        match &self.sink {
-            Sink::File { path, .. } => {
-                let opened = File::open(path);
-                opened.map(|file| Box::new(file) as Box<dyn Read>).map_err(|error| self.io("read", error))
-            }
-            Sink::Stream { copy, .. } => Ok(Box::new(Cursor::new(copy.as_deref().unwrap_or_default()))),
-        }
-    }
-
     fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableWriteError> {
         let written = text.and_then(|text| match &mut self.sink {
             Sink::File { file, .. } => file.write_all(text.as_bytes()),
-            Sink::Stream { out, copy } => {
+            Sink::Stream { out, outlives_reader } => {
                 let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-                let Some(copy) = copy else { return written };
-                copy.extend(text.as_bytes());
-                // After the reader has closed the pipe, the copy still receives the rows.
-                written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
+                written.or_else(|error| match error.kind() {
+                    ErrorKind::BrokenPipe if *outlives_reader => Ok(()),
+                    _ => Err(error),
+                })
             }
+            #[cfg(feature = "parquet")]
+            Sink::Parquet(_) => unreachable!("a Parquet file takes no text"),
         });
         written.map_err(|error| self.io("written", error))
     }
@@ -279,6 +378,7 @@ fn complete_rows(
     let (mut length, mut done, mut failures) = (0, 0, Failures::default());
     let header_text = header.text().map_err(failed)?;
     let expected: Vec<&str> = header_text.lines().collect();
+    let outcome = header.columns.iter().position(|heading| heading.name == OUTCOME.0);
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
@@ -305,9 +405,9 @@ fn complete_rows(
             if done == rows {
                 return Err(TableWriteError::TooLong { file: name.into(), found: rows + 1, expected: rows });
             }
-            let columns = header.columns.len() + 1;
+            let columns = header.columns.len();
             match fields(&line).filter(|fields| fields.len() == columns && fields[0] == done.to_string()) {
-                Some(fields) => failures.count_row(done, fields.iter()),
+                Some(fields) => failures.count_row(done, outcome.and_then(|column| fields.get(column))),
                 None => {
                     let (line, found) = (number, shown());
                     return Err(TableWriteError::Row { file: name.into(), line, found, expected: done, columns });

@@ -6,8 +6,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
-use crate::output::fields::Fields;
+use crate::output::csv::lines;
 use crate::output::resumable::{Failures, ResumableTable, TableHeader, TableOptions, TableWriteError};
+use crate::output::table::Table;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 
@@ -31,10 +32,18 @@ pub trait Study: Sync {
     fn rows(&self) -> u64;
     /// Number of runs per row.
     fn runs_in_a_row(&self) -> u64;
-    /// Makes rows, without their numbers as fields; each depends on its number alone.
+    /// Number of neighbouring rows that are made together.
+    fn rows_together(&self) -> u64 {
+        1
+    }
+    /// Makes rows by their numbers, which ascend, in the columns of the header; each depends on its number alone.
     ///
     /// Runs are stepped in vectors of this width, or one by one without.
-    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow>;
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows;
+    /// Makes neighbouring rows, as [`Study::make`] does.
+    fn make_range(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> StudyRows {
+        self.make(&numbers.collect::<Vec<_>>(), width)
+    }
     /// Opens the table of the study in this file.
     ///
     /// # Errors
@@ -44,12 +53,21 @@ pub trait Study: Sync {
     }
 }
 
-/// A row of a study.
-pub struct StudyRow {
-    /// The fields after the row's number.
-    pub fields: Fields,
-    /// Reason of a failed run.
+/// A batch of rows of a study.
+#[derive(Debug, Default)]
+pub struct StudyRows {
+    /// The rows.
+    pub table: Table,
+    /// Reason of the first failed run.
     pub failure: Option<SimulationError>,
+}
+
+impl StudyRows {
+    /// Appends the next batch.
+    pub fn append(&mut self, next: StudyRows) {
+        self.table.append(next.table);
+        self.failure = self.failure.take().or(next.failure);
+    }
 }
 
 /// The number of rows and failures of a study.
@@ -67,27 +85,40 @@ pub struct StudySummary {
 
 /// Makes the missing rows of a study; `progress` receives the numbers of resumed and of complete rows.
 ///
-/// The bytes of the table depend neither on the number of threads nor on interruptions.
+/// `follow` receives all rows in batches, resumed ones as well. The bytes of the table depend neither on the number of threads nor on
+/// interruptions.
 pub fn run(
     study: &impl Study,
     pool: &rayon::ThreadPool,
     width: Option<VectorWidth>,
     table: &mut ResumableTable,
+    mut follow: Option<Follower>,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<StudySummary, TableWriteError> {
     let resumed = table.rows();
     progress(resumed, resumed);
+    if let Some(follow) = &mut follow {
+        table.read_resumed(&study.header(), follow)?;
+    }
     let mut reason = None;
-    let take = |rows: Vec<StudyRow>| {
-        table.push(rows.iter().map(|row| &row.fields))?;
-        reason = reason.take().or_else(|| rows.into_iter().find_map(|row| row.failure));
-        progress(resumed, table.rows());
-        Ok::<(), TableWriteError>(())
+    let is_text = table.is_text();
+    let make = |numbers: Range<u64>| {
+        let rows = study.make_range(numbers, width);
+        // Here, since this part is done on all cores.
+        (if is_text { lines(&rows.table) } else { Ok(String::new()) }, rows)
     };
-    let rows = resumed..study.rows();
-    in_batches(pool, rows, width, study.runs_in_a_row(), |numbers| study.make(numbers, width), take)?;
+    let take = |(lines, StudyRows { table: rows, failure })| {
+        table.push(lines, &rows)?;
+        reason = reason.take().or(failure);
+        progress(resumed, table.rows());
+        follow.as_mut().map_or(Ok(()), |follow| follow(rows))
+    };
+    in_batches(pool, resumed..study.rows(), width, study.runs_in_a_row(), make, take)?;
     Ok(StudySummary { rows: study.rows(), resumed, failures: table.failures(), reason })
 }
+
+/// A function that receives rows in batches.
+pub type Follower<'a> = &'a mut dyn FnMut(Table) -> Result<(), TableWriteError>;
 
 /// A pool of this number of threads; without a number, one per core.
 pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
@@ -102,14 +133,14 @@ pub(crate) fn batch(width: Option<VectorWidth>, rows: u64, runs_in_a_row: u64, t
 
 /// Makes rows of `runs_in_a_row` runs in batches and passes the batches to `take` in order, as [`in_order`] does.
 ///
-/// `make` returns the rows with the given numbers; the size of a batch suits vectors of this width.
+/// `make` makes the rows with the given numbers; the size of a batch suits vectors of this width.
 pub fn in_batches<T: Send, E>(
     pool: &rayon::ThreadPool,
     rows: Range<u64>,
     width: Option<VectorWidth>,
     runs_in_a_row: u64,
-    make: impl Fn(Range<u64>) -> Vec<T> + Sync,
-    mut take: impl FnMut(Vec<T>) -> Result<(), E>,
+    make: impl Fn(Range<u64>) -> T + Sync,
+    mut take: impl FnMut(T) -> Result<(), E>,
 ) -> Result<(), E> {
     let size = batch(width, rows.end - rows.start, runs_in_a_row, pool.current_num_threads() as u64);
     let ahead = if width.is_none() { AHEAD } else { BATCHES_AHEAD };

@@ -24,6 +24,6 @@ mod units;
 
 pub use curve::{CurveError, FragilityCurve};
 pub use hazard::{HazardCurve, HazardError};
-pub use hazard_file::{HazardOptions, read_hazard};
+pub use hazard_file::{HazardOptions, canonical, read_hazard};
 pub use rate::{AnnualRate, Part, interval, probability_in};
 pub use units::si;

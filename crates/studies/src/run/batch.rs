@@ -3,7 +3,7 @@
 //! A batch has several times more active runs than lanes. Runs whose next step is of the same kind are stepped together, whatever
 //! their times and records. The bits of the outcomes are those of [`Run::outcome`].
 
-use crate::run::outcome::{Flights, Outcome};
+use crate::run::outcome::{Incidents, Outcome};
 use crate::run::{Run, Schedule};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
@@ -30,7 +30,7 @@ struct ActiveRun {
     number: usize,
     run: Run,
     schedule: Schedule,
-    flights: Flights,
+    incidents: Incidents,
 }
 
 /// Makes runs with vectors of this width, or one by one without, and returns their outcomes in order.
@@ -90,19 +90,18 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         loop {
             let (number, run) = self.runs.next()?;
             let simulation = run.begin();
-            let mut flights = Flights::default();
-            flights.begin(&simulation);
+            let incidents = Incidents::begin(&simulation);
             let mut schedule = run.schedule(&simulation);
             schedule.check(&simulation);
             let Some(stop) = schedule.next_stop(&simulation) else {
-                self.outcomes.push(Some(run.outcome_of(&simulation, flights, None)));
+                self.outcomes.push(Some(run.outcome_of(&simulation, schedule.lean, incidents, None)));
                 (self.ended)();
                 continue;
             };
             self.outcomes.push(None);
             let mut lane = Box::new(Lane::new(simulation, tag));
             lane.send(stop, schedule.inputs());
-            let begun = ActiveRun { number, run, schedule, flights };
+            let begun = ActiveRun { number, run, schedule, incidents };
             match self.active.get_mut(tag) {
                 Some(ended) => *ended = begun,
                 None => self.active.push(begun),
@@ -145,9 +144,9 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
 
     /// Takes a step of a single run; returns whether it continues.
     fn step_alone(&mut self, lane: &mut Lane) -> bool {
-        let ActiveRun { schedule, flights, .. } = &mut self.active[lane.tag];
+        let ActiveRun { schedule, incidents, .. } = &mut self.active[lane.tag];
         self.lane_use.alone += 1;
-        match lane.step_alone(schedule.inputs(), &mut |event| flights.count_event(event)) {
+        match lane.step_alone(schedule.inputs(), &mut |event| incidents.count_event(event)) {
             Ok(()) => true,
             Err(error) => {
                 self.end(lane, Some(error));
@@ -157,8 +156,8 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     }
 
     fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
-        let ActiveRun { number, flights, ref run, .. } = self.active[lane.tag];
-        self.outcomes[number] = Some(run.outcome_of(lane.simulation(), flights, failure));
+        let ActiveRun { number, incidents, ref run, ref schedule, .. } = self.active[lane.tag];
+        self.outcomes[number] = Some(run.outcome_of(lane.simulation(), schedule.lean, incidents, failure));
         (self.ended)();
     }
 
@@ -174,8 +173,10 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         let (lanes, waiting) = (self.width.lanes(), &mut self.waiting[number]);
         let count = waiting.len().min(lanes);
         // The last that came are still in the processor's cache.
-        for _ in 0..count {
-            group.extend(waiting.pop());
+        while group.len() < count
+            && let Some(lane) = waiting.pop()
+        {
+            group.push(lane);
         }
         let taken = if count > 1 { step_group(self.width, Kind::numbered(number), group) } else { 0 };
         if count > 1 {

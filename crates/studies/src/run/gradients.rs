@@ -88,7 +88,7 @@ impl Run {
             });
         }
         let grazing = followers.iter().filter_map(Follower::grazing).min_by(|a, b| a.time.total_cmp(&b.time));
-        let history = self.finished(&simulation, rows, events);
+        let history = self.finished(&simulation, schedule.lean, rows, events);
         Some(Ok((history, Gradients { parameters: derivatives, grazing })))
     }
 }

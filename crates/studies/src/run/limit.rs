@@ -9,6 +9,8 @@ use crate::run::outcome::End;
 pub enum Limit {
     /// Overturning.
     Overturned,
+    /// The balance of a side: the rotation |θ| that puts the centre of mass over the corner; a block that overturns exceeds it.
+    Balance,
     /// A rotation |θ|/α (1); a block that overturns exceeds it.
     Rotation(f64),
     /// A slip of the foot from its place at the start (m); a block that overturns exceeds it.
@@ -20,19 +22,27 @@ pub enum Limit {
 pub struct Response {
     /// Of the rotation |θ|/α (1).
     pub rotation: Option<f64>,
+    /// Of the rotation over the balance angle of its side (1).
+    pub over_balance: Option<f64>,
     /// Of the slip (m).
     pub slip: Option<f64>,
 }
 
 impl Limit {
-    /// Whether a run exceeded the limit by its end.
-    pub fn is_exceeded(self, end: End, response: Response) -> bool {
+    /// Whether a run exceeds the limit, or `None` if that is unknown: the run failed, or it ended before the limit and its motion goes on.
+    pub fn verdict(self, end: End, response: Response) -> Option<bool> {
         let beyond = match self {
             Limit::Overturned => false,
+            Limit::Balance => response.over_balance.is_some_and(|over| over > 1.0),
             Limit::Rotation(limit) => response.rotation.is_some_and(|rotation| rotation > limit),
             Limit::Slip(limit) => response.slip.is_some_and(|slip| slip > limit),
         };
-        end == End::Overturned || beyond
+        match end {
+            End::Overturned => Some(true),
+            End::Completed => Some(beyond),
+            End::Separated | End::Undecided => beyond.then_some(true),
+            End::Failed => None,
+        }
     }
 }
 
@@ -41,6 +51,7 @@ impl std::fmt::Display for Limit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Limit::Overturned => f.write_str("overturned"),
+            Limit::Balance => f.write_str("balance"),
             Limit::Rotation(limit) => write!(f, "theta/alpha>{limit}"),
             Limit::Slip(limit) => write!(f, "slip>{limit}"),
         }
@@ -52,17 +63,37 @@ impl FromStr for Limit {
 
     fn from_str(text: &str) -> Result<Limit, String> {
         let lower = text.to_ascii_lowercase();
-        if lower == "overturned" {
-            return Ok(Limit::Overturned);
+        match lower.as_str() {
+            "overturned" => return Ok(Limit::Overturned),
+            "balance" => return Ok(Limit::Balance),
+            _ => (),
         }
         let slip = lower.strip_prefix("slip:").or(lower.strip_prefix("slip>"));
         let number = slip.unwrap_or_else(|| lower.strip_prefix("theta/alpha>").unwrap_or(&lower));
         let limit = number.parse().ok().filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
         limit.map(if slip.is_some() { Limit::Slip } else { Limit::Rotation }).ok_or_else(|| {
             format!(
-                "found limit `{text}`; expected overturned, a number > 0 for |theta|/alpha, as in 0.5, or one for the slip in \
+                "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, or one for the slip in \
                  metres, as in slip:0.1"
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_ends_before_the_limit_and_the_motion_has_no_verdict() {
+        let verdicts = |limit: Limit, rotation: f64| {
+            let response = Response { rotation: Some(rotation), ..Response::default() };
+            End::ALL.map(|end| limit.verdict(end, response))
+        };
+        let [no, yes] = [false, true].map(Some);
+        // Completed, overturned, separated, undecided, failed.
+        assert_eq!(verdicts(Limit::Overturned, 2.0), [no, yes, None, None, None]);
+        assert_eq!(verdicts(Limit::Rotation(0.5), 0.4), [no, yes, None, None, None]);
+        assert_eq!(verdicts(Limit::Rotation(0.5), 0.6), [yes, yes, yes, yes, None]);
     }
 }

@@ -18,14 +18,14 @@ pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
 
-use crate::run::outcome::{End, Flights, Outcome};
+use crate::run::outcome::{Breaks, End, Incidents, Lean, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
 use rocking_block::block::Regime;
 use rocking_block::block::restraints::TieStates;
+use rocking_block::excitation::records::{Ground, Piece};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
-use rocking_block::ground::{Ground, Piece};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError, Slip};
@@ -90,6 +90,8 @@ pub struct History {
     pub slip: Slip,
     /// The states of the ties then.
     pub ties: TieStates,
+    /// Rotation past the balance and at the end.
+    pub lean: Lean,
 }
 
 /// Longest duration of a run in a study (s); longer ones would be typing errors.
@@ -185,49 +187,49 @@ impl Run {
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
         let (mut rows, mut events) = (Vec::new(), Vec::new());
         let mut simulation = self.begin();
-        self.drive(&mut simulation, &mut |event| events.push(*event), |done, simulation, inputs| {
-            rows.push(self.row(simulation, inputs));
-            progress(done);
-        })?;
-        Ok(self.finished(&simulation, rows, events))
+        let (lean, driven) =
+            self.drive(&mut simulation, &mut |event| events.push(*event), |done, simulation, inputs| {
+                rows.push(self.row(simulation, inputs));
+                progress(done);
+            });
+        driven.map(|()| self.finished(&simulation, lean, rows, events))
     }
 
     /// The history of the run that has ended with this simulation.
-    fn finished(&self, simulation: &Simulation, rows: Vec<Row>, events: Vec<Event>) -> History {
+    fn finished(&self, simulation: &Simulation, lean: Lean, rows: Vec<Row>, events: Vec<Event>) -> History {
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
         let end = self.end(simulation);
         let is_at_rest = end == End::Completed && is_at_rest(simulation);
         let (slip, ties) = (simulation.slip(), simulation.restraints().ties);
-        History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties }
+        History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, lean: lean.at_end(simulation) }
     }
 
     /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].
     pub fn outcome(&self) -> Outcome {
-        let mut flights = Flights::default();
-        let mut failure = None;
         let mut simulation = self.begin();
-        flights.begin(&simulation);
-        if let Err(error) = self.drive(&mut simulation, &mut |event| flights.count_event(event), |_, _, _| ()) {
-            failure = Some(error);
-        }
-        self.outcome_of(&simulation, flights, failure)
+        let mut incidents = Incidents::begin(&simulation);
+        let (lean, driven) = self.drive(&mut simulation, &mut |event| incidents.count_event(event), |_, _, _| ());
+        self.outcome_of(&simulation, lean, incidents, driven.err())
     }
 
     /// The outcome of the run if it ends with this simulation.
     pub(super) fn outcome_of(
         &self,
         simulation: &Simulation,
-        flights: Flights,
+        lean: Lean,
+        incidents: Incidents,
         failure: Option<SimulationError>,
     ) -> Outcome {
         let end = if failure.is_some() { End::Failed } else { self.end(simulation) };
         let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
-        Outcome { end, end_time, peaks: simulation.peaks(), counts: simulation.counts(), flights, failure }
+        let (peaks, counts, Incidents { flights, breaks }) = (simulation.peaks(), simulation.counts(), incidents);
+        let lean = lean.at_end(simulation);
+        Outcome { end, end_time, peaks, counts, flights, lean, breaks, failure }
     }
 
     /// The end of the run if it ends with this simulation, without a failure.
     fn end(&self, simulation: &Simulation) -> End {
-        let (time, start) = (simulation.time(), self.ground.start());
+        let (time, start) = (simulation.time(), self.start());
         // A duration up to the last sample may miss it by rounding.
         let ground_is_at_rest = self.ground_at_rest() - time <= 1e-12 * (time - start);
         match simulation.ending() {
@@ -254,22 +256,28 @@ impl Run {
         sliding.longest
     }
 
+    /// Time of the start (s): of the first sample, or of a pulse before it; 0 without a record.
+    pub fn start(&self) -> f64 {
+        let first = self.ground.start();
+        if self.pulse.shape == PulseShape::None || self.ground.is_empty() { first } else { first.min(self.pulse.start) }
+    }
+
     pub(crate) fn begin(&self) -> Simulation {
-        let start = self.ground.start();
+        let start = self.start();
         let (inputs, _) = self.ground.inputs_from(start);
         Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs)
     }
 
     /// Time from which the ground is at rest (s).
     fn ground_at_rest(&self) -> f64 {
-        let start = self.ground.start();
+        let start = self.start();
         let pulse = if self.pulse.shape == PulseShape::None { start } else { self.pulse.end() };
         self.ground.end().unwrap_or(start).max(pulse).max(start)
     }
 
     /// Longest possible duration of the run (s).
     pub fn longest_duration(&self) -> f64 {
-        self.duration.unwrap_or_else(|| self.stopping_rule().end(&self.block) - self.ground.start())
+        self.duration.unwrap_or_else(|| self.stopping_rule().end(&self.block) - self.start())
     }
 
     fn stopping_rule(&self) -> StoppingRule {
@@ -279,23 +287,25 @@ impl Run {
 
     /// Makes the run; `row` receives the fraction done, the block and the inputs, at the start and at each row.
     ///
-    /// An error leaves the simulation at the last good step.
+    /// Returns how far the block leaned. An error leaves the simulation at the last good step.
     fn drive(
         &self,
         simulation: &mut Simulation,
         events: &mut dyn FnMut(&Event),
         mut row: impl FnMut(f64, &Simulation, &Inputs),
-    ) -> Result<(), SimulationError> {
+    ) -> (Lean, Result<(), SimulationError>) {
         let mut schedule = self.schedule(simulation);
         row(0.0, simulation, schedule.inputs());
         schedule.check(simulation);
         while let Some(stop) = schedule.next_stop(simulation) {
-            simulation.advance(stop, schedule.inputs(), events)?;
+            if let Err(error) = simulation.advance(stop, schedule.inputs(), events) {
+                return (schedule.lean, Err(error));
+            }
             if let Some(done) = schedule.stopped(self, simulation) {
                 row(done, simulation, schedule.inputs());
             }
         }
-        Ok(())
+        (schedule.lean, Ok(()))
     }
 
     /// The schedule of a run at its start.
@@ -320,7 +330,9 @@ impl Run {
             rows: 0,
             next_row: end,
             stop: start,
+            lean: Lean::default(),
         };
+        schedule.lean.follow(simulation);
         schedule.find_next_row();
         schedule
     }
@@ -362,6 +374,8 @@ pub(super) struct Schedule {
     /// Time of the next row (s).
     next_row: f64,
     stop: f64,
+    /// How far the block has leaned so far.
+    pub(super) lean: Lean,
 }
 
 impl Schedule {
@@ -403,6 +417,7 @@ impl Schedule {
     /// Records that the run has reached the stop, or ended before; returns the fraction done if a row is due.
     #[inline]
     pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
+        self.lean.follow(simulation);
         let ended = self.is_over(simulation);
         if !ended && self.stop == self.piece.end {
             run.ground.go_on(&mut self.piece);
@@ -425,6 +440,18 @@ fn earlier(first: f64, second: f64) -> f64 {
 }
 
 impl History {
+    /// Whether the block rests at the end without standing upright, as one that leans on a tie.
+    pub fn ends_tilted(&self, block: &Block) -> bool {
+        self.is_at_rest && self.lean.is_tilted(block.alpha)
+    }
+
+    /// The ties that broke.
+    pub fn breaks(&self) -> Breaks {
+        let mut incidents = Incidents::default();
+        self.events.iter().for_each(|event| incidents.count_event(event));
+        incidents.breaks
+    }
+
     /// Greatest |total energy| of the rows (J).
     pub fn greatest_energy(&self) -> f64 {
         self.rows.iter().map(|row| row.energies.total.abs()).fold(0.0, f64::max)

@@ -1,7 +1,8 @@
 //! A run → its end, its peaks and its counts.
 
-use crate::output::fields::Fields;
-use rocking_block::block::{Block, Regime};
+use crate::output::table::Column;
+use rocking_block::block::restraints::{self, tie};
+use rocking_block::block::{Block, Corner, Regime};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Simulation, SimulationError};
 use rocking_block::system::events::{Event, EventKind};
@@ -19,6 +20,10 @@ pub struct Outcome {
     pub counts: Counts,
     /// Complete separations.
     pub flights: Flights,
+    /// Rotation past the balance and at the end.
+    pub lean: Lean,
+    /// Ties that broke.
+    pub breaks: Breaks,
     /// Reason of a failure.
     pub failure: Option<SimulationError>,
 }
@@ -74,7 +79,7 @@ impl std::str::FromStr for End {
     }
 }
 
-/// Friction and ties of blocks. Their peaks have additional columns after [`Outcome::COLUMNS`].
+/// Friction and ties of blocks, which have additional columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holds {
     /// Whether a coefficient of friction limits the horizontal reaction.
@@ -93,17 +98,74 @@ impl Holds {
     pub fn or(self, other: Holds) -> Holds {
         Holds { friction: self.friction || other.friction, ties: self.ties.max(other.ties) }
     }
+}
 
-    /// Names and units of the columns filled by [`Holds::fields`].
-    pub fn columns(self) -> Vec<String> {
-        let slip = self.friction.then(|| "peak.slip [m]".to_string());
-        slip.into_iter().chain((1..=self.ties).map(|tie| format!("peak.tie_{tie}.tension [N]"))).collect()
+/// A row of a table with the outcome of a run.
+pub trait OutcomeRow {
+    /// The outcome.
+    fn outcome(&self) -> &Outcome;
+    /// Slenderness α of the block (rad).
+    fn alpha(&self) -> f64;
+}
+
+/// The columns of the outcomes of blocks; those of friction and ties only where there are any.
+///
+/// The time of the first separation is missing where there is none.
+pub fn columns<'c, R: OutcomeRow + 'c>(Holds { friction, ties }: Holds) -> Vec<Column<'c, R>> {
+    let of = R::outcome;
+    let mut columns = vec![
+        Column::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
+        Column::real("end_time", "s", move |row| of(row).end_time),
+        Column::real("peak.theta/alpha", "1", move |row| of(row).peaks.theta / row.alpha()),
+        Column::real("peak.uplift", "m", move |row| of(row).peaks.uplift),
+        Column::real("peak.N", "N", move |row| of(row).peaks.reaction),
+        Column::real("peak.H", "N", move |row| of(row).peaks.horizontal),
+        Column::real("peak.friction_demand", "1", move |row| of(row).peaks.friction_demand),
+        Column::optional("first_separation", "s", move |row| of(row).flights.first),
+        Column::count("flights", move |row| of(row).flights.count),
+        Column::count("events.impacts", move |row| of(row).counts.impacts),
+        Column::count("events.liftoffs", move |row| of(row).counts.liftoffs),
+    ];
+    if friction {
+        columns.push(Column::real("peak.slip", "m", move |row| of(row).peaks.slip));
+    }
+    columns.extend(
+        (0..ties)
+            .map(|tie| Column::real(format!("peak.tie_{}.tension", tie + 1), "N", move |row| of(row).peaks.pull[tie])),
+    );
+    if ties > 0 {
+        // Ties may hold a block beyond its balance.
+        columns.extend([
+            Column::real("peak.theta/balance", "1", move |row| of(row).lean.over_balance),
+            Column::real("end.theta/alpha", "1", move |row| of(row).lean.end / row.alpha()),
+            Column::count("ties.broken", move |row| of(row).breaks.count),
+            Column::optional("first_break", "s", move |row| of(row).breaks.first),
+        ]);
+    }
+    columns
+}
+
+/// Incidents of a run, counted from its events.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Incidents {
+    pub flights: Flights,
+    pub breaks: Breaks,
+}
+
+impl Incidents {
+    /// Starts with the flight of a block that is in the air.
+    pub fn begin(simulation: &Simulation) -> Incidents {
+        let mut incidents = Incidents::default();
+        if simulation.regime() == Regime::Separated {
+            incidents.flights.add(simulation.time());
+        }
+        incidents
     }
 
-    /// The peaks of the slip and of the tensions, the fields of [`Holds::columns`].
-    pub fn fields(self, peaks: &Peaks) -> impl Iterator<Item = f64> {
-        let slip = self.friction.then_some(peaks.slip);
-        slip.into_iter().chain(peaks.pull.into_iter().take(self.ties))
+    /// Counts an event.
+    pub fn count_event(&mut self, event: &Event) {
+        self.flights.count_event(event);
+        self.breaks.count_event(event);
     }
 }
 
@@ -117,15 +179,8 @@ pub struct Flights {
 }
 
 impl Flights {
-    /// Counts a block that starts in the air.
-    pub(super) fn begin(&mut self, simulation: &Simulation) {
-        if simulation.regime() == Regime::Separated {
-            self.add(simulation.time());
-        }
-    }
-
     /// Counts an event that begins a flight.
-    pub(super) fn count_event(&mut self, event: &Event) {
+    fn count_event(&mut self, event: &Event) {
         let touched = match event.kind {
             EventKind::Landing(_) => true,
             EventKind::LiftOff(_)
@@ -145,31 +200,72 @@ impl Flights {
     }
 }
 
-impl Outcome {
-    /// Names and units of the columns filled by [`Outcome::write`].
-    pub const COLUMNS: [&'static str; 11] = [
-        "outcome",
-        "end_time [s]",
-        "peak.theta/alpha [1]",
-        "peak.uplift [m]",
-        "peak.N [N]",
-        "peak.H [N]",
-        "peak.friction_demand [1]",
-        "first_separation [s]",
-        "flights [1]",
-        "events.impacts [1]",
-        "events.liftoffs [1]",
-    ];
+/// How far a block leans, in terms of the balance: the rotation that puts the centre of mass over the corner it stands on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lean {
+    /// Peak |θ| over the balance angle of its side; beyond 1 the block needs more than its weight to come back.
+    pub over_balance: f64,
+    /// Rotation θ at the end of the run (rad).
+    pub end: f64,
+    peak: f64,
+}
 
-    /// Appends the outcome of a block of slenderness α (rad) to a row, the fields of [`Outcome::COLUMNS`].
+impl Lean {
+    /// Rotation at rest (α) from which a block is tilted rather than upright: the round-off of rest on supports is below.
+    const TILTED: f64 = 0.01;
+
+    /// Whether the block passed its balance.
+    pub fn passed_balance(&self) -> bool {
+        self.over_balance > 1.0
+    }
+
+    /// Whether a block of slenderness α (rad) that rests at the end leans.
+    pub fn is_tilted(&self, alpha: f64) -> bool {
+        self.end.abs() > Lean::TILTED * alpha
+    }
+
+    /// Includes the motion of an uneven block since the last stop; the end of the run tells that of an even one.
     ///
-    /// The time of the first separation is empty if there is none.
-    pub fn write(&self, alpha: f64, fields: &mut Fields) {
-        let Outcome { end, end_time, peaks, counts, flights, .. } = self;
-        fields.push(end.word());
-        let Peaks { theta, uplift, reaction, horizontal, friction_demand, .. } = *peaks;
-        fields.extend([*end_time, theta / alpha, uplift, reaction, horizontal, friction_demand]);
-        fields.push_option(flights.first);
-        fields.extend([flights.count, counts.impacts, counts.liftoffs]);
+    /// Both sides of a block share a peak. An uneven one has it on the side on which it is when the peak has risen.
+    #[inline]
+    pub(super) fn follow(&mut self, simulation: &Simulation) {
+        let block = simulation.block();
+        if block.eccentricity == 0.0 {
+            return;
+        }
+        let (peak, theta) = (simulation.peaks().theta, simulation.state()[0]);
+        let side = if theta < 0.0 { Corner::Left } else { Corner::Right };
+        let rotation = if peak > self.peak { peak } else { theta.abs() };
+        self.over_balance = self.over_balance.max(rotation / block.alpha_of(side));
+        self.peak = peak;
+    }
+
+    /// Returns the lean of a run that ends with this simulation.
+    pub(super) fn at_end(mut self, simulation: &Simulation) -> Lean {
+        let block = simulation.block();
+        self.follow(simulation);
+        if block.eccentricity == 0.0 {
+            self.over_balance = simulation.peaks().theta / block.alpha;
+        }
+        Lean { end: simulation.state()[0], ..self }
+    }
+}
+
+/// Ties that broke in a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Breaks {
+    /// Their number.
+    pub count: u32,
+    /// Time at which the first broke (s).
+    pub first: Option<f64>,
+}
+
+impl Breaks {
+    /// Counts an event if a tie breaks.
+    fn count_event(&mut self, event: &Event) {
+        if matches!(event.kind, EventKind::Restraint(restraints::Event::Tie(_, tie::Event::Break))) {
+            self.count += 1;
+            self.first.get_or_insert(event.time);
+        }
     }
 }

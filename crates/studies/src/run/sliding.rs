@@ -3,20 +3,17 @@
 //! The peak of the friction demand |H|/(N_L + N_R) is unbounded where the reactions vanish for an instant, as in an impact. The
 //! time for which the demand exceeds the available friction indicates whether a block would slide.
 
+use crate::output::table::Column;
+use crate::run::Run;
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
 /// Greatest time between two samples of the friction demand (s).
 const SAMPLING: f64 = 1e-3;
 
-/// Column name of these times for a coefficient of friction (1).
-pub fn name(friction: f64) -> String {
-    format!("friction_demand>{friction}")
-}
-
-/// The column heading, with the unit.
-pub fn heading(friction: f64) -> String {
-    name(friction) + " [s]"
+/// The column of these times for a coefficient of friction (1) over rows with this run.
+pub fn column<'c, R>(friction: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> Column<'c, R> {
+    Column::real(format!("friction_demand>{friction}"), "s", move |row| run(row).longest_above(friction))
 }
 
 /// The longest uninterrupted time for which the friction demand exceeds μ.

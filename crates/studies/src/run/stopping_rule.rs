@@ -4,6 +4,7 @@
 //! separated, where that ends the run), is at rest, or will come to rest. A block with |θ| < α will come to rest if its
 //! energy is below the barrier `V(α)` against overturning. Without excitation the energy decreases, so that the next cycle of
 //! motion is the greatest; after it, the outcome and the peaks are known. A free motion is followed until the block is at rest.
+//! A foot may slide on, or with each swing, and adds to its slip: such a run ends one cycle after the last slip.
 //!
 //! The barrier is that of the block without ties: the energy of a tie is never negative, so that a tied block below it does not
 //! overturn either. Pretensioned ties may hold more energy than that even at rest: such a block is followed until it rests, upright
@@ -19,7 +20,7 @@ use rocking_block::simulation::Simulation;
 /// Fraction of the barrier that the energy must stay below.
 ///
 /// The margin covers the energy that a lift-off adds until the next landing: 0.1 % at η = 40, 2 % at η = 10
-/// (docs/lift_off.md).
+/// (docs/model.md).
 const BELOW_THE_BARRIER: f64 = 0.95;
 
 /// Longest time after the ground has come to rest, in 1/p, which blocks without energy loss reach.
@@ -27,7 +28,7 @@ const BELOW_THE_BARRIER: f64 = 0.95;
 /// Approaching the unstable equilibrium to 1e-10 α takes 24/p, and leaving it as long.
 const MAX_TIME: u64 = 100;
 
-/// The same for free motion of a block that loses energy: a slender one rocks for long.
+/// The same for free motion of a block that loses energy, as a slender one rocks for long, and for a foot that may slide.
 const MAX_DECAY: u64 = 1000;
 
 /// Fraction of the lift-off energy below which a block on supports is at rest: 1 % of the lift-off rotation.
@@ -69,11 +70,11 @@ fn barrier_over(block: &Block, corner: Corner) -> f64 {
 /// On the rigid base `(4/p) arcosh(1/√(1 − fraction))` (Housner 1963, in terms of the energy); supports add the period of rocking
 /// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter. For a
 /// block with ties see [`tied_rocking_period`].
-fn cycle(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
+fn cycle(block: &Block, ties: &TieStates, slip: f64, theta: f64, fraction: f64) -> f64 {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
     let rocking = match block.ties().is_empty() {
         true => 4.0 / slowest(block) * libm::acosh(1.0 / (1.0 - fraction).sqrt()),
-        false => tied_rocking_period(block, ties, theta, fraction),
+        false => tied_rocking_period(block, ties, slip, theta, fraction),
     };
     let stiffness = omega_v * omega_v * b * b - gravity * h;
     match block.foundation {
@@ -82,13 +83,13 @@ fn cycle(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
     }
 }
 
-/// Rocking period (s) of a block with ties on the rigid base, at this rotation and an energy of `fraction` times the barrier of the
-/// rigid base: twice `∫ dθ/θ̇` between the rotations at which it turns back.
+/// Rocking period (s) of a block with ties on the rigid base, at this slip (m) and rotation and an energy of `fraction` times the barrier
+/// of the rigid base: twice `∫ dθ/θ̇` between the rotations at which it turns back.
 ///
 /// By energy `½ (I0/M + R_I²) θ̇² = E − g R_I [cos(α_I − |θ|) − cos α_I] − Σ k s²/(2 M)`, with the stretch s of each tie that is not broken. A
 /// tendon through the base shortens the period (Vassiliou and Makris 2015); a tie that pulls to a side may lengthen it. Dashpots,
 /// impacts, and a gap that only lasting energy would cross are left out.
-pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
+pub fn tied_rocking_period(block: &Block, ties: &TieStates, slip: f64, theta: f64, fraction: f64) -> f64 {
     /// Intervals of the search for the turning points, over both slenderness angles.
     const SCAN: u32 = 400;
     /// Halvings of the interval of a turning point.
@@ -97,7 +98,7 @@ pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction
     const NODES: u32 = 400;
     let barrier = Corner::each(|corner| libm::hypot(block.offset(corner), block.h) - block.h);
     let energy = fraction * block.gravity * barrier[0].min(barrier[1]);
-    let square = |theta: f64| rate_squared(block, ties, energy, theta);
+    let square = |theta: f64| rate_squared(block, ties, slip, energy, theta);
     let step = (block.alpha_of(Corner::Left) + block.alpha_of(Corner::Right)) / f64::from(SCAN);
     // A block that turns back right now moves to one side.
     let Some(start) = [theta, theta - step, theta + step].into_iter().find(|&theta| square(theta) > 0.0) else {
@@ -126,7 +127,7 @@ pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction
 }
 
 /// θ̇² (rad²/s²) of a block that rocks on the rigid base with this energy per unit mass (m²/s²).
-fn rate_squared(block: &Block, ties: &TieStates, energy: f64, theta: f64) -> f64 {
+fn rate_squared(block: &Block, ties: &TieStates, slip: f64, energy: f64, theta: f64) -> f64 {
     let corner = if theta < 0.0 { Corner::Left } else { Corner::Right };
     let (offset, h) = (block.offset(corner), block.h);
     let (sin, cos) = libm::sincos(theta);
@@ -135,7 +136,7 @@ fn rate_squared(block: &Block, ties: &TieStates, energy: f64, theta: f64) -> f64
     for (tie, _) in block.ties().iter().zip(ties).filter(|(_, state)| **state != TieState::Broken) {
         let foot = -block.half_base(corner);
         let [x, z] = [tie.block[0] - foot, tie.block[1]];
-        let end = [foot + x * cos + z * sin - tie.ground[0], z * cos - x * sin - tie.ground[1]];
+        let end = [slip + foot + x * cos + z * sin - tie.ground[0], z * cos - x * sin - tie.ground[1]];
         let free = tie.length() + tie.slack - if tie.stiffness > 0.0 { tie.pretension / tie.stiffness } else { 0.0 };
         let stretch = (libm::hypot(end[0], end[1]) - free).max(0.0);
         potential += 0.5 * tie.stiffness * stretch * stretch / block.mass;
@@ -168,6 +169,8 @@ pub struct StoppingRule {
     earliest: Option<u64>,
     /// Whether the last check found the block at rest after that.
     is_over: bool,
+    /// Length of the foot's path on the ground at the last check (m).
+    path: f64,
 }
 
 impl StoppingRule {
@@ -175,7 +178,7 @@ impl StoppingRule {
     ///
     /// The run continues `until_rest`, or until its outcome is known.
     pub fn new(ground_at_rest: f64, until_rest: bool) -> StoppingRule {
-        StoppingRule { ground_at_rest, until_rest, checks: 0, earliest: None, is_over: false }
+        StoppingRule { ground_at_rest, until_rest, checks: 0, earliest: None, is_over: false, path: 0.0 }
     }
 
     fn time_of(&self, block: &Block, check: u64) -> f64 {
@@ -189,7 +192,8 @@ impl StoppingRule {
 
     /// Time at which the run is over (s); the latest possible time while it is unknown.
     pub fn end(&self, block: &Block) -> f64 {
-        let longest = if self.until_rest && loses_energy(block) { MAX_DECAY } else { MAX_TIME };
+        let decays = block.friction > 0.0 || self.until_rest && loses_energy(block);
+        let longest = if decays { MAX_DECAY } else { MAX_TIME };
         let last = match self.earliest {
             Some(_) if self.is_over => self.checks - 1,
             Some(earliest) if !self.until_rest => earliest,
@@ -200,11 +204,13 @@ impl StoppingRule {
 
     /// Checks the block, at the time of the next check.
     pub fn check(&mut self, simulation: &Simulation) {
-        let block = simulation.block();
-        if let (None, Some(fraction)) = (self.earliest, fraction_of_barrier(simulation)) {
-            let period = cycle(block, &simulation.restraints().ties, simulation.state()[0], fraction);
-            let further = (period * block.p).ceil();
-            self.earliest = Some(self.checks + further as u64);
+        let (block, slip, slides) = (simulation.block(), simulation.slip(), simulation.slides());
+        let restarts = self.earliest.is_none() || slides || slip.total != self.path;
+        self.path = slip.total;
+        if let (true, Some(fraction)) = (restarts, fraction_of_barrier(simulation)) {
+            let period = cycle(block, &simulation.restraints().ties, slip.now, simulation.state()[0], fraction);
+            let further = (period * block.p).ceil() as u64;
+            self.earliest = Some(self.checks + further.max(u64::from(slides)));
         }
         let is_known = self.earliest.is_some_and(|earliest| self.checks >= earliest);
         self.is_over = self.until_rest && is_known && is_at_rest(simulation);

@@ -1,6 +1,7 @@
 //! A history → a CSV table.
 
 use std::io::Write;
+use std::ops::Range;
 
 use crate::run::gradients::Derivatives;
 use crate::run::outcome::Holds;
@@ -93,6 +94,17 @@ pub fn columns(block: &Block) -> Vec<Column> {
 /// Writes a block's history as CSV, with the derivatives of its columns after them; numbers have the digits that restore them
 /// exactly.
 pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: impl Write) -> csv::Result<()> {
+    write_part(block, history, gradients, 0..history.rows.len(), out)
+}
+
+/// Writes a range of rows as [`write()`] does; the headings precede the first row of the history.
+pub fn write_part(
+    block: &Block,
+    history: &History,
+    gradients: &[Derivatives],
+    range: Range<usize>,
+    out: impl Write,
+) -> csv::Result<()> {
     let columns = columns(block);
     let varied: Vec<&Column> = columns.iter().filter(|column| column.has_derivative()).collect();
     let heading = |Column { name, unit, .. }: &Column| format!("{name} [{unit}]");
@@ -103,8 +115,10 @@ pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: i
     };
     let mut writer = csv::Writer::from_writer(out);
     let of_derivatives = gradients.iter().flat_map(|of| varied.iter().map(move |column| derivative(of, column)));
-    writer.write_record(columns.iter().map(heading).chain(of_derivatives))?;
-    for (i, row) in history.rows.iter().enumerate() {
+    if range.start == 0 {
+        writer.write_record(columns.iter().map(heading).chain(of_derivatives))?;
+    }
+    for (i, row) in range.clone().zip(&history.rows[range]) {
         let values = columns.iter().map(|column| column.value(row).to_string());
         let of = |of: &Derivatives, column: &Column| column.value(&of.rows[i]).to_string();
         let derivatives = gradients.iter().flat_map(|gradient| varied.iter().map(move |column| of(gradient, column)));

@@ -1,13 +1,13 @@
 //! Rows of a run, and its stops.
 
 use super::*;
-use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_block::block::{Common, Dimensionless, Supports};
 use rocking_records::{ReadOptions, Record, Unit, parse};
 
 /// Times of the rows of a block at rest, and the number of stops; panics beyond `most` stops.
 fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f64>, usize) {
-    let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, eta: 40.0, xi_v: 0.1 };
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports: Supports::HOUSNER };
+    let common = Common::default();
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let at_rest = Run::at_rest(block, Settings::default());
     let run = Run { ground: ground.clone(), duration: Some(duration), output_step, ..at_rest };
@@ -71,5 +71,32 @@ fn invalid_steps_make_no_rows() {
     }
     for duration in [0.0, -1.0, f64::NAN] {
         assert_eq!(rows(&Ground::default(), duration, 0.1, 1).0, [0.0], "{duration}");
+    }
+}
+
+/// A pulse before, and one that begins before, the first sample of a record that is still has the outcome of the pulse alone.
+#[test]
+fn a_pulse_before_a_record_counts() {
+    let dimensionless = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
+    let common = Common::default();
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.8, ..Pulse::NONE };
+    let alone = Run { pulse, ..Run::at_rest(block, Settings::default()) };
+    let options =
+        ReadOptions { unit: Some(Unit::MetrePerSecondSquared), time_step: Some(0.01), ..ReadOptions::default() };
+    let record = parse("still", "0\n".repeat(40).as_bytes(), &options).unwrap();
+    let (expected, end) = (alone.outcome().peaks.theta, alone.outcome().end);
+    assert!(expected > 0.1 * block.alpha);
+    for (start_time, start) in [(5.0, 0.0), (0.6, 0.0), (0.6, -0.3), (-0.2, 0.1)] {
+        let ground = Ground { horizontal: Some(Record { start_time, ..record.clone() }), vertical: None };
+        let run = Run { pulse: Pulse { start, ..pulse }, ground, ..alone.clone() };
+        assert_eq!(run.start(), f64::min(start, start_time));
+        let found = run.outcome();
+        assert!((found.peaks.theta / expected - 1.0).abs() < 1e-6, "{start_time} s, {start} s: {found:?}, {expected}");
+        assert_eq!(found.end, end);
+        let history = run.history(|_| ()).unwrap();
+        assert_eq!([history.rows[0].time, history.peaks.theta], [run.start(), found.peaks.theta]);
+        let longer = Run { duration: Some(run.longest_duration()), ..run.clone() };
+        assert_eq!(longer.outcome().end, end);
     }
 }

@@ -87,13 +87,21 @@ impl Threshold {
         }
     }
 
-    /// The kind of bound in tables: `none` where the threshold is bracketed, else `upper` or `lower`.
-    pub fn bound(self) -> &'static str {
+    /// The kinds of bound in tables: `none` where the threshold is bracketed, else `upper` or `lower`.
+    pub const BOUNDS: [&'static str; 3] = ["none", "upper", "lower"];
+
+    /// The position of its kind of bound in [`Threshold::BOUNDS`].
+    pub fn bound_position(self) -> usize {
         match self {
-            Threshold::At(_) => "none",
-            Threshold::AtMost(_) => "upper",
-            Threshold::Above(_) => "lower",
+            Threshold::At(_) => 0,
+            Threshold::AtMost(_) => 1,
+            Threshold::Above(_) => 2,
         }
+    }
+
+    /// Its kind of bound.
+    pub fn bound(self) -> &'static str {
+        Threshold::BOUNDS[self.bound_position()]
     }
 }
 

@@ -16,10 +16,9 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Corner, Foundation};
 use rocking_block::excitation::Pulse;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 
@@ -54,25 +53,21 @@ fn changes_of_end(
 
 /// Scans the damping ratio ξ_v of a block that starts from rest on its supports with θ̇(0) = `rate` α p.
 ///
-/// The block vibrates freely until it has come down, with these `ties`; the ξ_v of `block` is ignored.
+/// The block of each ξ_v, from `block_with`, vibrates freely until it has come down.
 /// [`OutcomeMap::damping_against_separation`] gives the damping needed against separation.
-#[expect(clippy::too_many_arguments, reason = "the parameters of a block, since its damping is varied")]
 pub fn damping_against_separation(
-    block: &Dimensionless,
-    common: &Common,
-    ties: &[Tie],
+    block_with: impl Fn(f64) -> Result<Block, BlockError> + Sync,
     rate: f64,
     settings: Settings,
     scan: &Scan,
     width: Option<VectorWidth>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Result<OutcomeMap<End>, BlockError> {
-    let block_with = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common)?.with_ties(ties);
     block_with(scan.from).and(block_with(scan.to))?;
-    let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
     let run = |xi_v| {
         // A block that is valid at both ends of the range is valid between them.
         let block = block_with(xi_v).unwrap_or_else(|error| unreachable!("{error}"));
+        let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
         Run { initial, ..Run::at_rest(block, settings) }
     };
     Ok(changes_of_end(scan, width, run, progress))

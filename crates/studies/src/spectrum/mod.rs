@@ -7,57 +7,58 @@
 pub mod statistics;
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 
-use crate::output::fields::Fields;
 use crate::output::resumable::TableHeader;
-use crate::output::runner::{Study, StudyRow};
+use crate::output::runner::{Study, StudyRows};
+use crate::output::table::{Column, Table, headings};
 use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::{Holds, Outcome};
+use crate::run::outcome::{self, Holds, Outcome, OutcomeRow};
 use crate::run::sliding;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Settings;
 
-/// The foundation of a block, with its parameters.
+/// What carries the blocks of a curve, and the restitution of their impacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FoundationParameters {
-    /// A rigid base with the ratio e of angular velocities from ε, eq. (6), times a factor.
-    Rigid {
-        /// Restitution ε (1).
-        epsilon: f64,
-        /// Factor on Housner's e (1).
-        restitution_factor: f64,
-    },
-    /// Viscoelastic supports.
-    Viscoelastic {
-        /// Stiffness ratio η (1).
-        eta: f64,
-        /// Damping ratio ξ_v (1).
-        xi_v: f64,
-        /// Restitution ε (1).
-        epsilon: f64,
-    },
+pub struct Base {
+    /// Viscoelastic supports or a rigid base.
+    pub supports: Supports<Ratios>,
+    /// Restitution ε (1).
+    pub epsilon: f64,
 }
 
-impl FoundationParameters {
+impl Base {
     /// Housner's rigid base: ε = 0 and his e.
-    pub const HOUSNER: FoundationParameters = FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 };
+    pub const HOUSNER: Base = Base::rigid(0.0, 1.0);
+
+    /// Supports with the ratios η and ξ_v, and impacts with the restitution ε.
+    pub const fn viscoelastic(eta: f64, xi_v: f64, epsilon: f64) -> Base {
+        Base { supports: Supports::Viscoelastic(Ratios { eta, xi_v }), epsilon }
+    }
+
+    /// A rigid base with the ratio e of angular velocities from ε, eq. (6), times a factor.
+    pub const fn rigid(epsilon: f64, restitution_factor: f64) -> Base {
+        Base { supports: Supports::Rigid { restitution_factor }, epsilon }
+    }
+
+    /// That of a block.
+    pub fn of(block: &Block) -> Base {
+        Base { supports: block.ratios(), epsilon: block.epsilon }
+    }
 }
 
-impl std::fmt::Display for FoundationParameters {
+impl std::fmt::Display for Base {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => write!(f, "rigid"),
-            FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 } => write!(f, "rigid,{epsilon}"),
-            FoundationParameters::Rigid { epsilon, restitution_factor } => {
-                write!(f, "rigid,{epsilon},{restitution_factor}")
-            }
-            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => write!(f, "{eta},{xi_v},{epsilon}"),
+        let epsilon = self.epsilon;
+        match self.supports {
+            Supports::Rigid { restitution_factor: 1.0 } if epsilon == 0.0 => write!(f, "rigid"),
+            Supports::Rigid { restitution_factor: 1.0 } => write!(f, "rigid,{epsilon}"),
+            Supports::Rigid { restitution_factor } => write!(f, "rigid,{epsilon},{restitution_factor}"),
+            Supports::Viscoelastic(Ratios { eta, xi_v }) => write!(f, "{eta},{xi_v},{epsilon}"),
         }
     }
 }
@@ -142,7 +143,7 @@ pub struct Spectrum {
     /// Eccentricity and ties.
     pub in_proportion: InProportion,
     /// Foundations.
-    pub bases: Vec<FoundationParameters>,
+    pub bases: Vec<Base>,
     /// Sizes.
     pub sizes: Sizes,
     /// Ground motions with their names.
@@ -171,29 +172,6 @@ pub struct RowInputs {
 }
 
 impl Spectrum {
-    /// Names and units of the columns that identify the block, after the row's number.
-    const BLOCK_COLUMNS: [&'static str; 9] = [
-        "motion",
-        "foundation",
-        "eta [1]",
-        "xi_v [1]",
-        "epsilon [1]",
-        "restitution_factor [1]",
-        "p [rad/s]",
-        "2pi/p [s]",
-        "omega_p/p [1]",
-    ];
-
-    /// Names and units of the columns after the row's number.
-    pub fn columns() -> impl Iterator<Item = &'static str> {
-        Spectrum::BLOCK_COLUMNS.into_iter().chain(Outcome::COLUMNS)
-    }
-
-    /// The position of a column, not counting the row's number.
-    pub fn column(name: &str) -> Option<usize> {
-        Spectrum::columns().position(|column| column == name)
-    }
-
     /// Checks that all rows have valid blocks.
     pub fn check(&self) -> Result<(), BlockError> {
         for &base in &self.bases {
@@ -204,6 +182,11 @@ impl Spectrum {
         Ok(())
     }
 
+    /// ω_p/p of a block (1), if there is a pulse.
+    fn pulse_ratio(&self, p: f64) -> Option<f64> {
+        (self.pulse.shape != PulseShape::None).then(|| TAU / self.pulse.period / p)
+    }
+
     /// The inputs of a row.
     pub fn inputs(&self, row: u64) -> RowInputs {
         let curve = (row / self.sizes.count) as usize;
@@ -212,18 +195,9 @@ impl Spectrum {
     }
 
     /// The block of this size on a foundation.
-    pub fn block(&self, base: FoundationParameters, p: f64) -> Result<Block, BlockError> {
-        // The rigid base reads neither η nor ξ_v; any valid values will do.
-        let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
-            FoundationParameters::Rigid { epsilon, restitution_factor } => {
-                (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor)
-            }
-            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
-                (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0)
-            }
-        };
-        let common = Common { epsilon, foundation, restitution_factor, ..self.common };
-        self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
+    pub fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
+        let common = Common { epsilon: base.epsilon, ..self.common };
+        self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, supports: base.supports }, &common)
     }
 
     /// The run of a row.
@@ -275,9 +249,7 @@ impl Study for Spectrum {
             self.duration.map_or("until the block has come down".into(), |value| value.to_string()),
             self.step.map_or("none".into(), |value| value.to_string())
         ));
-        let columns = Spectrum::columns().map(String::from).chain(self.holds().columns());
-        let columns = columns.chain(self.friction_demand.map(sliding::heading)).collect();
-        TableHeader { study, columns }
+        TableHeader { study, columns: headings(&self.columns()) }
     }
 
     fn rows(&self) -> u64 {
@@ -288,17 +260,19 @@ impl Study for Spectrum {
         1
     }
 
-    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
-        let outcomes = outcomes(width, numbers.clone().map(|number| self.valid_run(number)), || ());
-        numbers.zip(&outcomes).map(|(number, outcome)| self.row_of(number, outcome)).collect()
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        let outcomes = outcomes(width, numbers.iter().map(|&number| self.valid_run(number)), || ());
+        let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
+        StudyRows { table: self.table(numbers.iter().copied(), &outcomes), failure }
     }
 }
 
 impl Spectrum {
-    /// Makes a row, and returns its outcome too.
-    pub fn made(&self, number: u64) -> (StudyRow, Outcome) {
-        let outcome = self.valid_run(number).outcome();
-        (self.row_of(number, &outcome), outcome)
+    /// The table of runs with these outcomes, in the rows with these numbers.
+    pub fn table(&self, numbers: impl IntoIterator<Item = u64>, outcomes: &[Outcome]) -> Table {
+        let row = |(number, outcome)| SpectrumRow { spectrum: self, inputs: self.inputs(number), number, outcome };
+        let rows: Vec<SpectrumRow> = numbers.into_iter().zip(outcomes).map(row).collect();
+        Table::of(&self.columns(), &rows)
     }
 
     /// Friction and ties of the blocks.
@@ -311,28 +285,66 @@ impl Spectrum {
         self.run(number).unwrap_or_else(|error| unreachable!("{error}"))
     }
 
-    /// The row of a run with this outcome.
-    fn row_of(&self, number: u64, outcome: &Outcome) -> StudyRow {
-        let RowInputs { motion, base, p } = self.inputs(number);
-        let base = self.bases[base];
-        let (foundation, eta, xi_v, epsilon, factor) = match base {
-            FoundationParameters::Rigid { epsilon, restitution_factor } => {
-                ("rigid", None, None, epsilon, Some(restitution_factor))
-            }
-            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
-                ("viscoelastic", Some(eta), Some(xi_v), epsilon, None)
-            }
-        };
-        let mut fields = Fields::default();
-        fields.extend([self.motions[motion].0.as_str(), foundation]);
-        for parameter in [eta, xi_v, Some(epsilon), factor] {
-            fields.push_option(parameter);
-        }
-        fields.extend([p, TAU / p]);
-        fields.push_option((self.pulse.shape != PulseShape::None).then(|| TAU / self.pulse.period / p));
-        outcome.write(self.alpha, &mut fields);
-        fields.extend(self.holds().fields(&outcome.peaks));
-        fields.extend(self.friction_demand.map(|demand| self.valid_run(number).longest_above(demand)));
-        StudyRow { fields, failure: outcome.failure.clone() }
+    /// The columns: of the block, of its run, and of the friction that it needs.
+    fn columns(&self) -> Vec<Column<'_, SpectrumRow<'_>>> {
+        let motions = self.motions.iter().map(|(name, _)| name.clone());
+        type Of<'a> = Column<'a, SpectrumRow<'a>>;
+        let mut columns = vec![
+            Of::row(|row| row.number),
+            Of::choice("motion", motions, |row| row.inputs.motion),
+            Of::choice("foundation", ["rigid", "viscoelastic"], |row| usize::from(!row.is_rigid())),
+            Of::optional("eta", "1", |row| row.supports().map(|ratios| ratios.eta)),
+            Of::optional("xi_v", "1", |row| row.supports().map(|ratios| ratios.xi_v)),
+            Of::real("epsilon", "1", |row| row.epsilon()),
+            Of::optional("restitution_factor", "1", |row| row.restitution_factor()),
+            Of::real("p", "rad/s", |row| row.inputs.p),
+            Of::real("2pi/p", "s", |row| TAU / row.inputs.p),
+            Of::optional("omega_p/p", "1", |row| self.pulse_ratio(row.inputs.p)),
+        ];
+        columns.extend(outcome::columns(self.holds()));
+        let run = |row: &SpectrumRow| row.spectrum.valid_run(row.number);
+        columns.extend(self.friction_demand.map(|friction| sliding::column(friction, run)));
+        columns
+    }
+}
+
+/// A row of the table.
+struct SpectrumRow<'a> {
+    spectrum: &'a Spectrum,
+    number: u64,
+    inputs: RowInputs,
+    outcome: &'a Outcome,
+}
+
+impl OutcomeRow for SpectrumRow<'_> {
+    fn outcome(&self) -> &Outcome {
+        self.outcome
+    }
+
+    fn alpha(&self) -> f64 {
+        self.spectrum.alpha
+    }
+}
+
+impl SpectrumRow<'_> {
+    fn base(&self) -> Base {
+        self.spectrum.bases[self.inputs.base]
+    }
+
+    fn is_rigid(&self) -> bool {
+        self.base().supports.foundation() == Foundation::Rigid
+    }
+
+    /// η and ξ_v of supports.
+    fn supports(&self) -> Option<Ratios> {
+        self.base().supports.viscoelastic()
+    }
+
+    fn epsilon(&self) -> f64 {
+        self.base().epsilon
+    }
+
+    fn restitution_factor(&self) -> Option<f64> {
+        self.base().supports.restitution_factor()
     }
 }

@@ -4,16 +4,13 @@
 //! overturn, stay at rest, or have a run that ends at complete separation, undecided or failed, are excluded and counted. Where
 //! some blocks overturn, the mean is conditional on standing.
 
-use std::error::Error;
 use std::f64::consts::TAU;
-use std::io::Read;
 
 use serde::Serialize;
 
-use crate::output::runner::Study;
+use crate::output::table::{Column, Series, Table};
 use crate::run::outcome::End;
 use crate::spectrum::{RowInputs, Spectrum};
-use rocking_block::excitation::PulseShape;
 
 /// The outcomes of the blocks of one ground motion on one foundation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,7 +69,7 @@ pub struct SizeStatistics {
 }
 
 impl SizeStatistics {
-    fn add(&mut self, end: End, peak: f64) {
+    fn add(&mut self, BlockOutcome { end, peak, .. }: BlockOutcome) {
         match end {
             End::Completed if peak > 0.0 => {
                 self.rocked += 1;
@@ -125,12 +122,53 @@ impl FoundationStatistics {
     }
 }
 
+/// The directions of motions without and with a vertical component.
+const DIRECTIONS: [&str; 2] = ["horizontal", "horizontal + vertical"];
+
 /// The direction of a motion with or without a vertical component.
 pub fn direction(vertical: bool) -> &'static str {
-    if vertical { "horizontal + vertical" } else { "horizontal" }
+    DIRECTIONS[usize::from(vertical)]
 }
 
-/// The evaluated table of a spectrum.
+/// The outcome of a block in the table of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockOutcome {
+    /// Number of the row.
+    pub row: u64,
+    /// How its run ended.
+    pub end: End,
+    /// Peak |θ|/α (1).
+    pub peak: f64,
+    /// Number of complete separations.
+    pub flights: u64,
+}
+
+impl BlockOutcome {
+    /// Reads the outcomes from rows of the table.
+    ///
+    /// # Errors
+    /// A column is missing, or a value is impossible.
+    pub fn all(rows: &Table) -> Result<Vec<BlockOutcome>, String> {
+        let column = |name| rows.column(name).ok_or_else(|| format!("found no column {name} in the table"));
+        let [number, end, peak, flights] = ["row", "outcome", "peak.theta/alpha", "flights"].map(column);
+        let (numbers, end, peak, flights) = (number?, end?, peak?, flights?);
+        let outcome = |row: usize| {
+            let number = |series: &Series| {
+                let number = series.number(row).filter(|number| number.is_finite() && *number >= 0.0);
+                number.ok_or_else(|| {
+                    let (row, heading, found) = (numbers.text(row), &series.heading, series.text(row));
+                    format!("row {row} has {heading} = {found}; expected a number of at least 0")
+                })
+            };
+            let end = end.word(row).unwrap_or_default().parse()?;
+            let (peak, flights) = (number(peak)?, number(flights)? as u64);
+            Ok(BlockOutcome { row: numbers.number(row).unwrap_or_default() as u64, end, peak, flights })
+        };
+        (0..rows.rows()).map(outcome).collect()
+    }
+}
+
+/// Statistics of the table of a spectrum.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// One per ground motion and foundation, in the order of the rows.
@@ -140,27 +178,18 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Reads the table.
-    ///
-    /// # Errors
-    /// The table does not belong to the spectrum.
-    pub fn of(spectrum: &Spectrum, table: impl Read) -> Result<Statistics, Box<dyn Error + Send + Sync>> {
-        let mut groups = groups(spectrum);
-        let mut curves = Vec::new();
-        let column = |name: &str| {
-            // The first column numbers the rows.
-            let position = Spectrum::column(name).map(|position| position + 1);
-            position.ok_or_else(|| format!("found no column {name} in the table"))
-        };
-        let [outcome, peak, flights] = ["outcome", "peak.theta/alpha [1]", "flights [1]"].map(column);
-        let (outcome, peak, flights) = (outcome?, peak?, flights?);
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
-        for (row, fields) in (0..spectrum.rows()).zip(reader.records()) {
-            let fields = fields?;
-            let RowInputs { motion, base, p } = spectrum.inputs(row);
-            let size = row % spectrum.sizes.count;
+    /// Begins the statistics of a spectrum.
+    pub fn new(spectrum: &Spectrum) -> Statistics {
+        Statistics { curves: Vec::new(), groups: groups(spectrum) }
+    }
+
+    /// Includes the next rows.
+    pub fn add(&mut self, spectrum: &Spectrum, outcomes: &[BlockOutcome]) {
+        for &outcome in outcomes {
+            let RowInputs { motion, base, p } = spectrum.inputs(outcome.row);
+            let size = outcome.row % spectrum.sizes.count;
             if size == 0 {
-                curves.push(CurveSummary {
+                self.curves.push(CurveSummary {
                     motion: spectrum.motions[motion].0.clone(),
                     foundation: spectrum.bases[base].to_string(),
                     completed: 0,
@@ -173,59 +202,48 @@ impl Statistics {
                     greatest: None,
                 });
             }
-            let end: End = fields[outcome].parse()?;
-            let peak: f64 = fields[peak].parse()?;
-            if let Some(curve) = curves.last_mut() {
-                curve.add(end, peak, p, fields[flights].parse()?);
+            if let Some(curve) = self.curves.last_mut() {
+                curve.add(outcome, p);
             }
-            let group = groups.iter_mut().find(|group| group.base == base && group.motions.contains(&motion));
+            let group = self.groups.iter_mut().find(|group| group.base == base && group.motions.contains(&motion));
             if let Some(group) = group {
-                group.cells[size as usize].add(end, peak);
+                group.cells[size as usize].add(outcome);
             }
         }
-        Ok(Statistics { curves, groups })
     }
 
-    /// The statistics of all groups as a CSV table, one row per foundation and size.
-    ///
-    /// # Errors
-    /// None in practice: the table is written to memory.
-    pub fn table(&self, spectrum: &Spectrum) -> std::io::Result<Vec<u8>> {
-        let head: String = spectrum.header().study.iter().map(|line| format!("# {line}\n")).collect();
-        let mut writer = csv::Writer::from_writer(head.into_bytes());
-        writer.write_record([
-            "motions",
-            "foundation",
-            "p [rad/s]",
-            "2pi/p [s]",
-            "omega_p/p [1]",
-            "records [1]",
-            "rocked [1]",
-            "at_rest [1]",
-            "overturned [1]",
-            "separated [1]",
-            "undecided [1]",
-            "failed [1]",
-            "geometric_mean.theta/alpha [1]",
-            "deviation_ln.theta/alpha [1]",
-        ])?;
-        let or_nothing = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-        for group in &self.groups {
-            for (number, cell) in (0..).zip(&group.cells) {
-                let p = spectrum.sizes.p(number);
-                let ratio = (spectrum.pulse.shape != PulseShape::None).then(|| TAU / spectrum.pulse.period / p);
-                let SizeStatistics { rocked, at_rest, overturned, separated, undecided, failed, .. } = *cell;
-                let counts = [cell.motions(), rocked, at_rest, overturned, separated, undecided, failed];
-                let mut fields = vec![group.direction().to_string(), spectrum.bases[group.base].to_string()];
-                fields.extend([p, TAU / p].map(|value| value.to_string()));
-                fields.push(or_nothing(ratio));
-                fields.extend(counts.map(|count| count.to_string()));
-                fields.extend([cell.geometric_mean(), cell.deviation()].map(or_nothing));
-                writer.write_record(fields)?;
-            }
-        }
-        writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))
+    /// The statistics of all groups, one row per foundation and size.
+    pub fn table(&self, spectrum: &Spectrum) -> Table {
+        let rows = self.groups.iter().flat_map(|group| {
+            (0..).zip(&group.cells).map(move |(size, &cell)| StatisticsRow { group, p: spectrum.sizes.p(size), cell })
+        });
+        let bases = spectrum.bases.iter().map(ToString::to_string);
+        type Of<'a> = Column<'a, StatisticsRow<'a>>;
+        let columns = [
+            Of::choice("motions", DIRECTIONS, |row| usize::from(row.group.vertical)),
+            Of::choice("foundation", bases, |row| row.group.base),
+            Of::real("p", "rad/s", |row| row.p),
+            Of::real("2pi/p", "s", |row| TAU / row.p),
+            Of::optional("omega_p/p", "1", |row| spectrum.pulse_ratio(row.p)),
+            Of::count("records", |row| row.cell.motions()),
+            Of::count("rocked", |row| row.cell.rocked),
+            Of::count("at_rest", |row| row.cell.at_rest),
+            Of::count("overturned", |row| row.cell.overturned),
+            Of::count("separated", |row| row.cell.separated),
+            Of::count("undecided", |row| row.cell.undecided),
+            Of::count("failed", |row| row.cell.failed),
+            Of::optional("geometric_mean.theta/alpha", "1", |row| row.cell.geometric_mean()),
+            Of::optional("deviation_ln.theta/alpha", "1", |row| row.cell.deviation()),
+        ];
+        Table::of(&columns, &rows.collect::<Vec<_>>())
     }
+}
+
+/// The blocks of one size on one foundation.
+struct StatisticsRow<'a> {
+    group: &'a FoundationStatistics,
+    p: f64,
+    cell: SizeStatistics,
 }
 
 impl CurveSummary {
@@ -259,7 +277,7 @@ impl CurveSummary {
         rows.iter().map(line).collect()
     }
 
-    fn add(&mut self, end: End, peak: f64, p: f64, flights: u64) {
+    fn add(&mut self, BlockOutcome { end, peak, flights, .. }: BlockOutcome, p: f64) {
         self.flew += u64::from(flights > 0);
         self.flights += flights;
         match end {

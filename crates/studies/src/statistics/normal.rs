@@ -28,6 +28,21 @@ pub fn inverse_mills_ratio(x: f64) -> f64 {
     if x > FAR { density(x) / probability(x) } else { -x / tail(x) }
 }
 
+/// ln Φ(x) and its derivative, at little more than the cost of one of them.
+pub fn log_probability_and_slope(x: f64) -> (f64, f64) {
+    match x {
+        0.0.. => {
+            let other = probability(-x);
+            (libm::log1p(-other), density(x) / (1.0 - other))
+        }
+        FAR.. => {
+            let probability = probability(x);
+            (libm::log(probability), density(x) / probability)
+        }
+        _ => (log_probability(x), inverse_mills_ratio(x)),
+    }
+}
+
 /// The deviate x with Φ(x) = `probability`, above 0 and below 1, to round-off.
 pub fn quantile(probability: f64) -> f64 {
     let lower = probability.min(1.0 - probability);
@@ -70,6 +85,9 @@ mod tests {
             let h = 1e-5 * f64::max(1.0, x.abs());
             let slope = (log_probability(x + h) - log_probability(x - h)) / (2.0 * h);
             assert!((slope / inverse_mills_ratio(x) - 1.0).abs() < 1e-6, "{x}: {slope}");
+            let (log, slope) = log_probability_and_slope(x);
+            assert!((log / log_probability(x) - 1.0).abs() < 1e-14, "{x}: {log}");
+            assert!((slope / inverse_mills_ratio(x) - 1.0).abs() < 1e-14, "{x}: {slope}");
         }
         let (below, above) = (FAR, FAR + 1e-12);
         assert!((log_probability(below) / log_probability(above) - 1.0).abs() < 1e-13);

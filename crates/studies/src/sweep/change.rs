@@ -2,8 +2,8 @@
 
 use crate::run::outcome::Holds;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Physical};
-use rocking_block::unit::values::Values;
+use rocking_block::block::{Block, BlockError, Physical, Springs, Supports};
+use rocking_block::unit::values::{TIES, Values};
 use rocking_block::unit::variables::Variable;
 
 /// Slack of a tie over R0, as that of a strap that was tightened by hand.
@@ -23,7 +23,8 @@ pub enum Change {
     /// A coefficient of friction over the static threshold (b − |e_x|)/h of the block; below 1 the block slides before it rocks.
     FrictionOverThreshold(f64),
     /// A horizontal tie to each side at twice the height of the centre of mass, to anchors at a distance of h that move with the
-    /// ground. The stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break.
+    /// ground. The stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break, unless
+    /// [`Change::Parameter`] beside it says so: `tie_1` is the first tie of the block, that on the left if it had none.
     Tied(f64),
 }
 
@@ -48,20 +49,29 @@ impl Change {
         values
     }
 
-    /// The block with the change.
+    /// The block with the change, one of `changes`.
     ///
     /// # Errors
     /// The first parameter that is no longer valid.
-    pub fn block(self, block: Block) -> Result<Block, BlockError> {
-        let Block { b, h, r0, mass, gravity, stiffness, damping, .. } = block;
+    pub fn block(self, block: Block, changes: &[Change]) -> Result<Block, BlockError> {
+        let Block { b, h, r0, mass, gravity, .. } = block;
         match self {
             Change::Parameter(..) => Ok(block),
-            Change::Width(factor) => rebuilt(&Block { b: b * factor, ..block }, stiffness, damping),
-            Change::StiffnessRatio(factor) => rebuilt(&block, stiffness * factor * factor, damping * factor),
-            Change::DampingRatio(factor) => rebuilt(&block, stiffness, damping * factor),
+            Change::Width(factor) => rebuilt(&Block { b: b * factor, ..block }, block.springs()),
+            Change::StiffnessRatio(factor) => {
+                let softer = |Springs { stiffness, damping }| Springs {
+                    stiffness: stiffness * factor * factor,
+                    damping: damping * factor,
+                };
+                rebuilt(&block, block.springs().with(softer))
+            }
+            Change::DampingRatio(factor) => {
+                let damped = |springs: Springs| Springs { damping: springs.damping * factor, ..springs };
+                rebuilt(&block, block.springs().with(damped))
+            }
             Change::FrictionOverThreshold(ratio) => {
                 let friction = ratio * (b - block.eccentricity.abs()) / h;
-                rebuilt(&Block { friction, ..block }, stiffness, damping)
+                rebuilt(&Block { friction, ..block }, block.springs())
             }
             Change::Tied(ratio) => {
                 let side = |sign: f64| Tie {
@@ -71,7 +81,14 @@ impl Change {
                     slack: SLACK * r0,
                     ..Tie::default()
                 };
-                block.with_ties(&[block.ties(), &[side(-1.0), side(1.0)]].concat())
+                let mut ties = [block.ties(), &[side(-1.0), side(1.0)]].concat();
+                for change in changes {
+                    let Change::Parameter(variable, value) = *change else { continue };
+                    if let Some(field) = tie_field(&mut ties, variable) {
+                        *field = value;
+                    }
+                }
+                block.with_ties(&ties)
             }
         }
     }
@@ -80,33 +97,46 @@ impl Change {
     pub(super) fn holds(self, Holds { friction, ties }: Holds) -> Holds {
         match self {
             Change::Parameter(Variable::Friction, value) => Holds { friction: value > 0.0, ties },
-            Change::Parameter(Variable::Tie1Stiffness, value) if value > 0.0 => Holds { friction, ties: ties.max(1) },
-            Change::Parameter(Variable::Tie2Stiffness, value) if value > 0.0 => Holds { friction, ties: 2 },
             Change::FrictionOverThreshold(_) => Holds { friction: true, ties },
             Change::Tied(_) => Holds { friction, ties: ties + 2 },
-            Change::Parameter(..) | Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => {
-                Holds { friction, ties }
+            Change::Parameter(variable, value) => {
+                let stiffened = TIES.iter().position(|(_, tie)| tie.stiffness == variable && value > 0.0);
+                Holds { friction, ties: ties.max(stiffened.map_or(0, |number| number + 1)) }
             }
+            Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => Holds { friction, ties },
         }
     }
 }
 
+/// The field of a parameter that a tie of [`Change::Tied`] reads; its ends and its stiffness follow from the block.
+pub(super) fn tie_field(ties: &mut [Tie], variable: Variable) -> Option<&mut f64> {
+    ties.iter_mut().zip(TIES).find_map(|(tie, (_, names))| {
+        let Tie { block: _, ground: _, stiffness: _, pretension, slack, damping, strength } = names;
+        let fields = [
+            (pretension, &mut tie.pretension),
+            (slack, &mut tie.slack),
+            (damping, &mut tie.damping),
+            (strength, &mut tie.strength),
+        ];
+        fields.into_iter().find_map(|(name, field)| (name == variable).then_some(field))
+    })
+}
+
 /// The block with another half width, friction or supports; mass, inertia and ties are kept.
-fn rebuilt(block: &Block, stiffness: f64, damping: f64) -> Result<Block, BlockError> {
-    let Block { mass, gravity, gamma, epsilon, foundation, restitution_factor, eccentricity, friction, .. } = *block;
-    let common = Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction };
+fn rebuilt(block: &Block, supports: Supports<Springs>) -> Result<Block, BlockError> {
     let (width, height) = (2.0 * block.b, 2.0 * block.h);
-    let physical = Physical { width, height, stiffness, damping, inertia: Some(block.inertia()) };
-    Block::from_physical(&physical, &common)?.with_ties(block.ties())
+    let physical = Physical { width, height, supports, inertia: Some(block.inertia()) };
+    Block::from_physical(&physical, &block.common())?.with_ties(block.ties())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rocking_block::block::Dimensionless;
+    use rocking_block::block::{Common, Dimensionless, Ratios};
 
     fn block() -> Block {
-        let dimensionless = Dimensionless { alpha: 0.2, p: 2.0, eta: 50.0, xi_v: 0.1 };
+        let dimensionless =
+            Dimensionless { alpha: 0.2, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 50.0, xi_v: 0.1 }) };
         Block::from_dimensionless(&dimensionless, &Common::default()).unwrap()
     }
 
@@ -118,18 +148,18 @@ mod tests {
     #[test]
     fn a_change_leaves_the_rest_of_the_block() {
         let before = block();
-        let wider = Change::Width(1.1).block(before).unwrap();
+        let wider = Change::Width(1.1).block(before, &[]).unwrap();
         near(wider.b, 1.1 * before.b);
         near(libm::tan(wider.alpha), 1.1 * libm::tan(before.alpha));
         for of in [|b: &Block| b.h, |b: &Block| b.inertia(), |b: &Block| b.stiffness, |b: &Block| b.omega_v] {
             near(of(&wider), of(&before));
         }
-        let softer = Change::StiffnessRatio(0.5).block(before).unwrap();
+        let softer = Change::StiffnessRatio(0.5).block(before, &[]).unwrap();
         near(softer.eta(), 25.0);
         near(softer.xi_v, 0.1);
         near(softer.p, 2.0);
-        near(Change::DampingRatio(2.0).block(before).unwrap().xi_v, 0.2);
-        let sliding = Change::FrictionOverThreshold(0.8).block(before).unwrap();
+        near(Change::DampingRatio(2.0).block(before, &[]).unwrap().xi_v, 0.2);
+        let sliding = Change::FrictionOverThreshold(0.8).block(before, &[]).unwrap();
         near(sliding.friction, 0.8 * libm::tan(0.2));
         near(sliding.p, 2.0);
     }
@@ -137,12 +167,32 @@ mod tests {
     /// The ties of a tilted block pull it back: their moment about the corner grows with the stiffness.
     #[test]
     fn ties_join_those_of_the_block() {
-        let once = Change::Tied(5.0).block(block()).unwrap();
-        let twice = Change::Tied(5.0).block(once).unwrap();
+        let once = Change::Tied(5.0).block(block(), &[]).unwrap();
+        let twice = Change::Tied(5.0).block(once, &[]).unwrap();
         assert_eq!([once, twice].map(|block| block.ties().len()), [2, 4]);
         let [left, right] = [once.ties()[0], once.ties()[1]];
         assert_eq!(left.block[0], -right.block[0]);
         near(right.stiffness, 5.0 * once.mass * once.gravity / once.r0);
         near(right.ground[0] - right.block[0], once.h);
+    }
+
+    #[test]
+    fn parameters_beside_ties_are_theirs() {
+        let changes = [
+            Change::Tied(5.0),
+            Change::Parameter(Variable::Tie1Damping, 300.0),
+            Change::Parameter(Variable::Tie2Slack, 0.0),
+            Change::Parameter(Variable::Tie2Strength, 7e3),
+        ];
+        let plain = changes[0].block(block(), &[]).unwrap();
+        let [left, right] = [plain.ties()[0], plain.ties()[1]];
+        let expected = [Tie { damping: 300.0, ..left }, Tie { slack: 0.0, strength: 7e3, ..right }];
+        assert_eq!(changes[0].block(block(), &changes).unwrap().ties(), expected);
+        // The second tie of a block that has one is that on the left.
+        let tied = block().with_ties(&[right]).unwrap();
+        assert_eq!(
+            changes[0].block(tied, &changes[2..]).unwrap().ties(),
+            [right, Tie { slack: 0.0, strength: 7e3, ..left }, right]
+        );
     }
 }

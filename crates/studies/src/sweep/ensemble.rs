@@ -7,9 +7,10 @@ use toml::de::DeTable;
 
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
-use crate::output::fields::Fields;
+use crate::output::table::Column;
 use crate::run::limit::{Limit, Response};
 use crate::run::outcome::{End, Outcome};
+use crate::spec::study::SpreadTable;
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
 use rocking_block::simulation::peaks::Peaks;
@@ -105,42 +106,43 @@ impl Ensemble {
         (0..self.samples as usize).map(|sample| strata.iter().map(|of| midpoint(of[sample])).collect()).collect()
     }
 
-    /// Names and units of the columns filled by [`Ensemble::write`].
-    pub fn columns(&self) -> Vec<String> {
-        let counts = ["samples", "failed", "undecided"].map(|name| format!("ensemble.{name} [1]"));
-        let exceeded = self.limits.iter().map(|limit| format!("ensemble.{limit} [1]"));
-        let fractions = self.limits.iter().map(|limit| format!("P({limit}) [1]"));
-        counts.into_iter().chain(exceeded).chain(fractions).collect()
-    }
-
-    /// Appends the results of a row's samples to the row: the slenderness α (rad) and the outcome of each.
+    /// The columns of the results of a row's samples: the slenderness α (rad) and the outcome of each.
     ///
-    /// A failed sample decides nothing, an undecided one only the limits it has already exceeded. A fraction is that of the
-    /// samples that decide its limit, and empty if there are none.
-    pub fn write(&self, samples: &[(f64, Outcome)], fields: &mut Fields) {
-        let count = |is: &dyn Fn(&(f64, Outcome)) -> bool| samples.iter().filter(|sample| is(sample)).count();
-        let exceeds = |limit: Limit, (alpha, outcome): &(f64, Outcome)| {
-            let Peaks { theta, slip, .. } = outcome.peaks;
-            limit.is_exceeded(outcome.end, Response { rotation: Some(theta / alpha), slip: Some(slip) })
+    /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
+    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[(f64, Outcome)]) -> Vec<Column<'c, R>> {
+        let ended = move |row: &R, end| samples(row).iter().filter(|(_, outcome)| outcome.end == end).count();
+        let verdicts = move |row: &R, limit: Limit, found: Option<bool>| {
+            samples(row).iter().filter(|sample| verdict(limit, sample) == found).count()
         };
-        let decides = |limit: Limit, sample: &(f64, Outcome)| match sample.1.end {
-            End::Failed => false,
-            End::Undecided => exceeds(limit, sample),
-            End::Completed | End::Separated | End::Overturned => true,
-        };
-        let ends = [End::Failed, End::Undecided].map(|end| count(&|(_, outcome)| outcome.end == end));
-        let (exceeded, fractions): (Vec<usize>, Vec<Option<f64>>) = (self.limits.iter())
-            .map(|&limit| {
-                let decided = count(&|sample| decides(limit, sample));
-                let exceeded = count(&|sample| decides(limit, sample) && exceeds(limit, sample));
-                (exceeded, (decided > 0).then(|| exceeded as f64 / decided as f64))
+        let mut columns = vec![
+            Column::count("ensemble.samples", move |row| samples(row).len()),
+            Column::count("ensemble.failed", move |row| ended(row, End::Failed)),
+            Column::count("ensemble.undecided", move |row| ended(row, End::Undecided)),
+        ];
+        let limits = || self.limits.iter().copied();
+        columns.extend(
+            limits()
+                .map(|limit| Column::count(format!("ensemble.{limit}"), move |row| verdicts(row, limit, Some(true)))),
+        );
+        columns.extend(
+            limits().map(|limit| {
+                Column::count(format!("ensemble.unknown({limit})"), move |row| verdicts(row, limit, None))
+            }),
+        );
+        columns.extend(limits().map(|limit| {
+            Column::optional(format!("P({limit})"), "1", move |row| {
+                let [exceeded, not] = [true, false].map(|exceeds| verdicts(row, limit, Some(exceeds)));
+                (exceeded + not > 0).then(|| exceeded as f64 / (exceeded + not) as f64)
             })
-            .unzip();
-        fields.extend(std::iter::once(samples.len()).chain(ends).chain(exceeded));
-        for fraction in fractions {
-            fields.push_option(fraction);
-        }
+        }));
+        columns
     }
+}
+
+/// Whether a sample, with the slenderness of its block (rad), exceeds a limit.
+fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
+    let (Peaks { theta, slip, .. }, over_balance) = (outcome.peaks, Some(outcome.lean.over_balance));
+    limit.verdict(outcome.end, Response { rotation: Some(theta / alpha), over_balance, slip: Some(slip) })
 }
 
 /// Keys other than parameters.
@@ -214,7 +216,7 @@ fn spread(source: StudyText, name: &str, target: SpreadTarget, value: SpannedVal
         let relative = relative.ok_or_else(|| source.wrong(&value.span(), format!("{name} expects {EXPECTED}")))?;
         return Ok(Spread { target, distribution: Distribution::Lognormal, width: SpreadWidth::Relative(relative) });
     };
-    let section = Section::new(source, name, value.span(), table, &["distribution", "cov", "deviation"])?;
+    let section = Section::of::<SpreadTable>(source, name, value.span(), table)?;
     let words =
         [("lognormal", Distribution::Lognormal), ("normal", Distribution::Normal), ("uniform", Distribution::Uniform)];
     let distribution = section.choice("distribution", &words, "\"lognormal\", \"normal\" or \"uniform\"")?;
@@ -238,17 +240,17 @@ pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> 
             let SpreadTarget::Parameter(parameter) = &spread.target else { continue };
             let (name, variable) = (parameter.name(), parameter.metadata.variable);
             let nominal = values[variable];
+            if parameter.shown(nominal).is_infinite() {
+                return Err(format!("{name} = {} cannot vary; expected a number", parameter.display(nominal)));
+            }
             if nominal == 0.0
                 && (matches!(spread.width, SpreadWidth::Relative(_)) || spread.distribution == Distribution::Lognormal)
             {
                 let expected = "a deviation of a normal or uniform distribution";
                 return Err(format!("{name} = 0 has no coefficient of variation; expected {expected}"));
             }
-            values[variable] = spread.value(nominal, ends[corner >> number & 1]);
-            parameter
-                .metadata
-                .admits(values[variable])
-                .map_err(|message| format!("in a sample of the ensemble, {message}"))?;
+            let sample = parameter.number(spread.value(nominal, ends[corner >> number & 1]));
+            values[variable] = sample.map_err(|message| format!("in a sample of the ensemble, {message}"))?;
         }
         values.block().map_err(|error| format!("in a sample of the ensemble, {error}"))?;
         let unread = |(name, needed): (&str, &str)| {

@@ -10,6 +10,8 @@ use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::intensity::{self, Measure};
 use crate::run::{MAX_DURATION, MIN_STEP};
+use crate::spec::study::{RangeTable, StudyFile, StudyTable};
+use crate::spec::words::friction;
 use crate::statistics::sampling::LatinHypercube;
 use crate::sweep::ensemble::SpreadTarget;
 use crate::sweep::ground_motion::GroundMotion;
@@ -23,9 +25,6 @@ use rocking_block::unit::variables::{Kind, Variable};
 /// Greatest number of rows of a sweep.
 const MAX_ROWS: u64 = 1_000_000_000;
 
-/// The tables of a study file. `rocking assess` reads the last one; a sweep leaves it unread.
-pub const SECTIONS: [&str; 5] = ["study", "parameters", "records", "building", "assess"];
-
 /// A parameter of the file and the place of its value in the text.
 struct GivenParameter<'a> {
     value: SpannedValue<'a>,
@@ -38,10 +37,9 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let source = StudyText { file, text };
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
-    let root = Section::new(source, "the file", place, table, &SECTIONS)?;
-    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction_demand", "ensemble"];
-    let keys = [&keys[..], &strength::KEYS].concat();
-    let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
+    let root = Section::of::<StudyFile>(source, "the file", place, table)?;
+    let study =
+        root.section::<StudyTable>("study")?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
     let samples = design(&study)?;
     let given = parameters(&root, source, samples.is_some())?;
     let design = match samples {
@@ -61,8 +59,9 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let elsewhere = [&Measure::OF_FLOOR[..], &Measure::OF_BLOCK].concat();
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let mut motions = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
-    if let Some((building, floors)) = building::file::read(&root)? {
+    let (mut motions, remarks) = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
+    let building = building::file::read(&root)?;
+    if let Some((building, floors)) = &building {
         if let (false, Some(value)) =
             (motions.iter().all(|motion| motion.ground.horizontal.is_some()), root.get("building"))
         {
@@ -70,9 +69,10 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
                 root.refused(value, "building has no effect without a horizontal record in each [[records]]".into())
             );
         }
-        motions = motions.iter().flat_map(|motion| on_floors(motion, &building, &floors)).collect();
+        motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
-    } else if let (Some(measure), Some(value)) = (strengths.measure(), study.get("levels").or(study.get("least")))
+    } else if let (Some(measure), Some(value)) =
+        (strengths.measure(), strength::KEYS.iter().find_map(|key| study.get(key)))
         && Measure::OF_FLOOR.contains(&measure)
     {
         return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
@@ -88,8 +88,14 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
             return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
         }
-        if matches!(strengths, Strengths::Least(..)) {
-            return Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row"));
+        match strengths {
+            Strengths::Least(..) => {
+                return Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row"));
+            }
+            Strengths::Hunt(..) => {
+                return Err(study.wrong("ensemble", value, "none beside hunt, whose levels follow single runs"));
+            }
+            Strengths::Scales(_) | Strengths::Levels(..) => {}
         }
     }
     let friction_demand = study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?;
@@ -99,7 +105,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let parameters =
         given.iter().map(|g| SweptParameter { parameter: g.parameter, values: g.values.clone() }).collect();
-    let sweep = Sweep {
+    let mut sweep = Sweep {
         // Blank lines, indentation and comments do not change a study.
         text: text
             .lines()
@@ -110,6 +116,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         parameters,
         design,
         motions,
+        building: building.map(|(building, _)| building),
         strengths,
         ensemble,
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
@@ -119,8 +126,11 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
         friction_demand,
         changes: Vec::new(),
+        remarks,
     };
     check(&sweep, &given, &study, source)?;
+    let remarks = sweep.amplified().into_iter().chain(sweep.doubts()).collect::<Vec<_>>();
+    sweep.remarks.extend(remarks);
     Ok(sweep)
 }
 
@@ -182,14 +192,18 @@ pub(crate) fn values(
         let found = match (parameter.metadata.kind, value.get_ref()) {
             (Kind::Boolean, DeValue::Boolean(truth)) => f64::from(u8::from(*truth)),
             (Kind::Enumeration, DeValue::String(item)) => parameter.item(item).map_err(at)?,
+            (Kind::Real, DeValue::String(none))
+                if parameter.metadata.variable == Variable::Friction && none.eq_ignore_ascii_case(friction::NONE) =>
+            {
+                f64::INFINITY
+            }
             (Kind::Boolean, _) | (_, DeValue::Boolean(_) | DeValue::String(_)) => {
                 let found = source.text.get(value.span()).unwrap_or_default();
                 return Err(at(format!("{name} = {found}; expected {}", parameter.expected())));
             }
             _ => number(value).ok_or_else(|| at(format!("{name} expects {}", parameter.expected())))?,
         };
-        parameter.metadata.admits(found).map_err(at)?;
-        Ok(found)
+        parameter.number(found).map_err(at)
     };
     match value.get_ref() {
         DeValue::Array(list) if list.is_empty() => {
@@ -210,12 +224,19 @@ fn range(
     sampled: bool,
 ) -> Result<ParameterValues, StudyFileError> {
     let name = parameter.name();
-    let section = Section::new(source, name, value.span(), table, &["from", "to", "count", "spacing"])?;
+    let section = Section::of::<RangeTable>(source, name, value.span(), table)?;
     if parameter.metadata.kind != Kind::Real {
         return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
     }
     let end = |key| section.get(key).ok_or_else(|| section.lacks(key, "from and to, as in { from = 1, to = 4 }"));
     let (from, to) = (of(end("from")?)?, of(end("to")?)?);
+    if let Some(key) = ["from", "to"]
+        .into_iter()
+        .zip([from, to])
+        .find_map(|(key, value)| parameter.shown(value).is_infinite().then_some(key))
+    {
+        return Err(section.wrong(key, end(key)?, "a finite number; a list may contain \"none\""));
+    }
     if from >= to {
         return Err(section.wrong("to", end("to")?, &format!("more than from = {from}")));
     }
@@ -287,7 +308,7 @@ fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: Study
             let has_none =
                 |motion: &&GroundMotion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
             if let Some(motion) = sweep.motions.iter().find(has_none) {
-                let key = if study.get("levels").is_some() { "levels" } else { "least" };
+                let key = strength::KEYS.into_iter().find(|key| study.get(key).is_some()).unwrap_or_default();
                 let message = format!("the horizontal record of {} has no {measure} above 0", motion.names.join(" "));
                 return Err(source.wrong(&place(key), message));
             }

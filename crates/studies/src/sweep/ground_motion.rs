@@ -3,12 +3,14 @@
 use crate::building::FloorMotion;
 use crate::intensity::{Measure, pga};
 use rocking_block::block::Block;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 
 /// A ground motion and its intensity measures.
 #[derive(Clone, Debug)]
 pub struct GroundMotion {
-    /// Names of the horizontal and the vertical file as written in the study.
+    /// The horizontal and the vertical file as written in the study; empty where there is none.
+    pub files: [String; 2],
+    /// Names of the horizontal and the vertical record, each of one content: files, with channels where a file has several records.
     pub names: [String; 2],
     /// The records, unscaled; in a building the horizontal one is the absolute acceleration of the floor.
     pub ground: Ground,
@@ -26,7 +28,7 @@ impl GroundMotion {
         let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
         let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
         let vertical_pga = ground.vertical.as_ref().map(pga);
-        GroundMotion { names, ground, floor: None, intensities, vertical_pga }
+        GroundMotion { files: names.clone(), names, ground, floor: None, intensities, vertical_pga }
     }
 
     /// The motion of a floor under this ground motion; measures of the record remain those of the ground.

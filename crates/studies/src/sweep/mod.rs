@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | [`parameters`] | parameters and their values → the combinations of a grid or a Latin hypercube |
 //! | [`ground_motion`] | records → ground motions with their measures |
-//! | [`strength`] | `scales`, `levels` or `least` → factors on the records |
+//! | [`strength`] | `scales`, `levels`, `hunt` or `least` → factors on the records |
+//! | [`hunt`] | the runs of a block under a record → the level of the next one |
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
 //! | [`change`] | a block → the same block with another base, foundation, friction or ties |
 //! | `records` | `[[records]]` of a study file → ground motions |
@@ -14,32 +15,35 @@ pub mod change;
 pub mod ensemble;
 pub mod file;
 pub mod ground_motion;
+pub mod hunt;
 pub mod parameters;
 pub(crate) mod records;
 pub mod strength;
 
-use std::ops::Range;
-
+use crate::building::Building;
+use crate::doubts;
 use crate::intensity::Measure;
-use crate::output::fields::Fields;
 use crate::output::resumable::TableHeader;
-use crate::output::runner::{MAX_RUNS, Study, StudyRow};
+use crate::output::runner::{MAX_RUNS, Study, StudyRows};
+use crate::output::table::{Column, Table, headings};
 use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::{End, Holds, Outcome};
+use crate::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
 use crate::run::sliding;
-use crate::search::{self, OutcomeMap, Scan};
-use crate::sweep::change::Change;
+use crate::search::{self, OutcomeMap, Scan, Threshold};
+use crate::sweep::change::{Change, tie_field};
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::hunt::Hunt;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
+use rocking_block::block::restraints::Tie;
 use rocking_block::block::{Block, BlockError};
 use rocking_block::excitation::PulseShape;
-use rocking_block::ground::Ground;
+use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
-use rocking_block::unit::values::Values;
+use rocking_block::unit::values::{TIES, Values};
 use rocking_block::unit::variables::Variable;
 
 /// A sweep: each combination of parameters × each motion × each strength is a row.
@@ -53,6 +57,8 @@ pub struct Sweep {
     pub design: Design,
     /// Ground motions, at least one; a motion without records stands for no ground motion.
     pub motions: Vec<GroundMotion>,
+    /// The building on whose floors the blocks stand, if any.
+    pub building: Option<Building>,
     /// The strengths of each.
     pub strengths: Strengths,
     /// The samples of each row, if any.
@@ -71,9 +77,31 @@ pub struct Sweep {
     pub friction_demand: Option<f64>,
     /// Changes of each block, one after the other. The ground motions stay those of the blocks without them.
     pub changes: Vec<Change>,
+    /// Doubts about the records and their scale, a sentence each.
+    pub remarks: Vec<String>,
 }
 
+/// Largest usual factor on a record; beyond it, noise of the instrument becomes ground motion.
+const LARGEST_SCALE: f64 = 20.0;
+
 impl Sweep {
+    /// Names the records that a strength scales by more than usual, for the block in the middle of the study.
+    fn amplified(&self) -> Vec<String> {
+        let Ok(block) = self.middle().block() else { return Vec::new() };
+        let of = |motion: &GroundMotion| {
+            let scales =
+                (0..self.strengths.count()).map(|strength| self.strengths.scale(strength, motion, &block).abs());
+            let largest = scales.fold(0.0, f64::max);
+            (motion.has_record() && largest > LARGEST_SCALE).then(|| {
+                let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+                let names = names.join(" + ");
+                let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
+                format!("{names} is scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified")
+            })
+        };
+        self.motions.iter().filter_map(of).collect()
+    }
+
     /// Number of combinations of parameters; `None` if it overflows.
     pub fn combinations(&self) -> Option<u64> {
         self.design.combinations(&self.parameters)
@@ -105,9 +133,39 @@ impl Sweep {
                 ParameterValues::Range { to, .. } => *to > 0.0,
             })
         };
-        let ties = [Variable::Tie1Stiffness, Variable::Tie2Stiffness].into_iter().rposition(any);
+        let ties = TIES.iter().rposition(|(_, tie)| any(tie.stiffness));
         let holds = Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) };
         self.changes.iter().fold(holds, |holds, change| change.holds(holds))
+    }
+
+    /// Remarks on blocks and pulses beyond reason, one of each kind.
+    pub fn doubts(&self) -> Vec<String> {
+        let values = || (0..self.combinations().unwrap_or(0)).map(|number| self.values(&self.combination(number)));
+        // A motion without records stands for no ground motion.
+        let has_record = self.motions.iter().all(|motion| !motion.ground.is_empty());
+        let mut remarks = doubts::of_blocks(values().filter_map(|values| self.block(&values).ok()));
+        remarks.extend(doubts::of_pulses(values().map(|values| (values.pulse(), values[Variable::G])), has_record));
+        remarks
+    }
+
+    /// Everything that affects the rows, line by line: the study without its comments and its `[assess]`.
+    pub fn identity(&self) -> Vec<String> {
+        let Sweep { parameters, design, strengths, ensemble, measures, changes, .. } = self;
+        let Sweep { on_separation, tolerance, duration, step, friction_demand, .. } = self;
+        let names = parameters.iter().map(|SweptParameter { parameter, values }| (parameter.name(), values));
+        let mut lines: Vec<String> = names.map(|swept| format!("{swept:?}")).collect();
+        lines.push(format!("{:?}", (design, strengths, ensemble, measures, changes)));
+        lines.push(format!("{:?}", (on_separation, tolerance, duration, step, friction_demand)));
+        lines.extend(self.described_motions());
+        lines
+    }
+
+    /// The names and the contents of the ground motions.
+    fn described_motions(&self) -> impl Iterator<Item = String> {
+        self.motions.iter().map(|GroundMotion { names, ground, floor, .. }| {
+            let floor = floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
+            format!("{}{floor}: {}", names.join(" + "), ground.fingerprint())
+        })
     }
 
     /// Whether the blocks stand on the floors of a building.
@@ -115,20 +173,65 @@ impl Sweep {
         self.motions.iter().any(|motion| motion.floor.is_some())
     }
 
-    /// The inputs of a row. Reading the study file has checked that all combinations are valid blocks.
-    fn inputs(&self, row: u64) -> RowInputs<'_> {
+    /// The inputs of a row, at a `hunted` level of the measure if other rows decide it.
+    ///
+    /// Reading the study file has checked that all combinations are valid blocks.
+    fn inputs(&self, row: u64, hunted: Option<f64>) -> RowInputs<'_> {
         let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
-        let motion = &self.motions[(row / strengths % motions) as usize];
+        let motion_number = (row / strengths % motions) as usize;
+        let motion = &self.motions[motion_number];
         let combination = self.combination(row / strengths / motions);
         let values = self.values(&combination);
         let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
-        let scale = self.strengths.scale(row % strengths, motion, &block);
-        RowInputs { combination, values, block, motion, scale, level: self.strengths.level(row % strengths) }
+        let level = self.strengths.measure().zip(hunted).or(self.strengths.level(row % strengths));
+        let scale = match level {
+            Some((measure, value)) => motion.scale_to(measure, value, &block),
+            None => self.strengths.scale(row % strengths, motion, &block),
+        };
+        RowInputs { row, combination, values, block, motion_number, motion, scale, level }
     }
 
     /// The run of a row, without the spread of an ensemble.
     pub fn run(&self, row: u64) -> Run {
-        self.nominal_run(&self.inputs(row))
+        let Strengths::Hunt(_, hunt) = &self.strengths else { return self.nominal_run(&self.inputs(row, None)) };
+        let (curve, before) = (row / hunt.runs, row % hunt.runs);
+        let found = self.hunted(hunt, &[curve], before, None);
+        self.nominal_run(&self.inputs(row, found.first().map(|runs| next_level(hunt, runs))))
+    }
+
+    /// Makes the first runs of these curves, each of a block under a ground motion.
+    fn hunted(&self, hunt: &Hunt, curves: &[u64], count: u64, width: Option<VectorWidth>) -> Vec<Vec<HuntedRun<'_>>> {
+        let mut found: Vec<Vec<HuntedRun>> = curves.iter().map(|_| Vec::new()).collect();
+        for run in 0..count {
+            let next = curves.iter().zip(&found).map(|(curve, runs)| {
+                let level = next_level(hunt, runs);
+                let inputs = self.inputs(curve * hunt.runs + run, Some(level));
+                (level, self.nominal_run(&inputs), inputs)
+            });
+            let next: Vec<(f64, Run, RowInputs)> = next.collect();
+            let outcomes = outcomes(width, next.iter().map(|(_, run, _)| run.clone()), || ());
+            for ((runs, (level, run, inputs)), outcome) in found.iter_mut().zip(next).zip(outcomes) {
+                runs.push(HuntedRun { level, inputs, made: [(run.block.alpha, outcome)] });
+            }
+        }
+        found
+    }
+
+    /// The rows of runs whose levels depend on those before.
+    fn rows_of_hunts(&self, hunt: &Hunt, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        let mut curves: Vec<u64> = numbers.iter().map(|number| number / hunt.runs).collect();
+        curves.dedup();
+        let all: Vec<HuntedRun> = self.hunted(hunt, &curves, hunt.runs, width).into_iter().flatten().collect();
+        let wanted = all.iter().filter(|run| numbers.binary_search(&run.inputs.row).is_ok());
+        self.rows_of(wanted.map(|run| (&run.inputs, run.made.as_slice())))
+    }
+
+    /// The rows of runs, each followed by its samples, with the slenderness (rad) of each block.
+    fn rows_of<'a>(&'a self, made: impl Iterator<Item = (&'a RowInputs<'a>, &'a [(f64, Outcome)])>) -> StudyRows {
+        let row = |(inputs, made)| SweepRow { inputs, made, found: None };
+        let rows: Vec<SweepRow> = made.map(row).collect();
+        let failure = rows.iter().find_map(|row| row.outcome().failure.clone());
+        StudyRows { table: Table::of(&self.columns(), &rows), failure }
     }
 
     fn nominal_run(&self, RowInputs { values, motion, scale, .. }: &RowInputs) -> Run {
@@ -147,19 +250,22 @@ impl Sweep {
     /// The first invalid parameter, or the condition under which a block would read an unread one.
     pub fn check_changes(&self, changes: &[Change]) -> Result<(), String> {
         let changed = self.with(changes);
-        // The condition under which a block reads the parameter; `None` once a combination has read it.
-        let mut unread = Some("a combination");
+        let is_tied = changes.iter().any(|change| matches!(change, Change::Tied(_)));
+        let is_of_tie = |variable| is_tied && tie_field(&mut [Tie::default(); 2], variable).is_some();
+        // An unread parameter and the condition under which a block reads it; `None` once a combination has read all.
+        let mut unread = Some(("", "a combination"));
         for number in 0..self.combinations().unwrap_or(0) {
             let values = self.values(&self.combination(number));
             changed.block(&values).map_err(|error| error.to_string())?;
             let values = changes.iter().fold(values, |values, change| change.values(values));
             let found = changes.iter().find_map(|change| {
-                let parameter = change.parameter()?.name();
-                values.unread_by_motion().find(|(name, _)| *name == parameter).map(|(_, needed)| needed)
+                let parameter = change.parameter().filter(|&variable| !is_of_tie(variable))?.name();
+                values.unread_by_motion().find(|(name, _)| *name == parameter)
             });
             unread = unread.and(found);
         }
-        unread.map_or(Ok(()), |needed| Err(format!("no block of the study reads it; expected {needed}")))
+        unread
+            .map_or(Ok(()), |(name, needed)| Err(format!("{name} is read by no block of the study; expected {needed}")))
     }
 
     /// The variables in the middle of the study: each parameter in the middle of its range or list.
@@ -180,7 +286,7 @@ impl Sweep {
     /// The first parameter that a change makes invalid.
     pub fn block(&self, values: &Values) -> Result<Block, BlockError> {
         let changed = self.changes.iter().fold(values.clone(), |values, change| change.values(values));
-        self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block))
+        self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block, &self.changes))
     }
 
     fn run_of(&self, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
@@ -263,11 +369,28 @@ impl Sweep {
     }
 }
 
+/// A run of a hunt.
+struct HuntedRun<'a> {
+    level: f64,
+    inputs: RowInputs<'a>,
+    /// Slenderness of the block (rad) and outcome.
+    made: [(f64, Outcome); 1],
+}
+
+/// Returns the level of the run after these.
+fn next_level(hunt: &Hunt, runs: &[HuntedRun]) -> f64 {
+    let runs =
+        runs.iter().map(|HuntedRun { level, made: [(_, outcome)], .. }| (*level, outcome.end == End::Overturned));
+    hunt.next(&runs.collect::<Vec<_>>())
+}
+
 /// The inputs of a row.
 struct RowInputs<'a> {
+    row: u64,
     combination: Vec<f64>,
     values: Values,
     block: Block,
+    motion_number: usize,
     motion: &'a GroundMotion,
     scale: f64,
     /// The measure prescribed instead of a factor, and its value.
@@ -288,25 +411,8 @@ impl Study for Sweep {
         study.extend(self.text.iter().cloned());
         study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
         study.extend(self.changes.iter().map(|change| format!("each block changed: {change:?}")));
-        for GroundMotion { names, ground, floor, .. } in &self.motions {
-            let floor = floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
-            study.push(format!("{}{floor}: {}", names.join(" + "), ground.fingerprint()));
-        }
-        let mut columns: Vec<String> = self.parameters.iter().map(|swept| swept.parameter.heading()).collect();
-        columns.extend(["record", "vertical"].map(String::from));
-        columns.extend(self.has_building().then(|| "floor [1]".into()));
-        columns.extend(["scale [1]", "PGA.vertical [m/s2]"].map(String::from));
-        columns.extend(self.measures.iter().map(|measure| measure.heading()));
-        match &self.strengths {
-            Strengths::Scales(_) | Strengths::Levels(..) => {
-                columns.extend(Outcome::COLUMNS.map(String::from));
-                columns.extend(self.holds().columns());
-            }
-            Strengths::Least(measure, _) => columns.extend(least_columns(*measure)),
-        }
-        columns.extend(self.friction_demand.map(sliding::heading));
-        columns.extend(self.ensemble.iter().flat_map(Ensemble::columns));
-        TableHeader { study, columns }
+        study.extend(self.described_motions());
+        TableHeader { study, columns: headings(&self.columns()) }
     }
 
     fn rows(&self) -> u64 {
@@ -316,98 +422,120 @@ impl Study for Sweep {
     fn runs_in_a_row(&self) -> u64 {
         match &self.strengths {
             Strengths::Least(_, scan) => scan.points,
-            Strengths::Scales(_) | Strengths::Levels(..) => 1 + self.samples_in_a_row() as u64,
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => 1 + self.samples_in_a_row() as u64,
         }
     }
 
-    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
-        let rows: Vec<RowInputs> = numbers.clone().map(|number| self.inputs(number)).collect();
+    fn rows_together(&self) -> u64 {
+        match &self.strengths {
+            Strengths::Hunt(_, hunt) => hunt.runs,
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Least(..) => 1,
+        }
+    }
+
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        if let Strengths::Hunt(_, hunt) = &self.strengths {
+            return self.rows_of_hunts(hunt, numbers, width);
+        }
+        let inputs: Vec<RowInputs> = numbers.iter().map(|&number| self.inputs(number, None)).collect();
         if let Strengths::Least(measure, scan) = &self.strengths {
-            let found = self.least(*measure, scan, &rows, width);
-            return rows.iter().zip(&found).map(|(inputs, found)| self.row_of_search(inputs, found)).collect();
+            let found = self.least(*measure, scan, &inputs, width);
+            let row = |(inputs, found)| SweepRow { inputs, made: &[], found: Some(found) };
+            let rows: Vec<SweepRow> = inputs.iter().zip(&found).map(row).collect();
+            return StudyRows { table: Table::of(&self.columns(), &rows), failure: None };
         }
         let mut alphas = Vec::new();
-        let runs = numbers.zip(&rows).flat_map(|(number, inputs)| self.runs(number, inputs));
+        let runs = inputs.iter().flat_map(|inputs| self.runs(inputs.row, inputs));
         let outcomes = outcomes(width, runs.inspect(|run| alphas.push(run.block.alpha)), || ());
         let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
-        let made = made.chunks(1 + self.samples_in_a_row());
-        rows.iter().zip(made).map(|(inputs, made)| self.row_of(inputs, made)).collect()
+        self.rows_of(inputs.iter().zip(made.chunks(1 + self.samples_in_a_row())))
     }
 }
 
 impl Sweep {
-    /// Whether the column with this heading has numbers and empty fields, rather than words or ranges.
-    pub fn is_numeric(heading: &str) -> bool {
-        heading.ends_with(']') && !heading.starts_with(RANGES)
-    }
-
-    /// The fields before the outcome.
-    fn input_fields(&self, inputs: &RowInputs) -> Fields {
-        let RowInputs { combination, motion, scale, .. } = inputs;
-        let mut fields = Fields::default();
-        fields.extend(self.parameters.iter().zip(combination).map(|(swept, value)| swept.parameter.display(*value)));
-        fields.extend(&motion.names);
-        fields.extend(motion.floor);
-        fields.push_option(motion.has_record().then_some(*scale));
-        fields.push_option(motion.vertical_pga(*scale));
-        for &measure in &self.measures {
-            fields.push_option(inputs.intensity(measure));
+    /// The columns: of the block, of the ground motion, and of the run or the search.
+    fn columns<'a>(&'a self) -> Vec<Column<'a, SweepRow<'a>>> {
+        type Of<'a> = Column<'a, SweepRow<'a>>;
+        let parameters = self.parameters.iter().enumerate();
+        let mut columns: Vec<Of> = vec![Of::row(|row| row.inputs.row)];
+        columns.extend(
+            parameters
+                .map(|(number, swept)| swept.parameter.column(move |row: &SweepRow| row.inputs.combination[number])),
+        );
+        let names = |component: usize| self.motions.iter().map(move |motion| motion.names[component].clone());
+        columns.extend(
+            ["record", "vertical"]
+                .into_iter()
+                .enumerate()
+                .map(|(component, name)| Of::choice(name, names(component), |row| row.inputs.motion_number)),
+        );
+        if self.has_building() {
+            columns.push(Of::count("floor", |row| row.inputs.motion.floor.unwrap_or_default()));
         }
-        fields
-    }
-
-    /// The row of a search.
-    fn row_of_search(&self, inputs: &RowInputs, found: &OutcomeMap<End>) -> StudyRow {
-        let mut fields = self.input_fields(inputs);
-        write_least(found, &mut fields);
-        StudyRow { fields, failure: None }
-    }
-
-    /// The row of a run followed by its samples, each with the slenderness (rad) of its block.
-    fn row_of(&self, inputs: &RowInputs, made: &[(f64, Outcome)]) -> StudyRow {
-        let mut fields = self.input_fields(inputs);
-        let (alpha, outcome) = &made[0];
-        outcome.write(*alpha, &mut fields);
-        fields.extend(self.holds().fields(&outcome.peaks));
-        fields.extend(self.friction_demand.map(|demand| self.nominal_run(inputs).longest_above(demand)));
-        if let Some(ensemble) = &self.ensemble {
-            ensemble.write(&made[1..], &mut fields);
+        columns.extend([
+            Of::optional("scale", "1", |row| row.inputs.motion.has_record().then_some(row.inputs.scale)),
+            Of::optional("PGA.vertical", "m/s2", |row| row.inputs.motion.vertical_pga(row.inputs.scale)),
+        ]);
+        columns.extend(self.measures.iter().map(|&measure| {
+            Of::optional(measure.to_string(), measure.unit(), move |row| row.inputs.intensity(measure))
+        }));
+        match &self.strengths {
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => {
+                columns.extend(outcome::columns(self.holds()));
+            }
+            Strengths::Least(measure, _) => columns.extend(of_search(*measure)),
         }
-        StudyRow { fields, failure: outcome.failure.clone() }
+        let run = |row: &SweepRow| self.nominal_run(row.inputs);
+        columns.extend(self.friction_demand.map(|friction| sliding::column(friction, run)));
+        columns.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.columns(|row: &SweepRow| &row.made[1..])));
+        columns
     }
 }
 
-/// Beginning of the heading of the column of overturning ranges, such as "0.79 to 0.8; 0.85 to 3", in the unit of their ends.
-const RANGES: &str = "overturning.";
-
-/// Names and units of the columns filled by [`write_least`].
-fn least_columns(measure: Measure) -> [String; 6] {
-    let unit = measure.unit();
-    [
-        "outcome".into(),
-        format!("least.{measure} [{unit}]"),
-        "least.bound".into(),
-        format!("always_from.{measure} [{unit}]"),
-        "overturning_ranges [1]".into(),
-        format!("{RANGES}{measure} [{unit}]"),
-    ]
+/// A row of the table.
+struct SweepRow<'a> {
+    inputs: &'a RowInputs<'a>,
+    /// The run, followed by its samples, each with the slenderness of its block (rad); none in a search.
+    made: &'a [(f64, Outcome)],
+    /// The outcomes over the range of a search.
+    found: Option<&'a OutcomeMap<End>>,
 }
 
-/// Appends the overturning ranges of a search to a row.
+impl OutcomeRow for SweepRow<'_> {
+    fn outcome(&self) -> &Outcome {
+        &self.made[0].1
+    }
+
+    fn alpha(&self) -> f64 {
+        self.made[0].0
+    }
+}
+
+/// The columns of a search over a measure.
 ///
 /// In order: the worst outcome; the least value that overturns, and whether it is only a bound; the value above which the block
-/// always overturns; the number of overturning ranges, and the ranges.
-fn write_least(found: &OutcomeMap<End>, fields: &mut Fields) {
-    let stretches = found.stretches();
-    let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
-    let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
-    let outcome =
-        [End::Failed, End::Overturned, End::Undecided].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
-    let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
-    fields.push(outcome);
-    fields.push_option(found.overturning().value());
-    fields.push(found.overturning().bound());
-    fields.push_option(last.map(|stretch| stretch.0));
-    fields.push(ranges.len());
-    fields.push(ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "));
+/// always overturns; the number of overturning ranges, and the ranges, such as "0.79 to 0.8; 0.85 to 3".
+fn of_search<'a>(measure: Measure) -> Vec<Column<'a, SweepRow<'a>>> {
+    fn found<'r>(row: &'r SweepRow) -> &'r OutcomeMap<End> {
+        row.found.unwrap_or_else(|| unreachable!("the rows of a search"))
+    }
+    let ranges = |row: &SweepRow| found(row).stretches().into_iter().filter(|stretch| stretch.2 == End::Overturned);
+    vec![
+        Column::choice("outcome", End::ALL.map(End::word), |row| {
+            let stretches = found(row).stretches();
+            let any = |end: &End| stretches.iter().any(|stretch| stretch.2 == *end);
+            [End::Failed, End::Overturned, End::Undecided].into_iter().find(any).unwrap_or(End::Completed) as usize
+        }),
+        Column::optional(format!("least.{measure}"), measure.unit(), |row| found(row).overturning().value()),
+        Column::choice("least.bound", Threshold::BOUNDS, |row| found(row).overturning().bound_position()),
+        Column::optional(format!("always_from.{measure}"), measure.unit(), |row| {
+            let stretches = found(row).stretches();
+            stretches.last().filter(|stretch| stretch.2 == End::Overturned).map(|stretch| stretch.0)
+        }),
+        Column::count("overturning_ranges", move |row| ranges(row).count()),
+        Column::text(format!("overturning.{measure}"), move |row| {
+            ranges(row).map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; ")
+        })
+        .with_unit(Some(measure.unit())),
+    ]
 }

@@ -1,6 +1,6 @@
 //! Fits to synthetic tests with planted parameters: intervals must contain them at their confidence level.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Estimate, Fit, Free, Options, Problem, Test, fit};
@@ -88,8 +88,7 @@ fn noise_that_is_not_given_is_estimated() {
 fn one_parameter_is_fitted_alone() {
     let planted = rigid();
     let mut problem = planted.problem(planted.measured(2));
-    (problem.parameterization, problem.common.restitution_factor) =
-        (Parameterization::Dimensionless(planted.truth), 0.96);
+    problem.parameterization = Parameterization::Dimensionless(planted.truth);
     problem.free = vec![Free::named("p")];
     let found = fitted(&problem);
     let Some([Some(low), Some(high)]) = found.estimates[0].interval else { panic!("{found:?}") };
@@ -175,7 +174,8 @@ fn threads_change_no_bit() {
 /// A block under a pulse whose amplitude is unknown, by its reactions as well as its rotation.
 #[test]
 fn a_shaking_table_test_of_two_quantities_is_fitted() {
-    let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 30.0, xi_v: 0.2 };
+    let dimensionless =
+        Dimensionless { alpha: 0.25, p: 2.0, supports: Supports::Viscoelastic(Ratios { eta: 30.0, xi_v: 0.2 }) };
     let common = Common::default();
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 4.0, period: 0.8, ..Pulse::NONE };
@@ -192,7 +192,8 @@ fn a_shaking_table_test_of_two_quantities_is_fitted() {
     };
     let tests =
         vec![test("theta", 1e-3, |row| row.observation.theta), test("N_L", 50.0, |row| row.observation.reaction[0])];
-    let parameterization = Parameterization::Dimensionless(Dimensionless { alpha: 0.27, eta: 33.0, ..dimensionless });
+    let supports = dimensionless.supports.with(|ratios| Ratios { eta: 33.0, ..ratios });
+    let parameterization = Parameterization::Dimensionless(Dimensionless { alpha: 0.27, supports, ..dimensionless });
     let free = vec![Free::named("alpha"), Free::named("eta")];
     let found =
         fitted(&Problem { parameterization, common, ties: Vec::new(), free, tests, options: Options::default() });

@@ -4,17 +4,17 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
-use rocking_block::words::Words;
 use rocking_records::ReadOptions;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::in_lanes;
 use rocking_studies::run::outcome::{End, Outcome};
+use rocking_studies::spec::words::Words;
 
 use crate::cases::cases;
 
@@ -56,9 +56,17 @@ fn simulation() -> impl Strategy<Value = Simulation> {
     (block, beginning, settings, pulse()).prop_map(
         |((alpha, p, eta, xi_v, epsilon, gamma, eccentricity), (theta, theta_dot, stands), (digits, flies), pulse)| {
             let common = Common { gamma, epsilon, mass: 13.0, ..Common::default() };
-            let even = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+            let even = Block::from_dimensionless(
+                &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
+                &common,
+            )
+            .unwrap();
             let common = Common { eccentricity: eccentricity * even.b, ..common };
-            let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+            let block = Block::from_dimensionless(
+                &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
+                &common,
+            )
+            .unwrap();
             let settings = Settings {
                 tolerance: libm::exp10(-digits),
                 on_separation: if flies { OnSeparation::Fly } else { OnSeparation::Terminate },
@@ -83,9 +91,8 @@ fn rigid_simulation() -> impl Strategy<Value = Simulation> {
     let settings = (4.0..13.0_f64, any::<bool>());
     (block, beginning, pulse, settings).prop_map(
         |((alpha, p, gamma, eccentricity, restitution_factor), (theta, theta_dot), pulse, (digits, flies))| {
-            let foundation = Foundation::Rigid;
-            let common = Common { gamma, foundation, restitution_factor, mass: 13.0, ..Common::default() };
-            let numbers = Dimensionless { alpha, p, eta: 40.0, xi_v: 0.1 };
+            let common = Common { gamma, mass: 13.0, ..Common::default() };
+            let numbers = Dimensionless { alpha, p, supports: Supports::Rigid { restitution_factor } };
             let even = Block::from_dimensionless(&numbers, &common).unwrap();
             let common = Common { eccentricity: eccentricity * even.b, ..common };
             let block = Block::from_dimensionless(&numbers, &common).unwrap();
@@ -210,7 +217,7 @@ fn a_swing_in_a_lane_has_the_bits_of_a_swing_alone() {
 
 /// The Loma Prieta record times a factor, with a vertical motion derived from it.
 fn ground(scale: f64, vertical: bool) -> Ground {
-    let bytes = include_bytes!("../../../../records/np01002p_4225a_a.smc");
+    let bytes = include_bytes!("../../../../examples/records/np01002p_4225a_a.smc");
     let record = rocking_records::parse("np01002p_4225a_a.smc", bytes, &ReadOptions::default()).unwrap();
     let up = rocking_records::Record { start_time: record.start_time + 0.1234, ..record.clone().scaled(0.4 * scale) };
     Ground { horizontal: Some(record.scaled(scale)), vertical: vertical.then_some(up) }
@@ -221,12 +228,11 @@ fn run(number: u32) -> Run {
     let foundation = if number % 7 == 3 { Foundation::Rigid } else { Foundation::Viscoelastic };
     // Blocks with friction are stepped alone between the others.
     let friction = if number % 5 == 2 { 0.4 } else { 0.0 };
-    let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], foundation, friction, ..Common::default() };
+    let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], friction, ..Common::default() };
     let d = Dimensionless {
         alpha: 0.1 + 0.013 * (k * 7.0 % 11.0),
         p: 1.0 + 0.07 * k,
-        eta: 12.0 + 5.0 * (k % 9.0),
-        xi_v: 0.1,
+        supports: Supports::of(foundation, Ratios { eta: 12.0 + 5.0 * (k % 9.0), xi_v: 0.1 }),
     };
     let shapes = [PulseShape::OneSine, PulseShape::Rectangular, PulseShape::SymmetricRicker, PulseShape::Gabor];
     let shape = shapes[number as usize / 6 % shapes.len()];

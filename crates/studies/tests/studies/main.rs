@@ -4,7 +4,9 @@
 mod cases;
 
 mod fit;
+mod instants;
 mod lanes;
 mod planted;
 mod published;
+mod relations;
 mod thresholds;

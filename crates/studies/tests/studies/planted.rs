@@ -2,7 +2,7 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
+use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Ratios, Supports};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Free, Options, Problem, Test};
 use rocking_studies::run::{Row, Run};
@@ -24,8 +24,8 @@ pub struct Planted {
 /// A block on the rigid base with restitution below Housner's.
 pub fn rigid() -> Planted {
     Planted {
-        truth: Dimensionless { alpha: 0.22, p: 3.1, eta: 40.0, xi_v: 0.1 },
-        common: Common { foundation: Foundation::Rigid, restitution_factor: 0.96, ..Common::default() },
+        truth: Dimensionless { alpha: 0.22, p: 3.1, supports: Supports::Rigid { restitution_factor: 0.96 } },
+        common: Common::default(),
         releases: &[[0.17, 5.0]],
         step: 0.02,
         free: &["p", "alpha", "restitution_factor"],
@@ -35,7 +35,11 @@ pub fn rigid() -> Planted {
 /// A block on supports that bounce.
 pub fn supports() -> Planted {
     Planted {
-        truth: Dimensionless { alpha: 0.25, p: 2.0, eta: 25.0, xi_v: 0.15 },
+        truth: Dimensionless {
+            alpha: 0.25,
+            p: 2.0,
+            supports: Supports::Viscoelastic(Ratios { eta: 25.0, xi_v: 0.15 }),
+        },
         common: Common { epsilon: 0.3, ..Common::default() },
         releases: &[[0.15, 3.0], [0.02, 1.5]],
         step: 0.005,
@@ -74,24 +78,18 @@ impl Planted {
 
     /// The fit of a test from initial parameters that are wrong by up to 20 %, independently.
     pub fn problem(&self, tests: Vec<Test>) -> Problem {
-        let Dimensionless { alpha, p, eta, xi_v } = self.truth;
-        let mut parameterization = Parameterization::Dimensionless(self.truth);
+        let Dimensionless { alpha, p, supports } = self.truth;
         let mut common = self.common;
-        if self.common.foundation == Foundation::Rigid {
-            parameterization =
-                Parameterization::Dimensionless(Dimensionless { alpha: 1.15 * alpha, p: 0.85 * p, eta, xi_v });
-            common.restitution_factor = 1.0;
-        } else {
-            parameterization = match parameterization {
-                Parameterization::Dimensionless(_) => {
-                    Parameterization::Dimensionless(Dimensionless { alpha, p, eta: 1.3 * eta, xi_v: 0.7 * xi_v })
-                }
-                other => other,
-            };
-            common.epsilon = 0.1;
-        }
+        let wrong = match supports {
+            Supports::Rigid { .. } => Dimensionless { alpha: 1.15 * alpha, p: 0.85 * p, supports: Supports::HOUSNER },
+            Supports::Viscoelastic(Ratios { eta, xi_v }) => {
+                common.epsilon = 0.1;
+                let supports = Supports::Viscoelastic(Ratios { eta: 1.3 * eta, xi_v: 0.7 * xi_v });
+                Dimensionless { alpha, p, supports }
+            }
+        };
         Problem {
-            parameterization,
+            parameterization: Parameterization::Dimensionless(wrong),
             common,
             ties: Vec::new(),
             free: self.free.iter().map(|name| Free::named(name)).collect(),
@@ -104,10 +102,10 @@ impl Planted {
         match name {
             "p" => self.truth.p,
             "alpha" => self.truth.alpha,
-            "eta" => self.truth.eta,
-            "xi_v" => self.truth.xi_v,
+            "eta" => self.truth.supports.viscoelastic().unwrap().eta,
+            "xi_v" => self.truth.supports.viscoelastic().unwrap().xi_v,
             "epsilon" => self.common.epsilon,
-            _ => self.common.restitution_factor,
+            _ => self.truth.supports.restitution_factor().unwrap(),
         }
     }
 }

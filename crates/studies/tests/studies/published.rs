@@ -5,9 +5,9 @@
 
 use std::f64::consts::PI;
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{End, Outcome};
@@ -17,10 +17,11 @@ const G: f64 = 9.81;
 
 /// A block on the rigid base with this ratio e of the angular velocities after and before an impact.
 fn rigid(alpha: f64, p: f64, e: f64) -> Block {
-    let dimensionless = Dimensionless { alpha, p, eta: 40.0, xi_v: 0.1 };
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
-    let housner = Block::from_dimensionless(&dimensionless, &common).unwrap().restitution();
-    Block::from_dimensionless(&dimensionless, &Common { restitution_factor: e / housner, ..common }).unwrap()
+    let of = |restitution_factor| {
+        let given = Dimensionless { alpha, p, supports: Supports::Rigid { restitution_factor } };
+        Block::from_dimensionless(&given, &Common::default()).unwrap()
+    };
+    of(e / of(1.0).restitution())
 }
 
 fn run(block: Block, pulse: Pulse, initial: Initial, duration: Option<f64>) -> Run {
@@ -248,6 +249,28 @@ fn shi_and_others_1996_half_sine_pulse() {
     }
 }
 
+/// The pulse of [`housner_1963_free_rocking`]'s linear theory with half the period of rocking, T_p = 2π/p, in runs without stops on the way.
+///
+/// With r = a_p/(α g) the block lifts at `p t = asin(1/r)`, and overturns without an impact from `√(r² − 1) + r e^(asin(1/r) − π) = 1` on. The
+/// pulse is then as fast as the growth of the rotation, and two successive powers of time vanish from the motion after the lift-off.
+#[test]
+fn a_half_sine_pulse_as_fast_as_the_block_overturns_it_at_any_tolerance() {
+    let lasting = |r: f64| (r * r - 1.0).sqrt() + r * ((1.0 / r).asin() - PI).exp() - 1.0;
+    let exact = threshold(1.01, 2.0, |r| lasting(r) >= 0.0);
+    close(exact, 1.3224, 1e-4);
+    for (alpha, tolerance) in [(0.001, 1e-8), (0.001, 1e-6), (0.001, 1e-4), (0.001, 1e-3), (0.01, 1e-3), (0.01, 1e-4)] {
+        let p = 2.0;
+        let overturns = |r: f64| {
+            let pulse =
+                Pulse { shape: PulseShape::HalfSine, period: 2.0 * PI / p, amplitude: r * alpha * G, ..Pulse::NONE };
+            let settings = Settings { tolerance, on_separation: OnSeparation::Fly, ..Settings::default() };
+            let outcome = Run { pulse, ..Run::at_rest(rigid(alpha, p, 1.0), settings) }.outcome();
+            outcome.end == End::Overturned && outcome.counts.impacts == 0
+        };
+        close(threshold(1.3, 1.35, overturns), exact, alpha * alpha + tolerance);
+    }
+}
+
 /// N. Makris, Y. Roussos, Rocking response of rigid blocks under near-source ground motions, Géotechnique 50 (2000) 243–262: the
 /// least one-sine pulse that overturns is near `a_p/(α g) = 1 + (1/6) ω_p/p` for ω_p/p up to 3: an approximation.
 #[test]
@@ -264,7 +287,8 @@ fn makris_roussos_2000_least_amplitude() {
 /// `ω² = (2 K b² − M g h)/(I0 + M h²)` and the damping ratio `ζ = C b²/((I0 + M h²) ω)`.
 #[test]
 fn psycharis_jennings_1983_rocking_in_full_contact() {
-    let dimensionless = Dimensionless { alpha: 0.3, p: 1.5, eta: 25.0, xi_v: 0.08 };
+    let dimensionless =
+        Dimensionless { alpha: 0.3, p: 1.5, supports: Supports::Viscoelastic(Ratios { eta: 25.0, xi_v: 0.08 }) };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
     let Block { mass, b, h, stiffness, damping, .. } = block;
     let inertia = block.inertia() + mass * h * h;

@@ -1,6 +1,6 @@
 //! The strength at which a block overturns moves with a parameter as the derivatives of a run near it predict.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
@@ -31,14 +31,14 @@ impl Search {
 
     /// The number of a parameter.
     fn number(&mut self, name: &str) -> &mut f64 {
-        let Search { dimensionless, common, pulse, .. } = self;
-        match name {
-            "alpha" => &mut dimensionless.alpha,
-            "p" => &mut dimensionless.p,
-            "eta" => &mut dimensionless.eta,
-            "restitution_factor" => &mut common.restitution_factor,
-            "pulse.period" => &mut pulse.period,
-            other => panic!("no {other}"),
+        let Search { dimensionless: Dimensionless { alpha, p, supports }, pulse, .. } = self;
+        match (name, supports) {
+            ("alpha", _) => alpha,
+            ("p", _) => p,
+            ("eta", Supports::Viscoelastic(ratios)) => &mut ratios.eta,
+            ("restitution_factor", Supports::Rigid { restitution_factor }) => restitution_factor,
+            ("pulse.period", _) => &mut pulse.period,
+            (other, _) => panic!("no {other}"),
         }
     }
 
@@ -102,8 +102,12 @@ impl Search {
 
 fn search(foundation: Foundation, shape: PulseShape, period: f64, range: [f64; 2]) -> Search {
     Search {
-        dimensionless: Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 },
-        common: Common { foundation, ..Common::default() },
+        dimensionless: Dimensionless {
+            alpha: 0.25,
+            p: 1.0,
+            supports: Supports::of(foundation, Ratios { eta: 40.0, xi_v: 0.1 }),
+        },
+        common: Common::default(),
         pulse: Pulse { shape, period, ..Pulse::NONE },
         range,
     }

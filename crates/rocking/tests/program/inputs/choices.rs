@@ -1,5 +1,8 @@
 //! Choices in any case, sizes instead of angles, and errors of the command line.
 
+use rocking_block::excitation::Pulse;
+use rocking_studies::spec::{BlockSpec, option};
+
 use crate::program::{refusal, rocking, stdout, text};
 
 /// Study file with these words for its choices.
@@ -146,4 +149,22 @@ fn only_force_replaces_a_table() {
         output.status.success()
             && text(&output.stderr).contains("z.txt: the table is written as CSV; expected a name in .csv")
     );
+}
+
+/// The help of each number of a block or a pulse ends with its default, which is that of the specification.
+#[test]
+fn the_help_of_blocks_and_pulses_names_their_defaults() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = stdout(folder.path(), &["simulate", "-h"]).split_whitespace().collect::<Vec<_>>().join(" ");
+    let Pulse { period, start, phase, cycles, .. } = Pulse::NONE;
+    let of_pulse = [("period", period), ("start", start), ("phase", phase), ("cycles", cycles)];
+    let of_pulse = of_pulse.map(|(name, default)| (name, Some(default)));
+    for (name, default) in BlockSpec::DEFAULT.numbers().into_iter().chain(of_pulse) {
+        // From the end of its own value to the value of the next option.
+        let (_, rest) = help.split_once(&format!("--{} <", option(name))).unwrap();
+        let of_option = rest.split_once('>').unwrap().1.split('<').next().unwrap();
+        let default = default.map(|value| if value == f64::INFINITY { "none".into() } else { value.to_string() });
+        let found = of_option.split_once("[default: ").map(|(_, rest)| rest.split(']').next().unwrap().to_string());
+        assert_eq!(found, default, "{of_option}");
+    }
 }

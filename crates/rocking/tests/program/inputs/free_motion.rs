@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 
@@ -30,7 +30,8 @@ fn an_initial_state_alone_is_free_motion() {
         assert_eq!(line(&printed, "excitation").split_whitespace().skip(1).collect::<Vec<_>>(), ["free", "motion"]);
         assert!(column(folder.path(), "a_gx").iter().all(|a| *a == 0.0));
         // The same block in the library.
-        let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+        let d =
+            Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }) };
         let block = Block::from_dimensionless(&d, &Common::default()).unwrap();
         let inputs = Inputs::default();
         let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);
@@ -64,6 +65,6 @@ fn the_block_does_not_depend_on_the_excitation() {
     );
     stdout(folder.path(), &["simulate", "--scale", "2", "--csv", "run.csv", "--duration", "8"]);
     let peak = column(folder.path(), "a_gx").into_iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
-    // records/README.md: 222.5 cm/s² at 7.55 s.
+    // examples/records/README.md: 222.5 cm/s² at 7.55 s.
     assert!((peak - 2.0 * 2.225).abs() < 1e-3, "{peak}");
 }

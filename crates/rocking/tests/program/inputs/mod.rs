@@ -1,7 +1,9 @@
 //! Options, study files and records.
 
 mod choices;
+mod doubts;
 mod free_motion;
+mod identity;
 mod numbers;
 mod patterns;
 mod record;

@@ -79,3 +79,42 @@ fn a_pattern_without_a_match_is_refused_with_its_line() {
     stdout(folder.path(), &sweep);
     assert_eq!(rows(&folder.path().join("s.csv")), [["b[1].csv", "0.2", "", ""]]);
 }
+
+/// Every unreadable record is named at once, over all tables.
+#[test]
+fn all_unreadable_records_are_named_in_one_error() {
+    let folder = tempfile::tempdir().unwrap();
+    records(folder.path(), &[("a.csv", 0.1)]);
+    for name in ["b.csv", "c.csv", "d.txt"] {
+        std::fs::write(folder.path().join(name), "no record\n").unwrap();
+    }
+    study(folder.path(), "horizontal = \"*.csv\"\n[[records]]\nhorizontal = \"d.txt\"");
+    let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+    for name in ["study.toml:4: ", "b.csv, line 1: found", "; line 6: ", "d.txt, line 1: found"] {
+        assert!(message.contains(name), "{name} is not in {message}");
+    }
+    assert_eq!(message.matches("c.csv, line 1: found").count(), 1, "{message}");
+    assert!(!message.contains("a.csv"), "{message}");
+}
+
+#[test]
+fn excluded_matches_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    records(folder.path(), &[("r/a.csv", 0.1), ("r/b.csv", 0.2), ("r/bad.csv", 9.0), ("r/c-V.csv", 0.3)]);
+    std::fs::write(folder.path().join("r/bad.csv"), "no record\n").unwrap();
+    study(folder.path(), "horizontal = \"r/*.csv\"\nexclude = [\"r/bad.csv\", \"*/*-V.csv\"]");
+    stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+    let expected = [["r/a.csv", "0.1", "", ""], ["r/b.csv", "0.2", "", ""]];
+    assert_eq!(rows(&folder.path().join("s.csv")), expected);
+    let refused = [
+        ("[\"*.csv\"]", "\"*.csv\""),
+        ("[1]", "1"),
+        ("\"r/a.csv\"", "\"r/a.csv\""),
+        ("[\"r/?.csv\"]", "[\"r/?.csv\"]"),
+    ];
+    for (exclude, found) in refused {
+        study(folder.path(), &format!("horizontal = \"r/a.csv\"\nexclude = {exclude}"));
+        let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "t.csv"]);
+        assert!(message.starts_with(&format!("study.toml:5: exclude = {found}; expected ")), "{message}");
+    }
+}

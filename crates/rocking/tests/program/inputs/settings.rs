@@ -79,7 +79,7 @@ fn errors_name_the_option_that_resolves_them() {
         (
             "two.V2",
             &[(
-                "two.V2: found 2 channels (1: HEADER 0 OF CHAN 1, 2: HEADER 0 OF CHAN 2); expected --channel 1 to 2",
+                "two.V2: found 2 channels (1: HEADER 0 OF CHAN 1, 2: HEADER 0 OF CHAN 2); expected --channel 1 to 2 or a name",
                 &["--channel", "2"],
             )],
             0.4,
@@ -187,7 +187,7 @@ fn study_files_have_the_same_settings() {
         (
             "horizontal = \"a.txt\"\nunit = \"g\"\ndt = 0.5\nvertical = \"two.V2\"",
             "study.toml:7: two.V2: found 2 channels (1: HEADER 0 OF CHAN 1, 2: HEADER 0 OF CHAN 2); expected \
-             vertical_channel 1 to 2",
+             vertical_channel 1 to 2 or a name",
         ),
         (
             "horizontal = \"two.V2\"\nchannel = 1\nvertical = \"a.txt\"\nvertical_unit = \"g\"",
@@ -195,7 +195,8 @@ fn study_files_have_the_same_settings() {
         ),
         (
             "horizontal = \"a.txt\"\nformat = \"wav\"",
-            "study.toml:5: found format \"wav\", expected one of peer, smc, columns, cosmos, csmip, esm",
+            "study.toml:5: found format \"wav\", expected one of peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, \
+             unam, renadic, bhrc, usc, jma, cwb, fixed",
         ),
         ("horizontal = \"a.txt\"\nchannel = 0", "study.toml:5: channel = 0; expected a whole number from 1 to 1000"),
     ] {
@@ -225,8 +226,16 @@ fn real_files_are_read_with_the_options_that_errors_name() {
         ("ce36456p_CE36456.V2", &["--channel", "3"]),
         ("rrsmv1_1.txt", &["--dt", "0.005", "--unit", "m/s2"]),
     ];
-    // A spectrum, and velocities.
-    let refused = ["SeismoSignal_Imperial Valley.txt", "RSN1063_NORTHR_RRS228_velocity_cm_s.txt"];
+    // A spectrum, velocities, and beginnings of files whose headers count more values.
+    let refused = [
+        "SeismoSignal_Imperial Valley.txt",
+        "RSN1063_NORTHR_RRS228_velocity_cm_s.txt",
+        "knet_AOM0011801241951_head.EW",
+        "knet_csv_head.csv",
+        "geonet_HSES_head.V1A",
+        "geonet_WPWS_head.V2A",
+        "unam_ACAC_head.191",
+    ];
     let mut read = 0;
     for entry in std::fs::read_dir(&formats).unwrap() {
         let path = entry.unwrap().path();
@@ -247,5 +256,5 @@ fn real_files_are_read_with_the_options_that_errors_name() {
         stdout(&formats, &arguments);
         read += 1;
     }
-    assert_eq!(read, 28);
+    assert_eq!(read, 30);
 }

@@ -41,8 +41,12 @@ fn options_of_pulses_and_records_need_one() {
     for command in [&["simulate", "--record", RECORD][..], &["search", "overturning", "--record", RECORD], &with_record]
     {
         has_no_effect(command, &["--vertical-unit", "cm/s2"], "without a vertical record");
-        has_no_effect(command, &["--channel", "1"], "without a COSMOS or CSMIP file");
-        has_no_effect(command, &["--time-column", "t"], "without a columns file");
+        has_no_effect(
+            command,
+            &["--channel", "1"],
+            "without a file of several channels (COSMOS, CSMIP, K-NET, GeoNet, NSMN, UNAM, RENADIC, BHRC, JMA, CWB)",
+        );
+        has_no_effect(command, &["--time-column", "t"], "without a columns or fixed width file");
     }
     has_no_effect(&with_record, &["--also-horizontal"], "without --vertical");
     has_no_effect(&with_record, &["--over", "2pi/p"], "without --plot");
@@ -169,8 +173,11 @@ fn study_parameters_without_effect_are_refused() {
     let records = |more: &str| format!("[[records]]\nhorizontal = \"{RECORD}\"\n{more}\n");
     for (more, needed) in [
         ("vertical_unit = \"g\"", "a vertical record"),
-        ("channel = 1", "a COSMOS or CSMIP file"),
-        ("acceleration_column = 2", "a columns file"),
+        (
+            "channel = 1",
+            "a file of several channels (COSMOS, CSMIP, K-NET, GeoNet, NSMN, UNAM, RENADIC, BHRC, JMA, CWB)",
+        ),
+        ("acceleration_column = 2", "a columns or fixed width file"),
     ] {
         let name = more.split_whitespace().next().unwrap();
         let message = study("", &records(more));

@@ -222,6 +222,40 @@ fn a_killed_program_leaves_no_trace() {
     }
 }
 
+/// Ctrl-C keeps the rows and prints the command that continues the table.
+#[test]
+fn an_interrupted_study_says_how_to_continue() {
+    if is_ignored(2) {
+        skip("an interrupted study: this shell's background ignores SIGINT");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let sizes = ["--points", "8000", "--threads", "1", "--lanes", "1"];
+    let spectrum = [&SPECTRUM[..5], &sizes].concat();
+    let mut child = program(path, &[&spectrum, &["--csv", "a table.csv", "--force"]])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let rows = || fs::read_to_string(path.join("a table.csv")).map_or(0, |text| text.lines().count());
+    let start = Instant::now();
+    while rows() < 100 && start.elapsed() < Duration::from_secs(20) {
+        std::thread::yield_now();
+    }
+    assert!(child.try_wait().unwrap().is_none(), "it has ended before it was interrupted");
+    tool(path, "kill", &["-INT", &child.id().to_string()]);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(2));
+    let said = text(&output.stderr);
+    let (_, command) = said.split_once("the table keeps its rows. To continue: ").unwrap();
+    assert!(command.contains("--csv 'a table.csv' --resume") && !command.contains("--force"), "{command}");
+    let left = rows();
+    assert!((100..8_000).contains(&left), "{left} lines");
+    tool(path, "sh", &["-c", command]);
+    succeeds(&mut program(path, &[&spectrum, &["--csv", "whole.csv"]]));
+    assert!(fs::read(path.join("a table.csv")).unwrap() == fs::read(path.join("whole.csv")).unwrap());
+}
+
 /// A read-only file is refused before the work begins.
 #[test]
 fn a_read_only_file_is_left_alone() {

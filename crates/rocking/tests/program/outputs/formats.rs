@@ -12,7 +12,6 @@ fn extensions_of_other_formats_are_refused_with_advice() {
         ("run.xlsx", "spreadsheet"),
         ("run.XLS", "spreadsheet"),
         ("run.ods", "spreadsheet"),
-        ("run.parquet", "to_parquet"),
         ("run.feather", "pandas"),
         ("run.h5", "pandas"),
         ("run.mat", "pandas"),

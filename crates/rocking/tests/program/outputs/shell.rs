@@ -7,14 +7,16 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 18] = [
     "simulate",
     "sketch",
     "frame",
     "spectrum",
     "sweep",
+    "ida",
     "record",
     "pulse",
+    "schema",
     "search",
     "figures",
     "foundations",
@@ -113,6 +115,7 @@ fn the_reference_has_every_option_of_the_help() {
         }
     }
     assert!(reference.contains("\n### rocking search damping\n"), "{reference}");
+    assert!(reference.contains("| `--alpha <RAD>` | Slenderness angle alpha [rad] | `0.25` |\n"), "{reference}");
     let output = program(folder.path(), &[&["man", "--markdown", "--out", "new"]]).output().unwrap();
     assert!(
         !output.status.success() && text(&output.stderr).contains("'--markdown' cannot be used with '--out <DIR>'")

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use rocking_block::block::{Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_charts::figures::ground_motions;
 use rocking_charts::figures::parameters::{self, Detail, ETA, NUMBERS};
@@ -9,26 +10,26 @@ use rocking_charts::figures::{
     Comparison, Workers, abscissa, comparisons, history_run, make, panels, tower_bases, tower_run, tower_sources,
 };
 use rocking_charts::spectrum::Abscissa;
-use rocking_studies::output::runner;
-use rocking_studies::spectrum::{FoundationParameters, Spectrum};
+use rocking_studies::output::runner::{self, Study};
+use rocking_studies::spectrum::Base;
 
 use crate::program::{Table, files, refused, stdout};
 use crate::studies::labels;
 
 /// Rigid base.
-pub const RIGID: FoundationParameters = FoundationParameters::HOUSNER;
+pub const RIGID: Base = Base::HOUSNER;
 /// Small grids.
 pub const SMALL: Detail = Detail { step: 0.02, slendernesses: 2, dampings: 11, sizes: 9 };
 
 /// Viscoelastic supports.
-pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> FoundationParameters {
-    FoundationParameters::Viscoelastic { eta, xi_v, epsilon }
+pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> Base {
+    Base::viscoelastic(eta, xi_v, epsilon)
 }
 
 /// Figures 6 and 7 compare foundations for each η, Figure 8 for each ε and ξ_v.
 #[test]
 fn histories_compare_the_foundations_of_the_paper() {
-    let pairs = |number| -> Vec<[FoundationParameters; 2]> {
+    let pairs = |number| -> Vec<[Base; 2]> {
         comparisons(number).into_iter().map(|Comparison { solid, dashed, .. }| [solid, dashed]).collect()
     };
     let etas = [20.0, 40.0, 60.0, 80.0];
@@ -38,8 +39,8 @@ fn histories_compare_the_foundations_of_the_paper() {
         .into_iter()
         .map(|[solid, dashed]| {
             assert_eq!(solid, RIGID);
-            let FoundationParameters::Viscoelastic { xi_v, epsilon, .. } = dashed else { panic!("{dashed:?}") };
-            [epsilon, xi_v]
+            let Supports::Viscoelastic(Ratios { xi_v, .. }) = dashed.supports else { panic!("{dashed:?}") };
+            [dashed.epsilon, xi_v]
         })
         .collect();
     assert_eq!(eight, [[0.0, 0.1], [0.0, 0.4], [0.4, 0.1], [0.4, 0.4]]);
@@ -76,9 +77,8 @@ fn spectra_under_pulses_are_those_of_the_paper() {
                 assert!((spectrum.pulse.end() - period).abs() < 1e-12);
                 assert_eq!(spectrum.bases[0], RIGID);
                 // The table has the same ω_p/p, with T_p = 2π/ω_p.
-                let fields = spectrum.made(0).0.fields;
-                let column = Spectrum::column("omega_p/p [1]").unwrap();
-                let ratio: f64 = fields.get(column).unwrap().parse().unwrap();
+                let rows = spectrum.make(&[0], None).table;
+                let ratio = rows.column("omega_p/p").unwrap().number(0).unwrap();
                 assert!((ratio - TAU / period / spectrum.inputs(0).p).abs() < 1e-9);
             }
         }
@@ -105,8 +105,9 @@ fn spectra_under_records_are_those_of_the_paper() {
             assert!(left.motions[0].1.vertical.is_none() && left.alpha == 0.25);
             assert_eq!(left.bases[0], RIGID);
             for base in &left.bases[1..] {
-                assert!(
-                    matches!(base, FoundationParameters::Viscoelastic { xi_v: xi, epsilon: e, .. } if [*xi, *e] == [xi_v, epsilon])
+                assert_eq!(
+                    base.supports.viscoelastic().map(|ratios| [ratios.xi_v, base.epsilon]),
+                    Some([xi_v, epsilon])
                 );
             }
             assert!(pair[1].title.contains("a_gx and a_gz"));
@@ -121,9 +122,8 @@ fn spectra_under_records_are_those_of_the_paper() {
     }
     // The table has the same 2π/p.
     let spectrum = panels(12, &SMALL, &sources).swap_remove(0).spectrum.unwrap();
-    let fields = spectrum.made(0).0.fields;
-    let found = fields.get(Spectrum::column("2pi/p [s]").unwrap());
-    assert_eq!(found, Some((TAU / spectrum.inputs(0).p).to_string().as_str()));
+    let rows = spectrum.make(&[0], None).table;
+    assert_eq!(rows.column("2pi/p").unwrap().number(0), Some(TAU / spectrum.inputs(0).p));
 }
 
 /// Panels of a missing vertical record are empty, with a note; they do not repeat the horizontal ones.

@@ -2,15 +2,19 @@
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::run::Run;
 
 fn run(alpha: f64, foundation: Foundation, amplitude: f64) -> Run {
-    let common = Common { foundation, ..Common::default() };
-    let block = Block::from_dimensionless(&Dimensionless { alpha, p: 1.5, eta: 60.0, xi_v: 0.2 }, &common).unwrap();
+    let common = Common::default();
+    let block = Block::from_dimensionless(
+        &Dimensionless { alpha, p: 1.5, supports: Supports::of(foundation, Ratios { eta: 60.0, xi_v: 0.2 }) },
+        &common,
+    )
+    .unwrap();
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.3, start: 0.25, ..Pulse::NONE };
     let (initial, ground) = (Initial::default(), Ground::default());

@@ -189,7 +189,7 @@ design = "grid"
 [parameters]
 dimensionless.alpha = [0.2, 0.35]
 dimensionless.p = [1, 2.5]
-friction = [0, 0.3]
+friction = ["none", 0.3]
 eccentricity = [0, 0.05]
 tie_1.block_z = [1]
 tie_1.ground_x = [2]

@@ -5,6 +5,7 @@ mod findings;
 mod fragility;
 mod friction;
 mod lanes;
+mod parts;
 mod rate;
 mod search;
 mod spectrum;

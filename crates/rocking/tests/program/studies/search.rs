@@ -1,8 +1,8 @@
 //! `rocking search`, and the searches of the library.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
@@ -14,7 +14,12 @@ use crate::program::{RECORD, Table, files, refused, stdout};
 /// No lanes; the module `lanes` compares results with and without them.
 const WIDTH: Option<VectorWidth> = None;
 
-const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+const RIGID: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::HOUSNER };
+
+fn with(xi_v: f64) -> Result<Block, BlockError> {
+    let supports = Supports::Viscoelastic(Ratios { eta: 40.0, xi_v });
+    Block::from_dimensionless(&Dimensionless { supports, ..RIGID }, &Common::default())
+}
 
 fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
     let (settings, ground) = (Settings::default(), Ground::default());
@@ -26,14 +31,12 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 #[test]
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found =
-        damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
-            .unwrap();
+    let found = damping_against_separation(with, 0.95, Settings::default(), &scan, WIDTH, |_, _| ()).unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
         assert!(change.above - change.below <= scan.resolution && change.below < change.above);
         for (xi_v, expected) in [(change.below, change.from), (change.above, change.to)] {
-            let block = Block::from_dimensionless(&Dimensionless { xi_v, ..BLOCK }, &Common::default()).unwrap();
+            let block = with(xi_v).unwrap();
             let initial = Initial { theta_dot: 0.95 * 0.25, ..Initial::default() };
             assert_eq!(end(&block, initial, Pulse::NONE, 50.0), expected, "xi_v = {xi_v}");
         }
@@ -47,8 +50,7 @@ fn damping_against_separation_brackets_the_change() {
 /// On a rigid base the block stands, overturns, stands again under a stronger pulse, and overturns for good.
 #[test]
 fn overturning_is_found_with_the_island_above_it() {
-    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
-    let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
+    let block = Block::from_dimensionless(&RIGID, &Common::default()).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0, ..Pulse::NONE };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
     let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ());
@@ -69,8 +71,7 @@ fn overturning_is_found_with_the_island_above_it() {
 #[test]
 fn similar_blocks_overturn_at_the_same_amplitude() {
     let least = |p: f64| {
-        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
-        let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
+        let block = Block::from_dimensionless(&Dimensionless { p, ..RIGID }, &Common::default()).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0, ..Pulse::NONE };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
         overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ())
@@ -88,9 +89,7 @@ fn the_program_prints_the_result_of_the_library() {
     let two = stdout(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found =
-        damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
-            .unwrap();
+    let found = damping_against_separation(with, 0.95, Settings::default(), &scan, WIDTH, |_, _| ()).unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     // Four decimals, as fine as the resolution.
     assert!(one.contains(&format!("no separation from xi_v = {needed:.4} to 0.4\n")), "{one}");
@@ -167,8 +166,7 @@ fn progress_ends_with_all_runs_done() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
     let progressed = std::sync::Mutex::new(Vec::new());
     let progress = |done, runs| progressed.lock().unwrap().push((done, runs));
-    damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, progress)
-        .unwrap();
+    damping_against_separation(with, 0.95, Settings::default(), &scan, WIDTH, progress).unwrap();
     let mut progressed = progressed.into_inner().unwrap();
     progressed.sort_unstable();
     assert!(progressed.iter().map(|run| run.0).eq(1..=progressed.len() as u64));

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
@@ -73,8 +73,8 @@ fn rows_equal_single_runs() {
         assert!((table.number(row, "2pi/p [s]") * p / std::f64::consts::TAU - 1.0).abs() < 1e-15);
         assert!((table.number(row, "omega_p/p [1]") * p / 5.0 - 1.0).abs() < 1e-15);
         let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
-        let d = Dimensionless { alpha: 0.25, p, eta, xi_v: 0.1 };
-        let common = Common { foundation, epsilon, ..Common::default() };
+        let d = Dimensionless { alpha: 0.25, p, supports: Supports::of(foundation, Ratios { eta, xi_v: 0.1 }) };
+        let common = Common { epsilon, ..Common::default() };
         let run = Run {
             block: Block::from_dimensionless(&d, &common).unwrap(),
             settings: Settings { tolerance: Settings::OF_STUDIES, ..Settings::default() },
@@ -281,6 +281,47 @@ fn a_table_of_another_study_is_left_alone() {
         std::fs::write(&path, &text).unwrap();
         refused(folder.path(), &go_on(&[]), &["s.csv", words]);
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+}
+
+/// A number edited in a table is refused with its file, row and column, for statistics and for a picture.
+#[test]
+fn edited_numbers_are_refused_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), &spectrum(&["--csv", "s.csv"]));
+    let path = folder.path().join("s.csv");
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let heading = whole.lines().find(|line| line.starts_with("row,")).unwrap();
+    let row = whole.lines().find(|line| line.starts_with("3,")).unwrap();
+    for (column, found) in
+        [("peak.theta/alpha [1]", "0.1.2"), ("flights [1]", "x"), ("outcome", "stood"), ("2pi/p [s]", "nan")]
+    {
+        let place = heading.split(',').position(|name| name == column).unwrap();
+        let mut fields: Vec<&str> = row.split(',').collect();
+        fields[place] = found;
+        std::fs::write(&path, whole.replace(row, &fields.join(","))).unwrap();
+        let options = ["--csv", "s.csv", "--resume", "--over", "2pi/p", "--plot", "s.svg"];
+        refused(folder.path(), &spectrum(&options), &["s.csv: ", "row 3", column, found, "expected"]);
+    }
+}
+
+/// A pulse that ends before a run without a record starts is said once; with a record the run starts with the pulse.
+#[test]
+fn a_pulse_before_the_start_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("still.csv"), "t,a\n0,0\n0.01,0\n0.02,0\n").unwrap();
+    let pulse = ["--pulse", "one-sine", "--amplitude", "6", "--period", "0.5", "--start", "-1"];
+    let still = ["--record", "still.csv", "--unit", "m/s2"];
+    let simulate = ["simulate", "--foundation", "rigid"];
+    let spectrum = ["spectrum", "--points", "3", "--csv", "s.csv", "--force"];
+    for command in [&simulate[..], &spectrum] {
+        for record in [&[][..], &still] {
+            let output = rocking(folder.path(), &[command, &pulse, record].concat());
+            let said = text(&output.stderr);
+            assert!(output.status.success(), "{said}");
+            let times = said.matches("the pulse ends at -0.5 s, before the run starts").count();
+            assert_eq!(times, usize::from(record.is_empty()), "{command:?} {record:?}: {said}");
+        }
     }
 }
 

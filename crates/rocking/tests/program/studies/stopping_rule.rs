@@ -1,9 +1,10 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Ratios, Regime, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
-use rocking_block::ground::Ground;
+use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::dynamics::instant;
 use rocking_block::system::events::EventKind;
@@ -15,8 +16,12 @@ use rocking_studies::run::{History, Run};
 use rocking_studies::statistics::sampling::LatinHypercube;
 
 fn block(alpha: f64, eta: f64, epsilon: f64, foundation: Foundation) -> Block {
-    let common = Common { epsilon, foundation, ..Common::default() };
-    Block::from_dimensionless(&Dimensionless { alpha, p: 1.3, eta, xi_v: 0.1 }, &common).unwrap()
+    let common = Common { epsilon, ..Common::default() };
+    Block::from_dimensionless(
+        &Dimensionless { alpha, p: 1.3, supports: Supports::of(foundation, Ratios { eta, xi_v: 0.1 }) },
+        &common,
+    )
+    .unwrap()
 }
 
 fn run(block: Block, initial: Initial, pulse: Pulse, on_separation: OnSeparation) -> Run {
@@ -61,7 +66,11 @@ fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
     for (eta, uneven) in [(80.0, 0.3), (40.0, -0.5), (20.0, 0.1), (4.63, 0.02)] {
         let even = block(0.25, eta, 0.0, Foundation::Viscoelastic);
         let common = Common { eccentricity: uneven * even.b, ..Common::default() };
-        let block = Block::from_dimensionless(&Dimensionless { alpha: 0.25, p: 1.3, eta, xi_v: 0.1 }, &common).unwrap();
+        let block = Block::from_dimensionless(
+            &Dimensionless { alpha: 0.25, p: 1.3, supports: Supports::Viscoelastic(Ratios { eta, xi_v: 0.1 }) },
+            &common,
+        )
+        .unwrap();
         let deflection = block.static_deflection();
         let least = |corner: Corner, tilting: Regime| {
             let theta = -corner.sign() * block.alpha_of(corner);
@@ -83,10 +92,13 @@ fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
 #[test]
 fn the_rocking_period_with_ties_is_the_measured_one() {
     let plain = block(0.25, 40.0, 0.0, Foundation::Rigid);
-    let common =
-        Common { foundation: Foundation::Rigid, restitution_factor: 1.0 / plain.restitution(), ..Common::default() };
+    let common = Common::default();
     let elastic = |ties: &[Tie]| {
-        let dimensionless = Dimensionless { alpha: 0.25, p: 1.3, eta: 40.0, xi_v: 0.1 };
+        let dimensionless = Dimensionless {
+            alpha: 0.25,
+            p: 1.3,
+            supports: Supports::Rigid { restitution_factor: 1.0 / plain.restitution() },
+        };
         Block::from_dimensionless(&dimensionless, &common).unwrap().with_ties(ties).unwrap()
     };
     let (b, weight) = (plain.b, plain.mass * plain.gravity);
@@ -102,7 +114,7 @@ fn the_rocking_period_with_ties_is_the_measured_one() {
         let initial = Initial { theta: 0.08, ..Initial::default() };
         let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
         let fraction = fraction_of_barrier(&simulation).unwrap();
-        let rule = tied_rocking_period(&block, &simulation.restraints().ties, 0.08, fraction);
+        let rule = tied_rocking_period(&block, &simulation.restraints().ties, 0.0, 0.08, fraction);
         let mut landings = vec![];
         let take = &mut |event: &_| {
             let &rocking_block::system::events::Event { time, kind, .. } = event;
@@ -308,4 +320,46 @@ fn a_held_block_stays_in_the_history() {
     );
     let outcome = Run { duration: Some(4.0), ..run }.outcome();
     assert_eq!((outcome.end, outcome.end_time), (End::Separated, time));
+}
+
+/// A run ends only once the foot slides no more: neither the slip nor any other peak rises afterwards.
+#[test]
+fn nothing_rises_after_the_end_of_a_run_with_friction() {
+    let cube = LatinHypercube::new(400, 6, 11);
+    let mut slid = 0;
+    for number in 0..400 {
+        let [alpha, friction, strength, period, eta, epsilon] =
+            std::array::from_fn(|direction| cube.coordinate(number, direction));
+        let foundation = if number % 2 == 0 { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let friction = 0.02 * 25.0_f64.powf(friction);
+        let common = Common { epsilon: 0.5 * epsilon, friction, ..Common::default() };
+        let dimensionless = Dimensionless {
+            alpha: 0.1 + 0.5 * alpha,
+            p: 2.0,
+            supports: Supports::of(foundation, Ratios { eta: 10.0 + 60.0 * eta, xi_v: 0.2 }),
+        };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let amplitude = (0.5 + 3.0 * strength) * block.gravity * block.alpha.tan();
+        let shape = [PulseShape::HalfSine, PulseShape::OneSine, PulseShape::OneCosine][number as usize % 3];
+        let pulse = Pulse { shape, amplitude, period: 0.3 + 1.5 * period, start: 0.0, ..Pulse::NONE };
+        let short = run(block, Initial::default(), pulse, OnSeparation::Fly);
+        let outcome = short.outcome();
+        if outcome.end != End::Completed {
+            continue;
+        }
+        slid += u32::from(outcome.peaks.slip > 0.01);
+        let longer = Run { duration: Some(outcome.end_time + 60.0), ..short }.outcome();
+        // A late landing on supports may leave the foot sliding for less than a microsecond, in which H is μ N.
+        let (supported, shear) = (foundation == Foundation::Viscoelastic, 1.1 * friction * block.mass * block.gravity);
+        let brief = if supported { [0.0, 0.0, shear, 0.0, friction] } else { [0.0; 5] };
+        let peaks = |peaks: Peaks| {
+            let Peaks { theta, slip, horizontal, reaction, friction_demand, .. } = peaks;
+            [theta, slip, horizontal, reaction, friction_demand]
+        };
+        for (peak, (early, late)) in peaks(outcome.peaks).into_iter().zip(peaks(longer.peaks)).enumerate() {
+            let bound = (1.001 * early + 1e-6).max(brief[peak]);
+            assert!(late <= bound, "block {number}, peak {peak}: {early}, then {late}");
+        }
+    }
+    assert!(slid > 40, "{slid}");
 }

@@ -1,6 +1,7 @@
 //! Levels, least overturning levels and ensembles of `rocking sweep`.
 
-use rocking_block::ground::Ground;
+use rocking_block::block::{Block, Common, Dimensionless, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
 use rocking_records::{ReadOptions, Unit, read};
 use rocking_studies::intensity::pgv;
@@ -64,6 +65,65 @@ fn levels_are_met_by_factors() {
     }
 }
 
+/// An analysis by hunt and fill makes the runs of a sweep at the levels that it chooses, whatever the lanes and interruptions; the bracket of the
+/// least level that overturns narrows to the resolution.
+#[test]
+fn hunts_make_the_runs_of_a_sweep_at_their_levels() {
+    let hunt = study("hunt = { im = \"PGV\", first = 0.1, resolution = 0.05, runs = 14 }");
+    let files = folder(&hunt);
+    let ida = |more: &[&str]| stdout(files.path(), &[&["ida", "study.toml"], more].concat());
+    let text = ida(&["--csv", "out.csv", "--plot", "ida.svg"]);
+    assert!(text.contains("curves        2, of which 2 overturn\noverturning   by PGV: 16 % "), "{text}");
+    ida(&["--csv", "alone.csv", "--lanes", "1", "--threads", "1"]);
+    let read = |name: &str| std::fs::read_to_string(files.path().join(name)).unwrap();
+    assert_eq!(read("out.csv"), read("alone.csv"));
+    assert!(read("ida.svg").contains("<svg"));
+    let whole = read("out.csv");
+    let rows: Vec<&str> = whole.lines().collect();
+    std::fs::write(files.path().join("cut.csv"), rows[..rows.len() - 9].join("\n") + "\n").unwrap();
+    ida(&["--csv", "cut.csv", "--resume"]);
+    assert_eq!(read("out.csv"), read("cut.csv"));
+    let table = Table::read(&files.path().join("out.csv"));
+    assert_eq!(table.rows.len(), 28);
+    let summary: serde_json::Value = serde_json::from_str(&ida(&["--csv", "json.csv", "--json"])).unwrap();
+    for curve in 0..2 {
+        let rows = 14 * curve..14 * (curve + 1);
+        let levels: Vec<f64> = rows.clone().map(|row| table.number(row, "PGV [m/s]")).collect();
+        // The steps grow until the block overturns.
+        let hunted = rows.clone().position(|row| table.get(row, "outcome") == "overturned").unwrap();
+        let expected = |i: usize| 0.1 + 0.1 * i as f64 + 0.025 * (i * i.saturating_sub(1)) as f64;
+        assert!((0..=hunted).all(|i| (levels[i] - expected(i)).abs() < 1e-12), "{levels:?}");
+        let least = |is: &dyn Fn(&str) -> bool| {
+            let levels =
+                rows.clone().filter(|&row| is(table.get(row, "outcome"))).map(|row| table.number(row, "PGV [m/s]"));
+            levels.collect::<Vec<f64>>()
+        };
+        let overturns = least(&|outcome| outcome == "overturned").into_iter().fold(f64::INFINITY, f64::min);
+        let stands =
+            least(&|outcome| outcome == "completed").into_iter().filter(|&level| level < overturns).fold(0.0, f64::max);
+        assert!(overturns - stands <= 0.05 * overturns, "{stands} to {overturns}");
+        let capacity = &summary["capacities"][curve];
+        assert_eq!((capacity["stands"].as_f64(), capacity["overturns"].as_f64()), (Some(stands), Some(overturns)));
+        // The rows are those of a sweep at the same levels.
+        let values: Vec<String> = levels.iter().map(f64::to_string).collect();
+        let levels = sweep(&study(&format!("levels = {{ im = \"PGV\", values = [{}] }}", values.join(", "))));
+        for row in 0..14 {
+            let fields =
+                |table: &Table| table.rows[14 * curve + row].iter().skip(1).map(String::from).collect::<Vec<_>>();
+            assert_eq!(fields(&table), fields(&levels));
+        }
+    }
+    let given = study("levels = { im = \"PGV\", values = [0.2, 0.4, 0.8] }");
+    std::fs::write(files.path().join("study.toml"), given).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&ida(&["--csv", "levels.csv", "--json"])).unwrap();
+    let levels: Vec<f64> =
+        summary["fractiles"].as_array().unwrap().iter().map(|at| at["level"].as_f64().unwrap()).collect();
+    assert_eq!(levels, [0.2, 0.4, 0.8]);
+    std::fs::write(files.path().join("study.toml"), study("scales = [1, 2]")).unwrap();
+    let words = ["study.toml: has no levels of an intensity measure; expected levels = "];
+    refused(files.path(), &["ida", "study.toml", "--csv", "x.csv"], &words);
+}
+
 /// Least level and overturning ranges equal those of `rocking search` over the factor.
 #[test]
 fn least_levels_and_islands_are_those_of_a_search() {
@@ -77,14 +137,8 @@ fn least_levels_and_islands_are_those_of_a_search() {
     let pgv = pgv(&record);
     let mut most = 0;
     for row in 0..2 {
-        let block = rocking_block::block::Block::from_dimensionless(
-            &rocking_block::block::Dimensionless { alpha: 0.2, p: [1.5, 3.0][row], eta: 40.0, xi_v: 0.1 },
-            &rocking_block::block::Common {
-                foundation: rocking_block::block::Foundation::Rigid,
-                ..rocking_block::block::Common::default()
-            },
-        )
-        .unwrap();
+        let given = Dimensionless { alpha: 0.2, p: [1.5, 3.0][row], supports: Supports::HOUSNER };
+        let block = Block::from_dimensionless(&given, &Common::default()).unwrap();
         let settings = Settings { on_separation: rocking_block::simulation::OnSeparation::Fly, ..Settings::default() };
         let scan = Scan { from: 0.2 / pgv, to: 4.0 / pgv, points: 60, resolution: 1e-3 / pgv };
         let shaking = Shaking::Records(Ground { horizontal: Some(record.clone()), vertical: None });
@@ -176,6 +230,40 @@ fn an_ensemble_counts_its_runs() {
     assert!(between > 0, "all samples have the same outcome");
 }
 
+/// Samples count as single runs do: one that ends undecided or separated before a limit is unknown.
+#[test]
+fn an_ensemble_counts_unknown_samples() {
+    let spread = Spread {
+        target: SpreadTarget::Scale,
+        distribution: Distribution::Lognormal,
+        width: SpreadWidth::Relative(0.3),
+    };
+    let undecided = study("duration = 5\nSTRENGTH");
+    let separated = study("STRENGTH").replace("alpha = 0.2", "alpha = 0.5\non_separation = \"terminate\"\neta = 20");
+    let separated = separated.replace("\"rigid\"", "\"viscoelastic\"") + "vertical = \"h.csv\"\n";
+    for (study, scale, end) in [(undecided, 0.6, "undecided"), (separated, 0.9, "separated")] {
+        let factor = |i: i32| spread.value(scale, (f64::from(i) + 0.5) / 9.0).to_string();
+        let factors = (0..9).map(factor).collect::<Vec<_>>().join(", ");
+        let single = sweep(&study.replace("STRENGTH", &format!("scales = [{factors}]")));
+        let ensemble = format!("scales = [{scale}]\nensemble = {{ scale = 0.3, samples = 9, limits = [0.3] }}");
+        let table = sweep(&study.replace("STRENGTH", &ensemble));
+        let over =
+            |row: usize| single.get(row, "outcome") == "overturned" || single.number(row, "peak.theta/alpha [1]") > 0.3;
+        let open = |row: usize| single.get(row, "outcome") == end;
+        let (mut beyond, mut partly) = (0, 0);
+        for row in 0..2 {
+            let count = |is: &dyn Fn(usize) -> bool| (9 * row..9 * row + 9).filter(|&row| is(row)).count();
+            let (exceeded, unknown) = (count(&over), count(&|row| open(row) && !over(row)));
+            assert_eq!(table.get(row, "ensemble.theta/alpha>0.3 [1]"), exceeded.to_string(), "{end}");
+            assert_eq!(table.get(row, "ensemble.unknown(theta/alpha>0.3) [1]"), unknown.to_string(), "{end}");
+            assert_eq!(table.number(row, "P(theta/alpha>0.3) [1]"), exceeded as f64 / (9 - unknown) as f64, "{end}");
+            beyond += count(&|row| open(row) && over(row));
+            partly += usize::from(unknown > 0);
+        }
+        assert!(beyond > 0 && partly > 0, "{end}: {beyond} {partly}");
+    }
+}
+
 const SEVERAL: &str = "scales = [0.5, 0.6, 0.7]\n[study.ensemble]\nsamples = 5\nseed = 3\nscale = 0.1\n\
                        dimensionless.p = { distribution = \"normal\", cov = 0.05 }\n\
                        initial.theta = { distribution = \"uniform\", deviation = 0.01 }";
@@ -213,6 +301,11 @@ fn wrong_strengths_and_ensembles_are_refused_with_their_line() {
             "ensemble = { scale = 0.1, samples = 9 }\nleast = { im = \"PGV\", from = 1, to = 2, points = 9, resolution = 0.1 }",
             "expected none beside least",
         ),
+        ("hunt = { im = \"PGV\" }", "hunt has no first; expected the level of the first run"),
+        ("hunt = { im = \"PGV\", first = 0.1, resolution = 1 }", "resolution = 1; expected a part of the level"),
+        ("hunt = { im = \"PGV\", first = 0.1, runs = 0 }", "runs = 0"),
+        ("hunt = { im = \"T_m\", first = 0.1 }", "im = \"T_m\"; expected a measure that grows"),
+        ("ensemble = { scale = 0.1, samples = 9 }\nhunt = { im = \"PGV\", first = 0.1 }", "expected none beside hunt"),
         ("ensemble = { samples = 9 }", "ensemble spreads 0 values"),
         ("ensemble = { scale = 0.1 }", "ensemble has no samples"),
         ("ensemble = { scale = -0.1, samples = 9 }", "scale expects a coefficient of variation > 0"),

@@ -1,0 +1,90 @@
+//! `rocking assess`: a study file with an object → a page on it, with pictures and tables.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use anyhow::Context;
+use clap::Parser;
+use serde::Serialize;
+
+use crate::options::input;
+use crate::options::run::{ProcessorOptions, warn};
+use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::progress::Progress;
+use crate::output::report::{ReportOptions, WrittenFiles};
+use rocking_report::PAGE;
+use rocking_studies::assess::{Kept, Plan, Report, Step, assess};
+use rocking_studies::input::study_file::StudyFileError;
+
+/// Options of `rocking assess`.
+#[derive(Parser)]
+pub struct Options {
+    /// Study file in TOML with an [assess] table, as examples/assess/statue.toml; `-` for standard input
+    #[arg(value_name = "STUDY.toml")]
+    file: PathBuf,
+    /// Folder for the page, its pictures and tables
+    #[arg(long, value_name = "FOLDER", default_value = "report", help_heading = "Results")]
+    out: PathBuf,
+    #[command(flatten)]
+    processor: ProcessorOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// The report with the names of its files.
+#[derive(Serialize)]
+struct AssessResult<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    steps: &'a [Step],
+    files: Vec<&'a str>,
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let Options { file, out, processor, report } = options;
+    let (name, text) = input::text(file)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    // The page names the file without its folder, so that its bytes do not depend on where the study lies.
+    let short = file.file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
+    let plan = Plan::read(&short, &text, folder).map_err(|error| StudyFileError { file: name.clone(), ..error })?;
+    warn(plan.sweep.remarks.iter().cloned());
+    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
+    let page = out.join(PAGE);
+    Pending::new(&page)?;
+
+    let bar = Mutex::new(None);
+    let show = |step: &str, done, all| {
+        if let Ok(mut bar) = bar.lock() {
+            bar.get_or_insert_with(|| Progress::new(all, 0)).show_step(step, done, all);
+        }
+    };
+    // An interrupted call, or one with another title, finds the rows there.
+    let kept = out.join("kept");
+    std::fs::create_dir_all(&kept).with_context(|| format!("{}: cannot be created", kept.display()))?;
+    let program = std::env::current_exe().context("the program's own file cannot be found")?;
+    let keep = Kept { folder: &kept, program: &program };
+    let pool = processor.threads.pool()?;
+    let found = assess(&plan, &pool, processor.width(), Some(keep), &show)
+        .map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    if let Ok(Some(bar)) = bar.into_inner() {
+        bar.clear();
+    }
+    let files = rocking_report::files(&plan, &found)?;
+    let records = plan.inputs.iter().skip(1).map(|input| NamedFile::new("the input", &folder.join(&input.file)));
+    let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", file)).chain(records).collect();
+    let outputs: Vec<_> = files.iter().map(|(name, _)| NamedFile::new("--out", &out.join(name))).collect();
+    check_distinct(&inputs, &outputs)?;
+    let pending = files.iter().map(|(name, _)| Pending::new(&out.join(name))).collect::<anyhow::Result<Vec<_>>>()?;
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let result = AssessResult { report: &found.report, steps: &found.steps, files: names.clone() };
+    let text = rocking_report::text(&found);
+    let written = WrittenFiles::new([("out", Some(page.as_path()))]);
+    let contents = files.iter().map(|(_, content)| content.clone());
+    Pending::write(pending.into_iter().zip(contents).collect())?;
+    for remark in &found.report.remarks {
+        eprintln!("rocking: warning: {remark}");
+    }
+    let warnings = [&plan.sweep.remarks[..], &found.report.remarks].concat();
+    report.print("assess", &written, &warnings, &(text + &written.lines()), &result)
+}

@@ -1,0 +1,155 @@
+//! `rocking fit`: a study file with tests of a block → estimates with their intervals.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use clap::Parser;
+
+use crate::options::explicit::ExplicitOptions;
+use crate::options::input;
+use crate::options::run::ThreadOptions;
+use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::formats::{PictureOptions, check_table};
+use crate::output::progress::Progress;
+use crate::output::report::{ReportOptions, WrittenFiles};
+use rocking_charts::numerals::readable;
+use rocking_charts::picture::PictureFormat;
+use rocking_studies::fit::{Estimate, Fit, TestFit, file, fit};
+use rocking_studies::input::study_file::StudyFileError;
+
+/// Options of `rocking fit`.
+#[derive(Parser)]
+pub struct Options {
+    /// Study file in TOML with [fit] and [[tests]], as examples/fit/release.toml; `-` for standard input
+    #[arg(value_name = "STUDY.toml")]
+    file: PathBuf,
+    /// Table of the estimates; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    /// Table of measured and fitted values over time; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    residuals: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    threads: ThreadOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let Options { file: study, csv, residuals, picture, threads, report } = options;
+    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
+    [csv, residuals].into_iter().flatten().try_for_each(|path| check_table(path))?;
+    let format = picture.format()?.unwrap_or(PictureFormat::Png);
+    let (name, text) = input::text(study)?;
+    let folder = study.parent().unwrap_or(Path::new(""));
+    let (problem, files) =
+        file::read(&name, &text, folder).map_err(|error| StudyFileError { file: name.clone(), ..error })?;
+    let outputs = [("csv", csv.as_deref()), ("residuals", residuals.as_deref()), ("plot", picture.plot.as_deref())];
+    let read = files.iter().map(|file| NamedFile::new("the input", &folder.join(file)));
+    let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", study)).chain(read).collect();
+    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
+    let pending = outputs.map(|(_, path)| path.map(Pending::new).transpose());
+    let [table_file, residuals_file, picture_file] = pending;
+    let (table_file, residuals_file, picture_file) = (table_file?, residuals_file?, picture_file?);
+
+    let bar = Mutex::new(None);
+    let show = |done, all| {
+        if let Ok(mut bar) = bar.lock() {
+            bar.get_or_insert_with(|| Progress::new(all, 0)).show_of(done, all);
+        }
+    };
+    let found = fit(&problem, &threads.pool()?, &show).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    if let Ok(Some(bar)) = bar.into_inner() {
+        bar.clear();
+    }
+    let mut written = Vec::new();
+    written.extend(table_file.map(|file| (file, table(&found).into_bytes())));
+    written.extend(residuals_file.map(|file| (file, residual_table(&found).into_bytes())));
+    if let Some(file) = picture_file {
+        let title = study.file_stem().map_or(name, |stem| stem.to_string_lossy().into_owned());
+        let svg = rocking_charts::fit::fit(&found, &format!("fit to {title}"))?;
+        written.push((file, format.encode(&svg)?));
+    }
+    Pending::write(written)?;
+    let written = WrittenFiles::new(outputs);
+    report.print("fit", &written, &found.notes, &(summary(&found) + &written.lines()), &found)
+}
+
+/// Writes the estimates as CSV.
+fn table(fit: &Fit) -> String {
+    let mut table =
+        String::from("parameter,unit,value,standard_error,low,high,quadratic_low,quadratic_high,at_bound\n");
+    for estimate in &fit.estimates {
+        let Estimate { name, unit, value, standard_error, quadratic_interval: [low, high], at_bound, .. } = estimate;
+        let [from, to] =
+            estimate.interval.unwrap_or([None, None]).map(|end| end.map_or(String::new(), |end| end.to_string()));
+        let is_at_bound = at_bound.is_some();
+        // Writing to a String never fails.
+        let _ = writeln!(table, "{name},{unit},{value},{standard_error},{from},{to},{low},{high},{is_at_bound}");
+    }
+    table
+}
+
+/// Writes measured and fitted values as CSV; the columns are in the units of the measured quantities.
+fn residual_table(fit: &Fit) -> String {
+    let mut table = String::from("test,t [s],measured,fitted,residual\n");
+    for (number, TestFit { times, measured, fitted, residuals, .. }) in (1..).zip(&fit.tests) {
+        for i in 0..times.len() {
+            let _ = writeln!(table, "{number},{},{},{},{}", times[i], measured[i], fitted[i], residuals[i]);
+        }
+    }
+    table
+}
+
+/// Writes the summary as text.
+fn summary(fit: &Fit) -> String {
+    let mut text = String::new();
+    let longest = fit.estimates.iter().map(|estimate| estimate.name.len()).max().unwrap_or(0);
+    let width = longest.max(13);
+    let mut line = |name: &str, value: String| text.push_str(&format!("{name:width$} {value}\n"));
+    let percent = 100.0 * fit.level;
+    for Estimate { name, unit, value, standard_error, interval, quadratic_interval, .. } in &fit.estimates {
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        let shown = |value: f64| readable(value, 5);
+        let interval = match interval {
+            Some([low, high]) => {
+                let [low, high] = [low, high].map(|end| end.map_or("the bound".into(), shown));
+                format!("{percent} %: {low} to {high}")
+            }
+            None => {
+                format!("{percent} %, quadratic: {} to {}", shown(quadratic_interval[0]), shown(quadratic_interval[1]))
+            }
+        };
+        line(name, format!("{} ± {}{unit}; {interval}", shown(*value), readable(*standard_error, 2)));
+    }
+    for (number, test) in (1..).zip(&fit.tests) {
+        let TestFit { output, unit, times, rms, durbin_watson, autocorrelation, .. } = test;
+        line(
+            &format!("test_{number}"),
+            format!(
+                "{output}, {} values; residuals {} {unit} (root mean square), Durbin–Watson {durbin_watson:.2}, autocorrelation \
+                 {autocorrelation:.2}",
+                times.len(),
+                readable(*rms, 3)
+            ),
+        );
+    }
+    if let Some(reduced) = fit.reduced_chi_squared {
+        line("chi-squared", format!("{reduced:.3} per degree of freedom"));
+    }
+    if let (Some(noise), Some(test)) = (fit.noise, fit.tests.first()) {
+        line("noise", format!("{} {} by the residuals", readable(noise, 3), test.unit));
+    }
+    if let Some(least) = fit.combinations.iter().rfind(|combination| combination.is_determined) {
+        line("weakest", least.meaning.clone());
+    }
+    line("runs", format!("{}, and {} with derivatives", fit.runs[0], fit.runs[1]));
+    for note in &fit.notes {
+        line("note", note.clone());
+    }
+    text
+}

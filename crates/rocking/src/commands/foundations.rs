@@ -1,0 +1,195 @@
+//! `rocking foundations`: friction and restitution of pairs of surfaces, and supports of rubber or soil, with their sources.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
+
+use crate::options::checks::checked;
+use crate::output::report::{ReportOptions, WrittenFiles};
+use rocking_charts::numerals::significant;
+use rocking_studies::foundations::{Pad, Pair, Soil, Support, pairs};
+
+/// Options of `rocking foundations`.
+#[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct Options {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute a support of rubber: a circular pad under each corner
+    Pad(PadOptions),
+    /// Compute supports equivalent to a rectangular footing on soil
+    Soil(SoilOptions),
+}
+
+#[derive(Args)]
+struct PadOptions {
+    /// Diameter d of the pad [m]
+    #[arg(long, value_name = "M")]
+    diameter: f64,
+    /// Shape factor S: loaded area over the area free to bulge; d/(4 t) for a layer of thickness t
+    #[arg(long, value_name = "S")]
+    shape_factor: f64,
+    /// Shear modulus G of the rubber [Pa]
+    #[arg(long, value_name = "PA")]
+    shear_modulus: f64,
+    /// Bulk modulus of the rubber; by default it is incompressible, as in the paper [Pa]
+    #[arg(long, value_name = "PA")]
+    bulk_modulus: Option<f64>,
+    #[command(flatten)]
+    block: SupportedBlock,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(Args)]
+struct SoilOptions {
+    /// Width of the footing in the plane of rocking [m]
+    #[arg(long, value_name = "M")]
+    width: f64,
+    /// Length of the footing across that plane [m]
+    #[arg(long, value_name = "M")]
+    length: f64,
+    /// Velocity of shear waves in the soil, at the strain of the earthquake [m/s]
+    #[arg(long, value_name = "M/S")]
+    shear_wave_velocity: f64,
+    /// Density of the soil [kg/m3]
+    #[arg(long, value_name = "KG/M3")]
+    density: f64,
+    /// Poisson's ratio of the soil
+    #[arg(long, value_name = "NU")]
+    poisson: f64,
+    #[command(flatten)]
+    block: SupportedBlock,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// The block on the supports.
+#[derive(Args)]
+struct SupportedBlock {
+    /// Mass M of the block, for omega_v, xi_v and delta_s [kg]
+    #[arg(long, value_name = "KG")]
+    mass: Option<f64>,
+    /// Frequency parameter p of the block, for eta; with --mass [rad/s]
+    #[arg(long, value_name = "RAD/S", requires = "mass")]
+    p: Option<f64>,
+}
+
+/// Values of a support, alone and under a block.
+#[derive(Serialize)]
+struct SupportValues {
+    #[serde(flatten)]
+    support: Support,
+    omega_v: Option<f64>,
+    xi_v: Option<f64>,
+    eta: Option<f64>,
+    source: &'static str,
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    match &options.command {
+        None => {
+            let json = BTreeMap::from([("pairs", pairs())]);
+            options.report.print("foundations", &WrittenFiles::new([]), &[], &table(pairs()), &json)
+        }
+        Some(Command::Pad(options)) => {
+            let PadOptions { diameter, shape_factor, shear_modulus, bulk_modulus, ref block, ref report } = *options;
+            let pad = Pad { diameter, shape_factor, shear_modulus, bulk_modulus };
+            let source = match bulk_modulus {
+                None => "Palmeri and Makris (2008), eq. (36)",
+                Some(_) => "Palmeri and Makris (2008), eq. (36); compressibility by Gent and Lindley (1959)",
+            };
+            print("foundations pad", pad.support()?, block, source, report)
+        }
+        Some(Command::Soil(options)) => {
+            let SoilOptions { width, length, shear_wave_velocity, density, poisson, ref block, ref report } = *options;
+            let soil = Soil { width, length, density, shear_wave_velocity, poisson };
+            let source = "Pais and Kausel (1988): static stiffness, radiation damping of the vertical motion";
+            print("foundations soil", soil.support()?, block, source, report)
+        }
+    }
+}
+
+fn print(
+    command: &str,
+    support: Support,
+    block: &SupportedBlock,
+    source: &'static str,
+    report: &ReportOptions,
+) -> anyhow::Result<()> {
+    let mass = checked("mass", block.mass, |x| x > 0.0, "a mass > 0 kg")?;
+    let p = checked("p", block.p, |x| x > 0.0, "a frequency > 0 rad/s")?;
+    let omega_v = mass.map(|mass| (2.0 * support.stiffness / mass).sqrt());
+    let xi_v = mass.zip(omega_v).zip(support.damping).map(|((mass, omega_v), damping)| damping / (mass * omega_v));
+    let eta = omega_v.zip(p).map(|(omega_v, p)| omega_v / p);
+    let values = SupportValues { support, omega_v, xi_v, eta, source };
+    report.print(command, &WrittenFiles::new([]), &[], &values.text(), &values)
+}
+
+impl SupportValues {
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
+        let Support { stiffness, damping, rocking_stiffness } = self.support;
+        line("K", format!("{stiffness:.4e} N/m, of each of two supports"));
+        match damping {
+            Some(damping) => line("C", format!("{damping:.4e} N.s/m, of each")),
+            None => line("C", "not stated by the source".into()),
+        }
+        if let Some(rocking) = rocking_stiffness.filter(|&rocking| rocking != stiffness) {
+            let part = significant(rocking / stiffness, 3);
+            line(
+                "K_rocking",
+                format!("{rocking:.4e} N/m, {part} K: two supports with the rocking stiffness of the footing"),
+            );
+        }
+        let short = |value: f64| significant(value, 4);
+        if let Some(omega_v) = self.omega_v {
+            let xi_v = self.xi_v.map(|xi_v| format!(", xi_v = {}", short(xi_v))).unwrap_or_default();
+            let eta = self.eta.map(|eta| format!(", eta = {}", short(eta))).unwrap_or_default();
+            line("block", format!("omega_v = {} rad/s{xi_v}{eta}", short(omega_v)));
+        }
+        line("source", self.source.into());
+        text
+    }
+}
+
+/// Writes the pairs as a table, with the sources below.
+fn table(pairs: &[Pair]) -> String {
+    let heading = ["quantity", "surfaces", "state", "value", "kind", "source"].map(String::from);
+    let row = |pair: &Pair| {
+        let [low, high] = [pair.low, pair.high].map(|value| significant(value, 3));
+        [
+            pair.quantity.name().into(),
+            pair.surfaces.clone(),
+            pair.state.clone(),
+            if low == high { low } else { format!("{low} to {high}") },
+            pair.kind.word().into(),
+            pair.source.name.clone(),
+        ]
+    };
+    let rows: Vec<[String; 6]> = std::iter::once(heading).chain(pairs.iter().map(row)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; 6] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in &rows {
+        let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text.push('\n');
+    let mut seen = BTreeSet::new();
+    for source in pairs.iter().map(|pair| &pair.source).filter(|source| seen.insert(&source.name)) {
+        let doi = source.doi.as_ref().map(|doi| format!(", doi:{doi}")).unwrap_or_default();
+        text.push_str(&format!("{}: {}{doi}\n", source.name, source.citation));
+    }
+    text
+}

@@ -1,0 +1,55 @@
+//! One module a command: options → results.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`simulate`] | options → one run: a table, a picture, a summary |
+//! | [`sketch`] | options → a block → its sketch and its values |
+//! | [`frame`] | options → columns under a beam → one run of their equivalent block |
+//! | [`spectrum`] | options → peak rotations of blocks of all sizes |
+//! | [`sweep`] | study file → the table of a sweep |
+//! | [`ida`] | study file → incremental dynamic analysis |
+//! | [`fragility`] | table of a sweep → fragility curves |
+//! | [`rate`] | hazard curve, fragility curve → annual rate |
+//! | [`search`] | range → the values at which the outcome changes |
+//! | [`mod@fit`] | study file with measured tests of a block → estimates with intervals |
+//! | [`assess`] | study file with an object → a page on it, with pictures and tables |
+//! | [`record`] | accelerograms → their contents and intensity measures |
+//! | [`pulse`] | an accelerogram → the pulse that fits it best |
+//! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
+//! | [`figures`] | numbers of figures → pictures with their tables |
+//! | [`schema`] | kind of study file → its JSON Schema |
+//! | [`shell`] | command line → completions, manual pages |
+
+pub mod simulate;
+
+pub mod sketch;
+
+pub mod frame;
+
+pub mod spectrum;
+
+pub mod sweep;
+
+pub mod ida;
+
+pub mod fragility;
+
+pub mod rate;
+
+pub mod search;
+
+pub mod fit;
+
+pub mod assess;
+
+pub mod record;
+
+pub mod pulse;
+
+pub mod foundations;
+
+pub mod figures;
+
+pub mod schema;
+
+pub mod shell;

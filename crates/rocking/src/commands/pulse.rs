@@ -1,0 +1,175 @@
+//! `rocking pulse`: an accelerogram → the pulse that fits its velocity best.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Parser;
+use serde::Serialize;
+
+use crate::options::accelerograms::{ReadingOptions, refuse_without_effect};
+use crate::options::explicit::ExplicitOptions;
+use crate::options::input;
+use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::formats::{PictureOptions, check_table};
+use crate::output::report::{ReportOptions, WrittenFiles};
+use rocking_block::block::Common;
+use rocking_block::excitation::records::Ground;
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_charts::picture::PictureFormat;
+use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
+use rocking_studies::intensity::{pga, pgv};
+use rocking_studies::pulse_fit::{self, PulseFit};
+use rocking_studies::spec::pulse::shapes;
+use rocking_studies::spec::words::Words;
+
+/// Options of `rocking pulse`.
+#[derive(Parser)]
+pub struct Options {
+    /// Accelerogram in any format of docs/records.md; `-` for standard input
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten, next_help_heading = "Reading")]
+    reading: ReadingOptions,
+    /// Gravitational acceleration, for records in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+    /// Shape of the pulse
+    #[arg(long, value_parser = shapes(), default_value = PulseShape::Gabor.word())]
+    shape: PulseShape,
+    /// Table of accelerations and velocities of record and pulse; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let Options { file, reading, g, shape, csv, picture, report } = options;
+    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
+    anyhow::ensure!(
+        pulse_fit::SHAPES.contains(shape),
+        "--shape {}; expected a pulse after which the ground stands still: {}",
+        shape.word(),
+        pulse_fit::SHAPES.map(Words::word).join(", ")
+    );
+    csv.as_deref().map_or(Ok(()), check_table)?;
+    let format = picture.format()?.unwrap_or(PictureFormat::Png);
+    let outputs = [("csv", csv.as_deref()), ("plot", picture.plot.as_deref())];
+    check_distinct(&[NamedFile::new("the record", file)], &NamedFile::of_options(outputs))?;
+    let record_options = RecordOptions { both: reading.read_options(*g)?, ..RecordOptions::default() };
+    let record = record_options.read(false, RecordOption::option, |options| input::record(file, options));
+    let record = record.map_err(anyhow::Error::msg)?;
+    let grounds = [Ground { horizontal: Some(record), vertical: None }];
+    refuse_without_effect(&record_options, &grounds)?;
+    let [Ground { horizontal: Some(record), .. }] = &grounds else { unreachable!("the ground has this record") };
+
+    let name = file.display();
+    let fit = pulse_fit::fit(record, *shape)
+        .with_context(|| format!("{name}: no {} pulse fits into the motion; expected a longer record", shape.word()))?;
+    let samples = fit.samples(record);
+    let mut files = Vec::new();
+    if let Some(path) = csv {
+        let mut table = String::from("t [s],a [m/s2],a_pulse [m/s2],v [m/s],v_pulse [m/s]\n");
+        for sample in &samples {
+            let ([a, a_pulse], [v, v_pulse]) = (sample.acceleration, sample.velocity);
+            // Writing to a String never fails.
+            let _ = writeln!(table, "{},{a},{a_pulse},{v},{v_pulse}", sample.time);
+        }
+        files.push((Pending::new(path)?, table.into_bytes()));
+    }
+    let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
+    if let Some(path) = &picture.plot {
+        let svg = rocking_charts::pulse_fit::pulse_fit(&samples, &fit, &title)?;
+        files.push((Pending::new(path)?, format.encode(&svg)?));
+    }
+    Pending::write(files)?;
+    let peak = |of: fn(&pulse_fit::FitSample) -> f64| samples.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let result = Report {
+        file: name.to_string(),
+        title,
+        shape: shape.word(),
+        amplitude: fit.pulse.amplitude,
+        period: fit.pulse.period,
+        start: fit.pulse.start,
+        gabor: (*shape == PulseShape::Gabor).then_some(Gabor { phase: fit.pulse.phase, cycles: fit.pulse.cycles }),
+        omega_p: fit.omega(),
+        duration: fit.pulse.duration(),
+        r_squared: fit.r_squared,
+        pga: [pga(record), peak(|sample| sample.acceleration[1])],
+        pgv: [pgv(record), peak(|sample| sample.velocity[1])],
+        command: command(&fit.pulse),
+    };
+    let written = WrittenFiles::new(outputs);
+    report.print("pulse", &written, &[], &(result.text(&fit) + &written.lines()), &result)
+}
+
+/// The fitted pulse, in SI units.
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    title: String,
+    shape: &'static str,
+    amplitude: f64,
+    period: f64,
+    start: f64,
+    #[serde(flatten)]
+    gabor: Option<Gabor>,
+    omega_p: f64,
+    duration: f64,
+    /// Share of the energy of the record's velocity.
+    r_squared: f64,
+    /// Peak acceleration of the record and of the pulse.
+    #[serde(rename = "PGA")]
+    pga: [f64; 2],
+    /// Peak velocity of the record and of the pulse.
+    #[serde(rename = "PGV")]
+    pgv: [f64; 2],
+    /// Command line that uses the pulse.
+    command: String,
+}
+
+#[derive(Serialize)]
+struct Gabor {
+    phase: f64,
+    cycles: f64,
+}
+
+impl Report {
+    fn text(&self, fit: &PulseFit) -> String {
+        let Report { file, title, pga, pgv, command, omega_p, duration, r_squared, .. } = self;
+        let Pulse { amplitude, period, start, phase, cycles, .. } = fit.pulse;
+        let gabor = match &self.gabor {
+            Some(_) => format!(", ν = {phase:.4} rad, γ = {cycles:.4}"),
+            None => String::new(),
+        };
+        format!(
+            "file          {file}\n\
+             title         {title}\n\
+             pulse         {}, a_p = {amplitude:.4} m/s², T_p = {period:.4} s, ω_p = {omega_p:.4} rad/s{gabor}\n\
+             time          from {start:.4} s, {duration:.4} s long\n\
+             share         R² = {r_squared:.4} of the energy of the velocity\n\
+             velocity      {:.4} m/s at most, of PGV = {:.4} m/s\n\
+             acceleration  {:.4} m/s² at most, of PGA = {:.4} m/s²\n\
+             run           {command}\n",
+            self.shape, pgv[1], pgv[0], pga[1], pga[0]
+        )
+    }
+}
+
+/// Returns the command line that uses a pulse, with six digits.
+fn command(pulse: &Pulse) -> String {
+    let Pulse { shape, amplitude, period, start, phase, cycles } = *pulse;
+    let digits = |value: f64| format!("{value:.5e}").parse().unwrap_or(value);
+    let [amplitude, period, start, phase, cycles] = [amplitude, period, start, phase, cycles].map(digits);
+    let mut line =
+        format!("rocking simulate --pulse {} --amplitude {amplitude} --period {period} --start {start}", shape.word());
+    if shape == PulseShape::Gabor {
+        // Writing to a String never fails.
+        let _ = write!(line, " --phase {phase} --cycles {cycles}");
+    }
+    line
+}

@@ -1,0 +1,289 @@
+//! `rocking rate`: a hazard curve, a fragility curve → the annual rate at which a limit is exceeded.
+
+mod report;
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, Parser};
+
+use crate::options::checks::check;
+use crate::options::explicit::ExplicitOptions;
+use crate::options::fit::FitOptions;
+use crate::options::input;
+use crate::options::measure::BlockScales;
+use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::formats::{PictureOptions, check_table};
+use crate::output::report::{ReportOptions, WrittenFiles};
+use report::{CurveReport, HazardReport, RateReport};
+use rocking_charts::fragility::probability_of;
+use rocking_studies::fragility::{Assessment, Cases, Interval, split_heading};
+use rocking_studies::intensity::Measure;
+use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
+use rocking_studies::statistics::range;
+
+/// Options of `rocking rate`.
+#[derive(Parser)]
+pub struct Options {
+    /// Hazard curve: CSV with two columns such as `PGV [m/s],rate [1/year]`, CSV exported by OpenQuake or nshmp-haz, or JSON of the
+    /// hazard services of the USGS; `-` for standard input
+    #[arg(value_name = "HAZARD")]
+    hazard: PathBuf,
+    #[command(flatten)]
+    reading: HazardReading,
+    #[command(flatten)]
+    fragility: FragilityOptions,
+    #[command(flatten)]
+    block: BlockScales,
+    /// Years for which the probability of exceeding the limit is reported
+    #[arg(long, value_name = "YEARS,...", value_delimiter = ',', default_values_t = [1.0, 50.0], help_heading = "Results")]
+    years: Vec<f64>,
+    /// Table of the deaggregation: the part of the rate between the hazard's levels; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Reading the hazard")]
+struct HazardReading {
+    /// Name of the site, or LON,LAT, in a file of several
+    #[arg(long, value_name = "SITE", allow_hyphen_values = true)]
+    site: Option<String>,
+    /// Unit of the levels, if the file does not name it: g, m/s2, cm/s2, m/s, cm/s, m, cm or s
+    #[arg(long, value_name = "UNIT")]
+    hazard_unit: Option<String>,
+    /// Years to which the probabilities of the file refer; without it, it has annual rates
+    #[arg(long, value_name = "YEARS")]
+    investigation_time: Option<f64>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Fragility")]
+struct FragilityOptions {
+    /// Intensity measure: a column of the table, or name and unit of the median, such as "PGV [m/s]"
+    #[arg(long, value_name = "COLUMN")]
+    im: Option<String>,
+    /// Table of a sweep, to which a curve is fitted as by `rocking fragility`
+    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["median", "beta"])]
+    table: Option<PathBuf>,
+    /// Median of a lognormal curve, in the unit of --im or else in SI units
+    #[arg(long, value_name = "M", requires = "beta")]
+    median: Option<f64>,
+    /// Dispersion of a lognormal curve; 0 for a step
+    #[arg(long, value_name = "BETA", requires = "median")]
+    beta: Option<f64>,
+    /// Use the fractions of the table's rows at each of its levels, without a fitted curve
+    #[arg(long, requires = "table")]
+    empirical: bool,
+    #[command(flatten)]
+    fit: FitOptions,
+}
+
+/// A fragility curve and its origin.
+struct Fragility {
+    curve: FragilityCurve,
+    /// Name and unit of the measure, if known.
+    heading: Option<String>,
+    assessment: Option<Assessment>,
+    /// Name of its probability.
+    ordinate: String,
+    /// Least and greatest measure of the rows.
+    rows: Option<[f64; 2]>,
+    report: CurveReport,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let FragilityOptions { table, median, empirical, fit, .. } = &options.fragility;
+    let plot = options.picture.plot.as_deref();
+    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
+    fit.check(explicit)?;
+    explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
+    explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
+    anyhow::ensure!(
+        table.is_some() || median.is_some(),
+        "no fragility curve; expected --table and --im, or --median and --beta"
+    );
+    check("g", options.block.g, |x| x > 0.0, "an acceleration above 0")?;
+    for &years in &options.years {
+        check("years", years, |x| x > 0.0, "a number of years above 0")?;
+    }
+    let csv = options.csv.as_deref();
+    csv.map_or(Ok(()), check_table)?;
+    let format = options.picture.format()?;
+    let outputs = [("csv", csv), ("plot", plot)];
+    let tables = table.iter().map(|path| NamedFile::new("--table", path));
+    let inputs: Vec<_> = std::iter::once(NamedFile::new("the hazard curve", &options.hazard)).chain(tables).collect();
+    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
+    let picture = plot.map(Pending::new).transpose()?;
+    let csv_file = csv.map(Pending::new).transpose()?;
+
+    let fragility = options.fragility.read(options.block.g)?;
+    let (file, hazard) = options.hazard(&fragility, explicit)?;
+    let found = AnnualRate::new(&hazard, &fragility.curve);
+    anyhow::ensure!(
+        found.rate.is_finite(),
+        "{file}: the hazard grows faster towards small measures than the logistic curve falls, so that the rate is not bounded; \
+         expected a hazard curve from lower levels, or --link probit"
+    );
+    let ends = fragility.assessment.as_ref().map(|assessment| interval(&hazard, assessment));
+    let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
+    let report = RateReport::new(
+        HazardReport::new(file, heading.clone(), &hazard),
+        fragility.report,
+        &found,
+        ends.map(|ends| (fit.ci, ends)),
+        &options.years,
+        fragility.rows,
+    );
+    let mut written = Vec::new();
+    if let (Some(file), Some(format)) = (picture, format) {
+        let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
+        let svg = rocking_charts::rate::rate(&report.lines(), &found, &heading, &fragility.ordinate, band)?;
+        written.push((file, format.encode(&svg)?));
+    }
+    if let Some(file) = csv_file {
+        written.push((file, report.table().into_bytes()));
+    }
+    Pending::write(written)?;
+    let of_curve = fragility.assessment.iter().flat_map(|assessment| assessment.warnings(&heading));
+    let warnings: Vec<String> = of_curve.chain(report.warnings()).collect();
+    for warning in &warnings {
+        eprintln!("rocking: warning: {warning}");
+    }
+    let written = WrittenFiles::new(outputs);
+    options.report.print("rate", &written, &warnings, &(report.text() + &written.lines()), &report)
+}
+
+fn heading(hazard: &HazardCurve) -> String {
+    let name = hazard.measure.as_deref().unwrap_or("measure");
+    hazard.unit.as_ref().map_or(name.into(), |unit| format!("{name} [{unit}]"))
+}
+
+impl Options {
+    /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
+    fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
+        let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();
+        let measure = name.and_then(|name| name.parse::<Measure>().ok());
+        let relative = measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
+        let (base, factor) = match measure {
+            Some(measure) => {
+                let (base, factor) = self.block.base(measure, explicit)?;
+                (Some(base.to_string()), factor)
+            }
+            None => {
+                explicit.refuse_unless(false, &["alpha", "p"], "without a measure relative to the block")?;
+                (name.map(String::from), 1.0)
+            }
+        };
+        let HazardReading { site, hazard_unit, investigation_time } = &self.reading;
+        let options = HazardOptions {
+            measure: base,
+            unit: hazard_unit.clone(),
+            site: site.clone(),
+            years: *investigation_time,
+            gravity: self.block.g,
+        };
+        let (name, text) = input::text(&self.hazard)?;
+        let hazard = read_hazard(&name, &text, &options).with_context(|| name.clone())?;
+        if let (None, Some(Some(unit)), Some(found)) = (relative, unit, &hazard.unit) {
+            anyhow::ensure!(
+                found == unit,
+                "{name}: found levels in {found}; expected {unit}, the unit of the fragility curve"
+            );
+        }
+        if let (Some(measure), None) = (measure, &hazard.unit) {
+            anyhow::bail!("{name}: no unit of the levels; expected --hazard-unit, as for {}", measure.heading());
+        }
+        Ok((name, hazard.scaled(factor)))
+    }
+}
+
+impl FragilityOptions {
+    fn read(&self, gravity: f64) -> anyhow::Result<Fragility> {
+        match (&self.table, self.median, self.beta) {
+            (None, Some(median), Some(beta)) => self.lognormal(median, beta, gravity),
+            _ => self.table(),
+        }
+    }
+
+    fn lognormal(&self, median: f64, beta: f64, gravity: f64) -> anyhow::Result<Fragility> {
+        let (heading, factor) = match self.im.as_deref().map(split_heading) {
+            None => (None, 1.0),
+            Some((name, unit)) => {
+                let known = name.parse::<Measure>().map(|measure| (measure.to_string(), measure.unit()));
+                let converted = unit.and_then(|unit| si(unit, gravity));
+                match (known, unit, converted) {
+                    (Ok((name, unit)), None, _) => (Some(format!("{name} [{unit}]")), 1.0),
+                    (Ok((name, expected)), Some(found), converted) => {
+                        let (unit, factor) = converted.unwrap_or((found, 1.0));
+                        anyhow::ensure!(unit == expected, "--im {name} in {found}; expected a unit of {expected}");
+                        (Some(format!("{name} [{unit}]")), factor)
+                    }
+                    (Err(_), Some(unit), None) => (Some(format!("{name} [{unit}]")), 1.0),
+                    (Err(_), Some(_), Some((unit, factor))) => (Some(format!("{name} [{unit}]")), factor),
+                    (Err(_), None, _) => (Some(name.into()), 1.0),
+                }
+            }
+        };
+        let curve = FragilityCurve::lognormal(median * factor, beta)?;
+        let report = CurveReport::lognormal(median * factor, beta);
+        Ok(Fragility {
+            curve,
+            heading,
+            assessment: None,
+            ordinate: "probability of exceedance".into(),
+            rows: None,
+            report,
+        })
+    }
+
+    fn table(&self) -> anyhow::Result<Fragility> {
+        let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
+        let Some(path) = &self.table else { unreachable!("checked before") };
+        let FitOptions { link, ci, .. } = self.fit;
+        let (name, table) = self.fit.table(path, Some(&[im]))?;
+        let limit = self.fit.limit(&table)?;
+        let Cases { cases, .. } = table.cases(limit)?;
+        let numbers = table.numbers(im)?;
+        let heading = table.heading(im)?;
+        let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
+        let rows = range(values.iter().flatten().copied());
+        let at = || format!("{name}: {im}");
+        let (limit, ordinate) = (limit.to_string(), probability_of(limit));
+        if self.empirical {
+            let mut levels: Vec<(f64, Vec<f64>)> = Vec::new();
+            let mut pairs: Vec<(f64, f64)> =
+                cases.iter().zip(&values).filter_map(|(case, value)| Some(((*value)?, case.fraction))).collect();
+            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (level, fraction) in pairs {
+                match levels.last_mut() {
+                    Some((last, fractions)) if *last == level => fractions.push(fraction),
+                    _ => levels.push((level, vec![fraction])),
+                }
+            }
+            let row_count: usize = levels.iter().map(|level| level.1.len()).sum();
+            anyhow::ensure!(
+                row_count >= 2 * levels.len(),
+                "{name}: {im} has {} levels in {row_count} rows; expected several rows at each level, as from a sweep with levels",
+                levels.len()
+            );
+            let mean = |fractions: &[f64]| fractions.iter().sum::<f64>() / fractions.len() as f64;
+            let (levels, fractions): (Vec<f64>, Vec<f64>) =
+                levels.iter().map(|(level, all)| (*level, mean(all))).unzip();
+            let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
+            let report = CurveReport::empirical(name.clone(), limit, levels.len());
+            return Ok(Fragility { curve, heading: Some(heading), assessment: None, ordinate, rows, report });
+        }
+        let uncertainty = self.fit.uncertainty();
+        let assessment = Assessment::new(&cases, &values, link, ci, uncertainty).with_context(at)?;
+        let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
+        let intervals = uncertainty.words(assessment.independence);
+        let report = CurveReport::fitted(name, limit, &assessment.fit, intervals);
+        Ok(Fragility { curve, heading: Some(heading), assessment: Some(assessment), ordinate, rows, report })
+    }
+}

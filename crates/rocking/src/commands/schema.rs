@@ -1,0 +1,32 @@
+//! `rocking schema`: kind of study file → its JSON Schema.
+
+use clap::{Parser, ValueEnum};
+
+use crate::output::report;
+use rocking_studies::spec::schema;
+use rocking_studies::spec::study::{FitFile, StudyFile};
+
+/// Options of `rocking schema`.
+#[derive(Parser)]
+pub struct Options {
+    /// Kind of file, as in `rocking schema study > study.schema.json`
+    #[arg(value_enum, default_value_t = Kind::Study)]
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Study for sweep, ida and assess
+    Study,
+    /// Tests for fit
+    Fit,
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let schema = match options.kind {
+        Kind::Study => schema::of_file::<StudyFile>(),
+        Kind::Fit => schema::of_file::<FitFile>(),
+    };
+    report::print(&(serde_json::to_string_pretty(&schema)? + "\n"), false)
+}

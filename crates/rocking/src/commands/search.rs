@@ -1,0 +1,433 @@
+//! `rocking search`: range of damping or amplitude → the values at which the outcome changes.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use anyhow::Context;
+use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
+
+use crate::options::accelerograms::Accelerograms;
+use crate::options::block::in_options;
+use crate::options::checks::{check, check_tolerance};
+use crate::options::choices;
+use crate::options::explicit::ExplicitOptions;
+use crate::options::run::{ProcessorOptions, SizeOptions, warn};
+use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::formats::check_table;
+use crate::output::progress::Progress;
+use crate::output::report::{ReportOptions, WrittenFiles};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Ratios, Supports};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_studies::doubts;
+use rocking_studies::run::outcome::End;
+use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
+use rocking_studies::spec::pulse::shapes;
+use rocking_studies::spec::words::Words;
+use rocking_studies::spec::{GaborSpec, HoldSpec};
+
+/// Options of `rocking search`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(subcommand)]
+    target: Target,
+}
+
+#[derive(Subcommand)]
+enum Target {
+    /// Find the smallest xi_v without complete separation in free vibration from theta_dot(0) = 0.95 alpha p
+    Damping(Box<Damping>),
+    /// Find the smallest amplitude of a pulse, or factor on a record, that overturns a block
+    Overturning(Box<Overturning>),
+}
+
+#[derive(Args)]
+struct Damping {
+    /// Initial angular velocity over alpha p
+    #[arg(long, default_value_t = 0.95)]
+    rate: f64,
+    /// Lower end of the range of xi_v
+    #[arg(long, value_name = "XI_V", default_value_t = 0.0)]
+    from: f64,
+    /// Upper end of the range of xi_v
+    #[arg(long, value_name = "XI_V", default_value_t = 1.0)]
+    to: f64,
+    /// Width to which each change is bisected
+    #[arg(long, value_name = "XI_V", default_value_t = 1e-6)]
+    resolution: f64,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    search: SearchOptions,
+}
+
+#[derive(Args)]
+struct Overturning {
+    /// Shape of the pulse
+    #[arg(long, value_parser = shapes(), default_value = PulseShape::OneSine.word())]
+    pulse: PulseShape,
+    /// Period T_p of the pulse; required without --record [s]
+    #[arg(long, value_name = "S")]
+    period: Option<f64>,
+    #[command(flatten)]
+    gabor: GaborSpec,
+    #[command(flatten)]
+    accelerograms: Accelerograms,
+    /// Lower end of the range of amplitudes [m/s2] or factors; by default 0, or on a rigid base without a vertical record and without
+    /// ties a PGA of g tan(alpha), with alpha of the side with less base, below which no block rocks
+    #[arg(long, value_name = "A")]
+    from: Option<f64>,
+    /// Upper end of the range of amplitudes [m/s2] or factors; by default ten times a PGA of g tan(alpha)
+    #[arg(long, value_name = "A")]
+    to: Option<f64>,
+    /// Width to which each change is bisected, in the unit of the amplitude or factor
+    #[arg(long, value_name = "A", default_value_t = 1e-6)]
+    resolution: f64,
+    /// Vertical damping ratio xi_v of the supports
+    #[arg(long, default_value_t = 0.1)]
+    xi_v: f64,
+    /// Action at complete separation
+    #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Fly.word())]
+    on_separation: OnSeparation,
+    /// Foundation under the block
+    #[arg(long, value_parser = rocking_studies::spec::block::foundations(), default_value = Foundation::Viscoelastic.word())]
+    foundation: Foundation,
+    /// Factor on Housner's restitution e of the rigid base; their product is at most 1
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    restitution_factor: f64,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    search: SearchOptions,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Block")]
+struct BlockOptions {
+    /// Slenderness angle alpha [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    /// Frequency parameter p [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
+    p: f64,
+    #[command(flatten)]
+    size: SizeOptions,
+    /// Stiffness ratio eta = omega_v/p of the supports
+    #[arg(long, default_value_t = 40.0)]
+    eta: f64,
+    /// Restitution epsilon of the landing corner, from 0 to 1
+    #[arg(long, default_value_t = Common::default().epsilon)]
+    epsilon: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Gravitational acceleration [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+    /// Mass M; it changes the motion only together with --tie [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    #[command(flatten)]
+    hold: HoldSpec,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Search")]
+struct SearchOptions {
+    /// Number of evenly spaced values at which the range is scanned
+    #[arg(long, value_name = "N", default_value_t = 201, value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    points: u64,
+    /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
+    #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
+    tolerance: f64,
+    #[command(flatten)]
+    processor: ProcessorOptions,
+    /// Table of the ranges with a single outcome; `-` for standard output
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    match &options.target {
+        Target::Damping(damping) => {
+            let Damping { rate, from, to, resolution, .. } = **damping;
+            damping.search.check_table(&[])?;
+            check("rate", rate, |_| true, "a finite number")?;
+            let scan = damping.search.scan(from, to, resolution)?;
+            let shape = damping.block.shape(Foundation::Viscoelastic, explicit)?;
+            let eta = damping.block.eta;
+            let block_with = |xi_v| damping.block.tied(shape, Supports::Viscoelastic(Ratios { eta, xi_v }));
+            damping.block.check_mass(&block_with(from)?, explicit)?;
+            let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
+            damping.search.search(
+                "xi_v",
+                "",
+                &scan,
+                |progress| Ok(search::damping_against_separation(block_with, rate, settings, &scan, width, progress)?),
+                OutcomeMap::damping_against_separation,
+                |found, threshold, shown| {
+                    let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
+                    let but = if overturned { ", but overturning in a range above" } else { "" };
+                    let to = shown(to);
+                    match threshold {
+                        Threshold::At(0.0) => format!("none needed: no separation from xi_v = 0 to {to}{but}"),
+                        Threshold::At(least) => format!("no separation from xi_v = {} to {to}{but}", shown(least)),
+                        Threshold::AtMost(least) => format!(
+                            "no separation from xi_v = {} to {to}{but}: the least damping is at most this value; \
+                             expected a smaller --from",
+                            shown(least)
+                        ),
+                        Threshold::Above(_) => {
+                            format!("separation even at xi_v = {to}; expected a larger --to")
+                        }
+                    }
+                },
+            )
+        }
+        Target::Overturning(overturning) => {
+            let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = **overturning;
+            let rigid = foundation == Foundation::Rigid;
+            explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
+            explicit.refuse_unless(
+                rigid,
+                &["restitution-factor"],
+                "on viscoelastic supports; expected --foundation rigid",
+            )?;
+            explicit.refuse_unless(
+                !explicit.has("record"),
+                &["pulse", "period", "phase", "cycles"],
+                "with --record",
+            )?;
+            overturning.search.check_table(&overturning.accelerograms.files().named())?;
+            let eta = overturning.block.eta;
+            let supports = match foundation {
+                Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta, xi_v }),
+                Foundation::Rigid => Supports::Rigid { restitution_factor },
+            };
+            let block = overturning.block.tied(overturning.block.shape(foundation, explicit)?, supports)?;
+            overturning.block.check_mass(&block, explicit)?;
+            warn(doubts::of_blocks([block]));
+            let (shaking, name, unit) = overturning.shaking(block.gravity)?;
+            let [least, greatest] = search::usual_strengths(&block, &shaking);
+            let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(greatest));
+            let scan = overturning.search.scan(from, to, resolution)?;
+            let settings = Settings { on_separation: overturning.on_separation, ..overturning.search.settings()? };
+            let width = overturning.search.processor.width();
+            overturning.search.search(
+                name,
+                unit,
+                &scan,
+                |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
+                OutcomeMap::overturning,
+                |_, threshold, shown| match threshold {
+                    Threshold::At(least) => format!("first overturning at {name} = {}{unit}", shown(least)),
+                    Threshold::AtMost(least) if least == from => format!(
+                        "first overturning at {name} = {}{unit} at most, where the range begins; expected a smaller --from",
+                        shown(least)
+                    ),
+                    Threshold::AtMost(least) => {
+                        format!("first overturning at {name} = {}{unit} at most: runs below it failed", shown(least))
+                    }
+                    Threshold::Above(_) => {
+                        format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to))
+                    }
+                },
+            )
+        }
+    }
+}
+
+impl Overturning {
+    /// Returns the excitation, with name and unit of the unknown.
+    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
+        let ground = self.accelerograms.read(gravity)?;
+        if ground.horizontal.is_some() {
+            return Ok((Shaking::Records(ground), "scale", ""));
+        }
+        anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
+        anyhow::ensure!(self.pulse != PulseShape::None, "--pulse none overturns no block; expected a pulse");
+        let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
+        check("period", period, |x| x > 0.0, "a time > 0 s")?;
+        let pulse = self.gabor.of(Pulse { shape: self.pulse, period, ..Pulse::NONE }).map_err(in_options)?;
+        Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
+    }
+}
+
+impl BlockOptions {
+    /// Returns α and p, which do not depend on the supports.
+    fn shape(&self, foundation: Foundation, explicit: &ExplicitOptions) -> anyhow::Result<[f64; 2]> {
+        let Some([width, height]) = self.size.read(explicit, &["alpha", "p"])? else {
+            return Ok([self.alpha, self.p]);
+        };
+        anyhow::ensure!(
+            foundation == Foundation::Rigid || explicit.has("eta"),
+            "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid"
+        );
+        let physical = Physical { width, height, supports: Supports::HOUSNER, inertia: None };
+        let Block { alpha, p, .. } = Block::from_physical(&physical, &self.common()?)?;
+        Ok([alpha, p])
+    }
+
+    fn common(&self) -> Result<Common, BlockError> {
+        let BlockOptions { epsilon, gamma, g, mass, .. } = *self;
+        self.hold.common(Common { epsilon, gamma, gravity: g, mass, ..Common::default() })
+    }
+
+    /// Returns the block with its ties.
+    fn tied(&self, [alpha, p]: [f64; 2], supports: Supports<Ratios>) -> Result<Block, BlockError> {
+        let given = Dimensionless { alpha, p, supports };
+        Block::from_dimensionless(&given, &self.common()?)?.with_ties(&self.hold.ties)
+    }
+
+    /// Refuses ties without a mass.
+    fn check_mass(&self, block: &Block, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            block.ties().is_empty() || explicit.has("mass"),
+            "--tie without --mass; expected both, since the effect of a tie depends on the mass"
+        );
+        Ok(())
+    }
+}
+
+impl SearchOptions {
+    fn settings(&self) -> anyhow::Result<Settings> {
+        check_tolerance(self.tolerance)?;
+        Ok(Settings { tolerance: self.tolerance, ..Settings::default() })
+    }
+
+    fn scan(&self, from: f64, to: f64, resolution: f64) -> anyhow::Result<Scan> {
+        check("from", from, |_| true, "a finite number")?;
+        check("to", to, |x| x > from, &format!("more than --from = {from}"))?;
+        check("resolution", resolution, |x| x > 0.0, "a number > 0")?;
+        Ok(Scan { from, to, points: self.points, resolution })
+    }
+
+    /// Refuses a table that is not CSV or would replace an input.
+    fn check_table(&self, inputs: &[NamedFile]) -> anyhow::Result<()> {
+        let Some(csv) = &self.csv else { return Ok(()) };
+        check_table(csv)?;
+        check_distinct(inputs, &[NamedFile::new("--csv", csv)])
+    }
+
+    /// Searches, writes the table and prints the summary.
+    ///
+    /// `threshold` extracts the number from the result, `answer` puts it into a sentence.
+    fn search(
+        &self,
+        name: &str,
+        unit: &str,
+        scan: &Scan,
+        search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<OutcomeMap<End>> + Send,
+        threshold: impl FnOnce(&OutcomeMap<End>) -> Threshold,
+        answer: impl FnOnce(&OutcomeMap<End>, Threshold, &dyn Fn(f64) -> String) -> String,
+    ) -> anyhow::Result<()> {
+        let file = self.csv.as_deref().map(Pending::new).transpose()?;
+        let bar = Mutex::new(Progress::new(scan.points, 0));
+        let show = |done, runs| {
+            if let Ok(mut bar) = bar.lock() {
+                bar.show_of(done, runs);
+            }
+        };
+        let found = self.processor.threads.pool()?.install(|| search(&show));
+        if let Ok(bar) = bar.lock() {
+            bar.clear();
+        }
+        let found = found?;
+        let stretches = found.stretches();
+        if let Some(file) = file {
+            let mut table = "from,to,outcome\n".to_string();
+            stretches.iter().for_each(|(from, to, end)| table.push_str(&format!("{from},{to},{end}\n")));
+            Pending::write(vec![(file, table.into_bytes())])?;
+        }
+        let threshold = threshold(&found);
+        let shown = |value: f64| rounded(value, scan.resolution);
+        let answer = answer(&found, threshold, &shown);
+        let mut text = String::new();
+        for (from, to, end) in &stretches {
+            text.push_str(&format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to)));
+        }
+        let failed = stretches.iter().any(|stretch| stretch.2 == End::Failed).then(|| "some runs failed".to_string());
+        let failures = failed.as_ref().map(|failed| format!("; {failed}")).unwrap_or_default();
+        text.push_str(&format!(
+            "{answer}\n{} values, {}{unit} apart: narrower ranges may be missed; changes within {}{unit}{failures}\n",
+            scan.points,
+            short(found.spacing),
+            scan.resolution
+        ));
+        let result = SearchResult {
+            parameter: name,
+            unit: if unit.is_empty() { "1" } else { unit.trim() },
+            least: threshold.value(),
+            bound: threshold.bound(),
+            answer: &answer,
+            values: scan.points,
+            spacing: found.spacing,
+            resolution: scan.resolution,
+            stretches: stretches
+                .iter()
+                .map(|&(from, to, end)| Stretch { from, to, outcome: end.to_string() })
+                .collect(),
+        };
+        let written = WrittenFiles::new([("csv", self.csv.as_deref())]);
+        self.report.print("search", &written, failed.as_slice(), &text, &result)
+    }
+}
+
+#[derive(Serialize)]
+struct SearchResult<'a> {
+    parameter: &'a str,
+    unit: &'a str,
+    /// Smallest damping without separation above it, or smallest amplitude or factor that overturns the block.
+    least: Option<f64>,
+    /// `none`; or `upper` or `lower`, if the range only bounds the value.
+    bound: &'static str,
+    answer: &'a str,
+    values: u64,
+    spacing: f64,
+    resolution: f64,
+    stretches: Vec<Stretch>,
+}
+
+#[derive(Serialize)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    outcome: String,
+}
+
+/// Rounds a value to the fewest decimals that are as fine as a resolution; a value with fewer is printed in full.
+fn rounded(value: f64, resolution: f64) -> String {
+    let fine = |decimals: &usize| libm::pow(10.0, -(*decimals as f64)) <= resolution * (1.0 + 1e-9);
+    let exact = value.to_string();
+    match (0..exact.len()).find(fine) {
+        Some(decimals) => format!("{value:.decimals$}"),
+        None => exact,
+    }
+}
+
+/// Rounds a value to three digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn values_have_the_decimals_of_the_resolution() {
+        let pi = std::f64::consts::PI;
+        let cases =
+            [(1e-6, "3.141593"), (2e-6, "3.141593"), (9e-7, "3.1415927"), (0.5, "3.1"), (1.0, "3"), (30.0, "3")];
+        for (resolution, expected) in cases {
+            assert_eq!(rounded(pi, resolution), expected, "{resolution}");
+        }
+        assert_eq!(rounded(0.25, 1e-300), "0.25");
+        assert_eq!(rounded(-1234.5678, 1e-3), "-1234.568");
+        assert_eq!(rounded(pi, 1e-15), "3.141592653589793");
+    }
+}

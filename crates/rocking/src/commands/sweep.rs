@@ -1,0 +1,126 @@
+//! `rocking sweep`: a study file → a table for fragility curves.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser};
+use serde::Serialize;
+
+use crate::options::choices;
+use crate::options::input;
+use crate::options::run::{StudyOptions, warn};
+use crate::output::files::{NamedFile, check_distinct};
+use crate::output::formats::{check_table, knows_parquet};
+use rocking_block::simulation::OnSeparation;
+use rocking_block::unit::variables::Variable;
+use rocking_studies::output::parts::PartNumber;
+use rocking_studies::sweep::Sweep;
+use rocking_studies::sweep::file as study_file;
+use rocking_studies::sweep::parameters::SweptParameter;
+
+/// Options of `rocking sweep`.
+#[derive(Parser)]
+#[command(mut_arg("csv", |csv| csv.required(false).required_unless_present_any(["part", "dry_run"])))]
+pub struct Options {
+    #[command(flatten)]
+    sweep: SweepOptions,
+    #[command(flatten)]
+    part: PartOptions,
+}
+
+/// A part of the study instead of its table.
+#[derive(Args)]
+#[command(next_help_heading = "Parts")]
+struct PartOptions {
+    /// Make one of several parts, such as 3/100 for the third of a hundred, unless its file is complete. Parts can be made at the same
+    /// time on any machines
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["csv", "resume"], requires = "out")]
+    part: Option<PartNumber>,
+    /// Folder of the parts, which `rocking fragility` and `rocking rate` read like a table
+    #[arg(long, value_name = "FOLDER", requires = "part")]
+    out: Option<PathBuf>,
+    /// Format of the parts; by default parquet if the program knows it, else csv
+    #[arg(long, value_name = "FORMAT", requires = "part", value_parser = ["csv", "parquet"])]
+    part_format: Option<String>,
+    /// Print the number of rows and the expected CPU time and size, from a sample of the rows, and make no table
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// A study file and its table.
+#[derive(Args)]
+pub struct SweepOptions {
+    /// Study file in TOML, as examples/fragility.toml; `-` for standard input
+    #[arg(value_name = "STUDY.toml")]
+    pub file: PathBuf,
+    /// Action at complete separation, unless the study names on_separation; by default the block flies on
+    #[arg(long, value_parser = choices::on_separation(), help_heading = "Runs")]
+    on_separation: Option<OnSeparation>,
+    #[command(flatten)]
+    pub study: StudyOptions,
+}
+
+impl SweepOptions {
+    /// Reads the study; none of its files may be one of the outputs.
+    pub fn read(&self, outputs: &[NamedFile]) -> anyhow::Result<Sweep> {
+        let SweepOptions { file, on_separation, .. } = self;
+        check_distinct(&[NamedFile::new("the study", file)], outputs)?;
+        let (name, text) = input::text(file)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let mut sweep = study_file::read(&name, &text, folder)?;
+        if let Some(on_separation) = *on_separation {
+            let is_named = |swept: &SweptParameter| swept.parameter.metadata.variable == Variable::OnSeparation;
+            let named = sweep.parameters.iter().any(is_named);
+            anyhow::ensure!(!named, "--on-separation: {name} names on_separation as well; expected one of the two");
+            sweep.on_separation = on_separation;
+        }
+        let records = sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty());
+        let records: Vec<_> = records.map(|name| NamedFile::new("the record", &folder.join(name))).collect();
+        check_distinct(&records, outputs)?;
+        Ok(sweep)
+    }
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let Options { sweep: options, part: PartOptions { part, out, part_format, dry_run } } = options;
+    let study = &options.study;
+    let default = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
+    let part = part.zip(out.as_deref()).map(|(number, folder)| {
+        let extension = part_format.as_deref().unwrap_or(default);
+        (number, folder, extension, folder.join(number.file_name(extension)))
+    });
+    let table = match &part {
+        Some((_, folder, _, file)) => {
+            knows_parquet(file)?;
+            folder.exists().then(|| NamedFile::new("--out", file))
+        }
+        None if *dry_run => None,
+        None => {
+            check_table(study.csv())?;
+            Some(NamedFile::new("--csv", study.csv()))
+        }
+    };
+    let sweep = options.read(table.as_slice())?;
+    warn(sweep.remarks.iter().cloned());
+    if *dry_run {
+        return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
+    }
+    let Some((number, folder, extension, _)) = part else {
+        let summary = study.run(&sweep, None)?;
+        return study.report("sweep", (study.csv(), &summary), ("", &Nothing {}), &[], &sweep.remarks);
+    };
+    let (file, summary) = study.run_part(&sweep, number, folder, extension)?;
+    let before = if summary.resumed > 0 { ", complete before" } else { "" };
+    let (line, numbers) = (format!("part          {number}{before}\n"), [number.number(), number.count()]);
+    study.report("sweep", (&file, &summary), (&line, &PartResult { part: numbers }), &[], &sweep.remarks)
+}
+
+/// The numbers of a summary that has none but those of its rows.
+#[derive(Serialize)]
+struct Nothing {}
+
+#[derive(Serialize)]
+struct PartResult {
+    /// The number of the part, and the number of parts.
+    part: [u64; 2],
+}

@@ -1,0 +1,168 @@
+//! Options → the excitation: records and a pulse.
+
+use std::path::Path;
+
+use clap::Args;
+
+use crate::options::accelerograms::{Accelerograms, ManyAccelerograms, MotionFiles};
+use crate::options::block::in_options;
+use crate::options::checks::check;
+use crate::options::explicit::ExplicitOptions;
+use crate::options::run::warn;
+use rocking_block::excitation::records::Ground;
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_charts::numerals::significant;
+use rocking_records::Record;
+use rocking_studies::doubts;
+use rocking_studies::intensity::pga;
+use rocking_studies::spec::PulseSpec;
+use rocking_studies::spec::pulse::text;
+use rocking_studies::spectrum::statistics::direction;
+use rocking_studies::statistics::range;
+
+/// One ground motion.
+#[derive(Args)]
+pub struct ExcitationOptions {
+    #[command(flatten)]
+    pub accelerograms: Accelerograms,
+    /// Scale factor on the accelerograms
+    #[arg(long, default_value_t = 1.0)]
+    pub scale: f64,
+    #[command(flatten)]
+    pub pulse: PulseSpec,
+}
+
+/// Several ground motions.
+#[derive(Args)]
+pub struct ManyExcitationOptions {
+    #[command(flatten)]
+    pub accelerograms: ManyAccelerograms,
+    /// Scale factor on the accelerograms
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    #[command(flatten)]
+    pulse: PulseSpec,
+}
+
+/// Excitation of one run.
+pub struct Excitation {
+    /// Scaled records.
+    pub ground: Ground,
+    /// Pulse.
+    pub pulse: Pulse,
+    /// Both in words, for summaries and pictures.
+    pub description: String,
+}
+
+/// Excitations of the runs of a spectrum.
+pub struct ManyExcitations {
+    /// Scaled records with their names, at least one; without records an empty one.
+    pub grounds: Vec<(String, Ground)>,
+    /// Pulse, the same for all.
+    pub pulse: Pulse,
+    /// All in words, for summaries and pictures.
+    pub description: String,
+}
+
+impl ExcitationOptions {
+    /// Reads the records, those in g with this gravity (m/s²); `default` replaces a missing horizontal record.
+    pub fn read(
+        &self,
+        explicit: &ExplicitOptions,
+        gravity: f64,
+        default: Option<Record>,
+    ) -> anyhow::Result<Excitation> {
+        let has_record = default.is_some() || !self.accelerograms.is_empty();
+        check_scale(explicit, self.scale, has_record)?;
+        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
+        let ground = Ground { horizontal: horizontal.or(default), vertical }.scaled(self.scale);
+        let pulse = self.pulse.pulse().map_err(in_options)?;
+        warn(doubts::of_pulses([(pulse, gravity)], has_record));
+        let mut parts = describe_records(&ground, self.accelerograms.files(), gravity);
+        parts.extend(describe_pulse(&pulse));
+        Ok(Excitation { ground, pulse, description: parts.join(" + ") })
+    }
+}
+
+impl ManyExcitationOptions {
+    /// Returns whether there is a pulse and no record.
+    pub fn is_pulse_alone(&self) -> bool {
+        self.accelerograms.is_empty() && self.pulse.has_shape()
+    }
+
+    /// Reads the records, those in g with this gravity (m/s²).
+    pub fn read(&self, explicit: &ExplicitOptions, gravity: f64) -> anyhow::Result<ManyExcitations> {
+        check_scale(explicit, self.scale, !self.accelerograms.is_empty())?;
+        let grounds = self.accelerograms.read(gravity)?;
+        let grounds: Vec<Ground> = grounds.into_iter().map(|ground| ground.scaled(self.scale)).collect();
+        let pulse = self.pulse.pulse().map_err(in_options)?;
+        warn(doubts::of_pulses([(pulse, gravity)], !self.accelerograms.is_empty()));
+        let files = self.accelerograms.files();
+        let mut parts = match (grounds.as_slice(), files.as_slice()) {
+            ([ground], [files]) => describe_records(ground, *files, gravity),
+            _ => {
+                let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
+                let [least, greatest] = range(pgas.map(|record| pga(record) / gravity)).unwrap_or_default();
+                let names = names(&files);
+                let names = match names.as_slice() {
+                    [first, .., last] if names.len() > 4 => format!("{first} … {last}"),
+                    names => names.join(", "),
+                };
+                let [least, greatest] = [least, greatest].map(|pga| significant(pga, 3));
+                vec![format!("{} records ({names}), {least} to {greatest} g", grounds.len())]
+            }
+        };
+        parts.extend(describe_pulse(&pulse));
+        let names = names(&files);
+        if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            anyhow::bail!("--record names {name} twice; expected each record once");
+        }
+        let grounds = names.into_iter().zip(grounds).collect();
+        Ok(ManyExcitations { grounds, pulse, description: parts.join(" + ") })
+    }
+}
+
+fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyhow::Result<()> {
+    check("scale", scale, |_| true, "a finite factor")?;
+    explicit.refuse_unless(has_record, &["scale"], "without --record or --vertical")
+}
+
+/// Describes the records of a ground motion, with their PGA in units of this gravity (m/s²).
+fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<String> {
+    let parts = [("", &ground.horizontal, files.horizontal), ("vertical ", &ground.vertical, files.vertical)];
+    let parts = parts.into_iter().filter_map(|(direction, record, path)| {
+        let record = record.as_ref()?;
+        let processing = if record.processing.is_none() { String::new() } else { format!(", {}", record.processing) };
+        Some(format!("{direction}{}{processing}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
+    });
+    parts.collect()
+}
+
+/// Names ground motions: a single one by its directions, several by their files, with folders if names repeat.
+pub fn names(files: &[MotionFiles]) -> Vec<String> {
+    if let [files] = files {
+        return vec![direction(files.vertical.is_some()).into()];
+    }
+    let name = |of: fn(&Path) -> String| {
+        let name = |files: &MotionFiles| {
+            [files.horizontal, files.vertical].into_iter().flatten().map(of).collect::<Vec<_>>().join(" + ")
+        };
+        files.iter().map(name).collect::<Vec<_>>()
+    };
+    let short = name(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into());
+    let repeats = short.iter().enumerate().any(|(i, name)| short[..i].contains(name));
+    if repeats { name(|path| path.display().to_string()) } else { short }
+}
+
+/// Describes a pulse, if it has a shape.
+fn describe_pulse(pulse: &Pulse) -> Option<String> {
+    (pulse.shape != PulseShape::None).then(|| text(pulse))
+}
+
+/// Returns file and title of a record on one line; the path replaces a missing title.
+fn title(record: &Record, path: Option<&Path>) -> String {
+    let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
+    let Some(path) = path else { return title };
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    if path.as_os_str() == record.title.as_str() { file.into() } else { format!("{file}: {title}") }
+}

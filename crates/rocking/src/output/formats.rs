@@ -1,0 +1,99 @@
+//! Name of an output → its format.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::options::choices;
+use rocking_charts::picture::PictureFormat;
+use rocking_studies::output::reading::is_parquet;
+#[cfg(feature = "parquet")]
+use rocking_studies::output::{parquet, reading::TableReader};
+
+/// Extensions of other formats than CSV, with advice for a table in one.
+const NOT_CSV: [(&[&str], &str); 7] = [
+    (&["xlsx", "xls", "xlsm", "ods", "numbers"], "write .csv and open that in the spreadsheet"),
+    (
+        &["feather", "arrow", "h5", "hdf5", "mat", "npy", "npz", "pkl", "nc", "db", "sqlite"],
+        "write .csv and convert it, as with pandas.read_csv(\"run.csv\", comment=\"#\").to_parquet(\"run.parquet\")",
+    ),
+    (&["json", "jsonl", "yaml", "toml", "xml"], "write .csv; --json prints the summary as JSON"),
+    (&["tsv"], "write .csv, with commas between the columns"),
+    (&["gz", "bz2", "xz", "zst", "zip"], "compress standard output, as with --csv - | gzip > run.csv.gz"),
+    (
+        &["svg", "png", "pdf", "eps", "ps", "jpg", "jpeg", "gif", "webp", "bmp", "tif", "tiff"],
+        "write .csv; the picture is another output",
+    ),
+    (&["doc", "docx", "html", "htm", "md", "tex"], "write .csv and import that"),
+];
+
+/// Extensions of text files that programs do not open as a table.
+const TEXT: [&str; 5] = ["txt", "text", "dat", "out", "log"];
+
+/// Whether a table is Parquet by its name; refuses one if this program does not know the format.
+pub fn knows_parquet(path: &Path) -> anyhow::Result<bool> {
+    let is_parquet = is_parquet(path);
+    anyhow::ensure!(
+        !is_parquet || cfg!(feature = "parquet"),
+        "{}: this program is built without Parquet; expected a name in .csv, or a program built with --features rocking/parquet",
+        path.display()
+    );
+    Ok(is_parquet)
+}
+
+/// Returns a table in the format of its name, CSV or Parquet, from its content as CSV.
+pub fn encoded(is_parquet: bool, csv: Vec<u8>) -> anyhow::Result<Vec<u8>> {
+    #[cfg(feature = "parquet")]
+    if is_parquet && !csv.starts_with(parquet::MAGIC) {
+        let comments = csv.split(|byte| *byte == b'\n').map_while(|line| line.strip_prefix(b"# "));
+        let study: Vec<String> = comments.map(|line| String::from_utf8_lossy(line).into()).collect();
+        let mut reader = TableReader::new(&|_| true);
+        reader.read_csv("the table", &csv[..])?;
+        return Ok(parquet::file(&study, reader.table())?);
+    }
+    debug_assert!(!is_parquet || cfg!(feature = "parquet"), "refused by check_table");
+    Ok(csv)
+}
+
+/// Refuses a table whose extension names another format, and warns of one that names none. Other extensions are accepted.
+pub fn check_table(path: &Path) -> anyhow::Result<()> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if TEXT.contains(&extension.as_str()) {
+        eprintln!("rocking: warning: {}: the table is written as CSV; expected a name in .csv", path.display());
+    }
+    if knows_parquet(path)? {
+        return Ok(());
+    }
+    match NOT_CSV.iter().find(|(extensions, _)| extensions.contains(&extension.as_str())) {
+        Some((_, advice)) => {
+            anyhow::bail!("{}: a table is written as CSV or Parquet, not as .{extension}; {advice}", path.display())
+        }
+        None => Ok(()),
+    }
+}
+
+/// The picture of a command.
+#[derive(Args)]
+#[command(next_help_heading = "Results")]
+pub struct PictureOptions {
+    /// Picture, SVG or PNG by its extension; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Format of a picture without an extension, such as `-`
+    #[arg(long, value_parser = choices::picture_format(), value_name = "FORMAT")]
+    pub plot_format: Option<PictureFormat>,
+}
+
+impl PictureOptions {
+    /// Returns the format of the picture, if there is one.
+    pub fn format(&self) -> anyhow::Result<Option<PictureFormat>> {
+        let Some(path) = &self.plot else { return Ok(None) };
+        match (self.plot_format, path.extension()) {
+            (Some(chosen), None) => Ok(Some(chosen)),
+            (Some(chosen), Some(_)) if PictureFormat::of(path)? != chosen => {
+                anyhow::bail!("--plot {} has the extension of another format than --plot-format", path.display())
+            }
+            (Some(_) | None, _) => Ok(Some(PictureFormat::of(path)?)),
+        }
+    }
+}

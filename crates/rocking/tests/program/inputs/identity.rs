@@ -1,0 +1,71 @@
+//! Records of a study: what tells them apart, and doubts about them.
+
+use std::path::Path;
+
+use crate::program::{Table, program, succeeds};
+
+/// Writes a study of these tables `[[records]]`, and returns the names of the records in its table and the warnings.
+fn sweep(folder: &Path, study: &str, records: &[&str]) -> (Vec<String>, String) {
+    let tables: String = records.iter().map(|table| format!("[[records]]\n{table}\n")).collect();
+    std::fs::write(folder.join("study.toml"), format!("[study]\ndesign = \"grid\"\n{study}\n{tables}")).unwrap();
+    let (_, warnings) = succeeds(&mut program(folder, &[&["sweep", "study.toml", "--csv", "s.csv", "--force"]]));
+    let table = Table::read(&folder.join("s.csv"));
+    ((0..table.rows.len()).map(|row| table.get(row, "record").to_string()).collect(), warnings)
+}
+
+fn write(folder: &Path, name: &str, samples: impl Iterator<Item = f64>) {
+    let rows: String = samples.enumerate().map(|(i, a)| format!("{},{a},{}\n", 0.01 * i as f64, 0.5 * a)).collect();
+    std::fs::write(folder.join(name), format!("t [s],a [m/s2],b [m/s2]\n{rows}")).unwrap();
+}
+
+fn pulse(amplitude: f64) -> impl Iterator<Item = f64> {
+    (0..60).map(move |i| if i % 20 < 10 { amplitude } else { -amplitude })
+}
+
+#[test]
+fn records_of_one_file_have_names_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "two.csv", pulse(0.5));
+    write(folder.path(), "one.csv", pulse(0.4));
+    let columns = ["acceleration_column = \"a\"", "acceleration_column = 3"]
+        .map(|column| format!("horizontal = \"two.csv\"\n{column}"));
+    let only = "horizontal = \"one.csv\"\nacceleration_column = \"a\"";
+    let (names, warnings) = sweep(folder.path(), "", &[&columns[0], &columns[1], only]);
+    assert_eq!(names, ["two.csv (column a)", "two.csv (column 3)", "one.csv"]);
+    assert_eq!(warnings, "");
+    // The same record twice is one record; other processing makes another.
+    let filtered = format!("{only}\nbaseline = true");
+    let (names, _) = sweep(folder.path(), "", &[only, only, &filtered]);
+    assert_eq!(names[0], names[1]);
+    assert_eq!(names[2], "one.csv (baseline removed)");
+}
+
+#[test]
+fn doubts_about_records_are_said_once() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "b.csv"] {
+        write(folder.path(), name, pulse(0.4));
+    }
+    write(folder.path(), "large.csv", pulse(50.0));
+    let tables = ["a.csv", "b.csv", "large.csv", "large.csv"]
+        .map(|name| format!("horizontal = \"{name}\"\nacceleration_column = \"a\""));
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+    let (_, warnings) = sweep(folder.path(), "scales = [1, 21]", &tables);
+    let warnings: Vec<&str> = warnings.lines().filter(|line| line.contains("warning")).collect();
+    assert_eq!(warnings.len(), 6, "{warnings:#?}");
+    assert!(
+        warnings[0].ends_with("large.csv: the peak is 5.000e1 m/s², more than in any earthquake"),
+        "{}",
+        warnings[0]
+    );
+    assert!(warnings[1].contains("a.csv and b.csv hold the same samples (crc32 "), "{}", warnings[1]);
+    assert!(
+        warnings[2].ends_with("a.csv is scaled by up to 21.0; expected at most 20, beyond which noise is amplified"),
+        "{}",
+        warnings[2]
+    );
+    let (_, warnings) = sweep(folder.path(), "levels = { im = \"PGA\", values = [8] }", &tables[..1]);
+    assert_eq!(warnings.lines().filter(|line| line.contains("warning")).count(), 0, "{warnings}");
+    let (_, warnings) = sweep(folder.path(), "levels = { im = \"PGA\", values = [9] }", &tables[..1]);
+    assert!(warnings.contains("a.csv is scaled by up to 22.5"), "{warnings}");
+}

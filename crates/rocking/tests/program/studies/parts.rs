@@ -1,0 +1,237 @@
+//! Studies in parts: `rocking sweep --part`, folders of parts, and the forecast of a study's cost.
+
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+
+use crate::program::{Table, files, program, refusal, refused, rocking, stdout};
+use crate::studies::sweep::{GRID, SAMPLES, folder};
+
+/// Four curves of seven runs, each run's level from those before.
+const HUNT: &str = r#"
+[study]
+design = "grid"
+hunt = { im = "PGV", first = 0.1, runs = 7 }
+
+[parameters]
+alpha = [0.1, 0.2]
+p = [2, 3]
+
+[[records]]
+horizontal = "h.csv"
+unit = "m/s2"
+dt = 0.02
+"#;
+
+/// Enough rows for a fit.
+const RECORDED: &str = r#"
+[study]
+design = "latin-hypercube"
+samples = 20
+seed = 3
+scales = [0.2, 0.4, 0.6]
+
+[parameters]
+alpha = { from = 0.1, to = 0.3 }
+p = { from = 1, to = 4 }
+
+[[records]]
+horizontal = "h.csv"
+unit = "m/s2"
+dt = 0.02
+
+[[records]]
+horizontal = "v.csv"
+unit = "m/s2"
+dt = 0.02
+"#;
+
+fn make_part(folder: &Path, part: &str, out: &str) -> String {
+    stdout(folder, &["sweep", "study.toml", "--part", part, "--out", out, "--part-format", "csv"])
+}
+
+fn make_parts(folder: &Path, count: usize, out: &str) {
+    (1..=count).for_each(|number| drop(make_part(folder, &format!("{number}/{count}"), out)));
+}
+
+/// The rows of a table, each with its line, and nothing else.
+fn rows(path: &Path) -> Vec<(u64, String)> {
+    let text = fs::read_to_string(path).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    lines.map(|line| (line.split(',').next().unwrap().parse().unwrap(), line.to_string())).collect()
+}
+
+/// 24, 8, 28 and 120 rows, in one part, in unequal parts, and in more parts than rows.
+#[test]
+fn the_rows_of_all_parts_are_those_of_the_whole() {
+    for study in [GRID, SAMPLES, HUNT, RECORDED] {
+        let folder = folder(study);
+        let path = folder.path();
+        stdout(path, &["sweep", "study.toml", "--csv", "whole.csv"]);
+        let whole = rows(&path.join("whole.csv"));
+        for count in [1, 2, 5, 33] {
+            let out = format!("of_{count}");
+            make_parts(path, count, &out);
+            let names = files(&path.join(&out));
+            assert_eq!((names.len(), names[0].as_str()), (count, &*format!("part-00001-of-{count:05}.csv")));
+            let mut found: Vec<_> = names.iter().flat_map(|name| rows(&path.join(&out).join(name))).collect();
+            found.sort();
+            assert!(found == whole, "{count} parts");
+        }
+    }
+}
+
+/// Neighbouring rows share a block or a record: no part has all rows of one scale.
+#[test]
+fn parts_hold_rows_from_the_whole_study() {
+    let folder = folder(RECORDED);
+    make_parts(folder.path(), 3, "parts");
+    for name in files(&folder.path().join("parts")) {
+        let table = Table::read(&folder.path().join("parts").join(&name));
+        for scale in [0.2, 0.4, 0.6] {
+            let found = table.column("scale").iter().filter(|found| **found == scale).count();
+            assert!((5..=25).contains(&found), "{name}: {found} of 40 rows with scale {scale}");
+        }
+    }
+}
+
+#[test]
+fn complete_parts_are_left_alone_and_broken_ones_are_made_anew() {
+    let folder = folder(SAMPLES);
+    let path = folder.path();
+    let printed = make_part(path, "2/2", "parts");
+    assert!(printed.starts_with("part          2 of 2\nrows          4, 0 resumed\n"), "{printed}");
+    let file = path.join("parts/part-00002-of-00002.csv");
+    let bytes = fs::read(&file).unwrap();
+    let time = || fs::metadata(&file).unwrap().modified().unwrap();
+    let before = time();
+    let printed = make_part(path, "2/2", "parts");
+    assert!(printed.starts_with("part          2 of 2, complete before\nrows          4, 4 resumed\n"), "{printed}");
+    assert_eq!(time(), before);
+    for length in [0, 20, bytes.len() / 2, bytes.len() - 1] {
+        fs::write(&file, &bytes[..length]).unwrap();
+        make_part(path, "2/2", "parts");
+        assert!(fs::read(&file).unwrap() == bytes, "cut at byte {length}");
+    }
+    assert_eq!(files(&path.join("parts")), ["part-00002-of-00002.csv"]);
+    fs::write(path.join("study.toml"), SAMPLES.replace("seed = 5", "seed = 6")).unwrap();
+    let arguments = ["sweep", "study.toml", "--part", "2/2", "--out", "parts", "--part-format", "csv"];
+    assert_eq!(
+        refusal(path, &arguments),
+        "parts/part-00002-of-00002.csv: is a part of another study; found `seed = 5`, expected `seed = 6`"
+    );
+    assert!(fs::read(&file).unwrap() == bytes);
+    stdout(path, &[&arguments[..], &["--force"]].concat());
+    assert!(fs::read(&file).unwrap() != bytes);
+}
+
+#[test]
+fn two_tasks_on_the_same_part_leave_one_whole_file() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    make_part(path, "1/2", "alone");
+    let arguments = ["sweep", "study.toml", "--part", "1/2", "--out", "parts", "--part-format", "csv"];
+    let task = || program(path, &[&arguments]).stdout(Stdio::null()).spawn().unwrap();
+    let tasks: Vec<_> = (0..4).map(|_| task()).collect();
+    tasks.into_iter().for_each(|mut task| assert!(task.wait().unwrap().success()));
+    assert_eq!(files(&path.join("parts")), ["part-00001-of-00002.csv"]);
+    let read = |folder: &str| fs::read(path.join(folder).join("part-00001-of-00002.csv")).unwrap();
+    assert!(read("alone") == read("parts"));
+}
+
+/// A part that does not fit is absent, and one line says why.
+#[cfg(unix)]
+#[test]
+fn a_part_that_cannot_be_written_is_absent() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    make_part(path, "1/2", "parts");
+    let mut command = std::process::Command::new("sh");
+    let arguments = "sweep study.toml --part 2/2 --out parts --part-format csv";
+    command.args(["-c", &format!("ulimit -f 2; exec {} {arguments}", env!("CARGO_BIN_EXE_rocking"))]).current_dir(path);
+    crate::program::fails_with(&mut command, &["parts/part-00002-of-00002.csv: cannot be written: File too large"]);
+    assert_eq!(files(&path.join("parts")), ["part-00001-of-00002.csv"]);
+}
+
+#[test]
+fn a_folder_of_parts_gives_the_fit_of_the_table() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    stdout(path, &["sweep", "study.toml", "--csv", "whole.csv"]);
+    make_parts(path, 4, "parts");
+    let fit = |table: &str, options: &[&str]| {
+        let arguments = ["fragility", table, "--im", "PGV", "--limit", "0.2", "--bootstrap", "20", "--json"];
+        let printed = rocking(path, &[&arguments[..], options].concat());
+        assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
+        let mut json: serde_json::Value = serde_json::from_slice(&printed.stdout).unwrap();
+        json.as_object_mut().unwrap().remove("table").unwrap();
+        json
+    };
+    assert_eq!(fit("parts", &[]), fit("whole.csv", &[]));
+    let missing = path.join("parts/part-00003-of-00004.csv");
+    let bytes = fs::read(&missing).unwrap();
+    fs::write(&missing, &bytes[..bytes.len() - 1]).unwrap();
+    let arguments = ["fragility", "parts", "--im", "PGV"];
+    refused(path, &arguments, &["parts/part-00003-of-00004.csv: is damaged", "make it anew"]);
+    fs::remove_file(&missing).unwrap();
+    assert_eq!(
+        refusal(path, &arguments),
+        "parts: lacks 1 of 4 parts: 3; make these, or evaluate the others alone with --partial"
+    );
+    let three = fit("parts", &["--partial"]);
+    assert_eq!(three["rows"]["all"].as_u64().unwrap() + rows_of(&bytes), 120);
+    // A stranger among them.
+    fs::write(path.join("study.toml"), RECORDED.replace("seed = 3", "seed = 4")).unwrap();
+    make_part(path, "3/4", "parts");
+    refused(path, &arguments, &["part-00003-of-00004.csv: is a part of another study; found `seed = 4`"]);
+    make_part(path, "1/2", "parts");
+    refused(path, &arguments, &["parts of different sets, part-00001-of-00002.csv and"]);
+    refused(path, &["fragility", ".", "--im", "PGV"], &[".: has no parts of a study"]);
+    refused(
+        path,
+        &["fragility", "whole.csv", "--im", "PGV", "--partial"],
+        &["--partial has no effect without a folder"],
+    );
+}
+
+fn rows_of(part: &[u8]) -> u64 {
+    let text = String::from_utf8_lossy(part);
+    text.lines().filter(|line| !line.starts_with('#')).count() as u64 - 1
+}
+
+#[test]
+fn options_of_parts_say_what_they_expect() {
+    let folder = folder(SAMPLES);
+    for (options, expected) in [
+        (&["--part", "0/4", "--out", "parts"][..], "number the tasks of a job array from 1"),
+        (&["--part", "5/4", "--out", "parts"], "from 1 and the number of parts, such as 3/100"),
+        (&["--part", "1/4"], "--out <FOLDER>"),
+        (&["--out", "parts"], "--part <K/N>"),
+        (&["--part", "1/4", "--out", "parts", "--csv", "table.csv"], "--csv"),
+        (&[], "--csv <FILE.csv>"),
+    ] {
+        let printed = rocking(folder.path(), &[&["sweep", "study.toml"], options].concat());
+        let message = String::from_utf8_lossy(&printed.stderr);
+        assert!(printed.status.code() == Some(2) && message.contains(expected), "{options:?}: {message}");
+    }
+    assert!(!folder.path().join("parts").exists());
+}
+
+/// The sample of a small study is all of it, and the size of its rows is exact.
+#[test]
+fn a_dry_run_forecasts_rows_and_size() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    let printed = stdout(path, &["sweep", "study.toml", "--dry-run", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    stdout(path, &["sweep", "study.toml", "--csv", "whole.csv"]);
+    let size: usize = rows(&path.join("whole.csv")).iter().map(|(_, line)| line.len() + 1).sum();
+    assert_eq!(
+        (json["rows"].as_u64(), json["tried"].as_u64(), json["bytes"].as_f64()),
+        (Some(120), Some(120), Some(size as f64))
+    );
+    assert!(json["seconds"].as_f64().unwrap() > 0.0);
+    let printed = stdout(path, &["sweep", "study.toml", "--dry-run", "--part", "1/7", "--out", "parts"]);
+    assert!(printed.starts_with("rows          120\nparts         7, of some 18 rows\n"), "{printed}");
+    assert_eq!(files(path), ["h.csv", "study.toml", "v.csv", "whole.csv"]);
+}

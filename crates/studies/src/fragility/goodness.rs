@@ -1,0 +1,178 @@
+//! Observations and a curve → groups of rows, and the deviance of the curve from their fractions.
+
+use std::collections::BTreeMap;
+
+use crate::fragility::clusters::Independence;
+use crate::fragility::observation::Observation;
+
+/// Maximum number of groups.
+const MAX_GROUPS: usize = 12;
+/// Minimum number of rows per group, for a meaningful fraction.
+const MIN_ROWS: usize = 5;
+
+/// Rows with adjacent measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Mean of their measures.
+    pub measure: f64,
+    /// Mean of their fractions.
+    pub fraction: f64,
+    /// Number of rows.
+    pub rows: usize,
+    /// Mean of their fitted probabilities.
+    expected: f64,
+    /// Number of runs, or of rows with fractions.
+    runs: f64,
+    /// Variance of their sum over that of independent rows; `None` for one record.
+    inflation: Option<f64>,
+}
+
+/// A test whether a curve fits the fractions of groups of rows: the deviance, compared with χ².
+///
+/// The deviance is twice the sum of k ln(k/(n P)) + (n − k) ln((n − k)/(n (1 − P))) over groups with k exceedances in n rows. Rows of the same
+/// record are not independent: where records repeat, it is divided by the mean inflation of the variances of the groups, the first-order
+/// correction of J. N. K. Rao and A. J. Scott, On chi-squared tests for multiway contingency tables, Ann. Statist. 12 (1984) 46–60.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Goodness {
+    /// Deviance (1), corrected for records that repeat.
+    pub deviance: f64,
+    /// Number of groups less the two coefficients.
+    pub degrees_of_freedom: usize,
+    /// Probability of at least this deviance if the curve is true.
+    pub p: f64,
+}
+
+impl Goodness {
+    /// Tests a curve against groups; `None` for fewer than three.
+    pub fn of(groups: &[Group]) -> Option<Goodness> {
+        let degrees_of_freedom = groups.len().checked_sub(2).filter(|&freedom| freedom > 0)?;
+        let term = |found: f64, expected: f64| if found > 0.0 { found * libm::log(found / expected) } else { 0.0 };
+        let deviance = |group: &Group| {
+            let terms = term(group.fraction, group.expected) + term(1.0 - group.fraction, 1.0 - group.expected);
+            2.0 * group.runs * terms
+        };
+        let inflations: Vec<f64> = groups.iter().filter_map(|group| group.inflation).collect();
+        let inflation = inflations.iter().sum::<f64>() / (inflations.len() as f64).max(1.0);
+        let deviance = groups.iter().map(deviance).sum::<f64>() / inflation.max(1.0);
+        Some(Goodness { deviance, degrees_of_freedom, p: chi_squared_exceedance(deviance, degrees_of_freedom) })
+    }
+}
+
+/// Sorts rows by measure into groups of similar size; rows with the same measure share a group.
+///
+/// `probabilities` and `records` have the fitted probability and the record of each row.
+pub(super) fn groups(observations: &[Observation], probabilities: &[f64], records: &[usize]) -> Vec<Group> {
+    let measure = |row: usize| observations[row].measures[0];
+    let mut rows: Vec<usize> = (0..observations.len()).collect();
+    rows.sort_by(|&a, &b| measure(a).total_cmp(&measure(b)));
+    let size = rows.len().div_ceil((rows.len() / MIN_ROWS).clamp(1, MAX_GROUPS));
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new()];
+    // A scaled record meets its level to round-off.
+    for alike in rows.chunk_by(|&a, &b| measure(b) - measure(a) <= 1e-9 * measure(b)) {
+        match groups.last_mut() {
+            Some(last) if last.len() < size => last.extend(alike),
+            _ => groups.push(alike.to_vec()),
+        }
+    }
+    let is_clustered = matches!(Independence::of(records), Independence::Records(_));
+    let group = |rows: &Vec<usize>| {
+        let runs: f64 = rows.iter().map(|&row| observations[row].weight).sum();
+        let mean = |value: &dyn Fn(usize) -> f64| {
+            rows.iter().map(|&row| observations[row].weight * value(row)).sum::<f64>() / runs
+        };
+        let (fraction, expected) = (mean(&|row| observations[row].fraction), mean(&|row| probabilities[row]));
+        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+        for &row in rows {
+            let residual = observations[row].fraction - probabilities[row] - (fraction - expected);
+            *sums.entry(records[row]).or_default() += observations[row].weight * residual;
+        }
+        let count = sums.len() as f64;
+        let clustered = sums.values().map(|sum| sum * sum).sum::<f64>() * count / (count - 1.0);
+        let independent = runs * mean(&|row| probabilities[row] * (1.0 - probabilities[row]));
+        let inflation = (is_clustered && sums.len() > 1).then_some(clustered / independent);
+        Group { measure: mean(&measure), fraction, rows: rows.len(), expected, runs, inflation }
+    };
+    groups.iter().map(group).collect()
+}
+
+/// P(χ² > x) for a whole number of degrees of freedom above zero (M. Abramowitz, I. A. Stegun, Handbook of mathematical functions, 26.4.4
+/// and 26.4.5).
+fn chi_squared_exceedance(x: f64, freedom: usize) -> f64 {
+    let half = 0.5 * x;
+    let (mut sum, mut term, first) = match freedom % 2 {
+        0 => (0.0, libm::exp(-half), 1.0),
+        _ => (libm::erfc(half.sqrt()), libm::exp(-half) * (half / std::f64::consts::FRAC_PI_4).sqrt(), 1.5),
+    };
+    for number in 0..freedom / 2 {
+        sum += term;
+        term *= half / (first + number as f64);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fragility::{Data, Link};
+
+    /// Table 26.8 of Abramowitz and Stegun.
+    #[test]
+    fn exceedances_match_the_tables() {
+        for (freedom, x, p) in [
+            (1, 3.84146, 0.05),
+            (2, 9.21034, 0.01),
+            (3, 6.25139, 0.1),
+            (5, 11.0705, 0.05),
+            (10, 18.3070, 0.05),
+            (9, 27.8772, 0.001),
+        ] {
+            assert!((chi_squared_exceedance(x, freedom) / p - 1.0).abs() < 1e-4, "{freedom}");
+        }
+        assert_eq!(chi_squared_exceedance(0.0, 3), 1.0);
+    }
+
+    /// Each level with its count of exceedances of 40 rows, each row by its record.
+    fn goodness(counts: &[usize], record: impl Fn(usize) -> usize) -> Goodness {
+        let rows =
+            counts.iter().enumerate().flat_map(|(level, &count)| (0..40).map(move |row| (level, row, row < count)));
+        let (observations, records): (Vec<Observation>, Vec<usize>) = rows
+            .map(|(level, row, exceeded)| {
+                (Observation::of(&[0.2 * 1.3_f64.powi(level as i32)], exceeded), record(40 * level + row))
+            })
+            .unzip();
+        let data = Data::new(observations).unwrap();
+        let fit = data.fit(Link::Probit).unwrap();
+        let groups = groups(data.observations(), &fit.probabilities(data.observations()), &records);
+        assert_eq!(groups.len(), counts.len());
+        Goodness::of(&groups).unwrap()
+    }
+
+    /// Twice the difference of the log-likelihoods of the fractions themselves and of the curve.
+    #[test]
+    fn the_deviance_is_that_of_the_saturated_model() {
+        let counts = [3, 5, 20, 18, 36, 35];
+        let found = goodness(&counts, |row| row);
+        let observations = |(level, &count): (usize, &usize)| {
+            Observation::counted(&[0.2 * 1.3_f64.powi(level as i32)], count as u64, 40)
+        };
+        let data = Data::new(counts.iter().enumerate().map(observations).collect()).unwrap();
+        let saturated: f64 =
+            counts.iter().map(|&k| k as f64 / 40.0).map(|f| 40.0 * (f * f.ln() + (1.0 - f) * (1.0 - f).ln())).sum();
+        let exact = 2.0 * (saturated - data.fit(Link::Probit).unwrap().log_likelihood);
+        assert!((found.deviance / exact - 1.0).abs() < 1e-9, "{found:?} {exact}");
+        assert_eq!(found.degrees_of_freedom, 4);
+    }
+
+    /// Fractions on a lognormal curve fit; a step among them does not. Copies of rows by record add no evidence.
+    #[test]
+    fn a_step_in_the_fractions_does_not_fit() {
+        let (smooth, step) = ([1, 4, 11, 20, 29, 36], [9, 8, 9, 31, 32, 31]);
+        assert!(goodness(&smooth, |row| row).p > 0.9);
+        let alone = goodness(&step, |row| row);
+        assert!(alone.p < 0.01, "{alone:?}");
+        // Ten copies of each row, of one record: a tenth of the deviance.
+        let copies = goodness(&[10, 10, 10, 30, 30, 30], |row| row / 10);
+        let rows = goodness(&[10, 10, 10, 30, 30, 30], |row| row);
+        assert!(copies.deviance < 0.12 * rows.deviance, "{copies:?} {rows:?}");
+    }
+}

@@ -1,0 +1,140 @@
+//! Tables → lines of CSV, and back.
+
+use std::io::{self, Read};
+
+use csv::{ReaderBuilder, Writer};
+
+use crate::output::table::{Heading, Kind, Table};
+
+/// Returns rows as lines of CSV. Numbers have the digits that restore them exactly.
+///
+/// # Errors
+/// None in practice: the lines are written to memory.
+pub fn lines(table: &Table) -> io::Result<String> {
+    let mut writer = Writer::from_writer(Vec::with_capacity(256 * table.rows()));
+    let mut field = String::with_capacity(32);
+    for row in 0..table.rows() {
+        for column in table.columns() {
+            field.clear();
+            column.write(row, &mut field);
+            writer.write_field(&field)?;
+        }
+        writer.write_record(None::<&[u8]>)?;
+    }
+    text(writer)
+}
+
+/// Returns the names of columns, with their units, as a line of CSV.
+pub(super) fn heading_line(headings: &[Heading]) -> io::Result<String> {
+    let mut writer = Writer::from_writer(Vec::new());
+    writer.write_record(headings.iter().map(Heading::to_string))?;
+    text(writer)
+}
+
+/// Returns a table with its headings as CSV.
+///
+/// # Errors
+/// None in practice: the text is written to memory.
+pub fn with_headings(table: &Table) -> io::Result<String> {
+    let headings: Vec<Heading> = table.columns().iter().map(|column| column.heading.clone()).collect();
+    Ok(heading_line(&headings)? + &lines(table)?)
+}
+
+fn text(writer: Writer<Vec<u8>>) -> io::Result<String> {
+    let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
+    String::from_utf8(bytes).map_err(io::Error::other)
+}
+
+/// Rows in a batch that is read.
+const BATCH: usize = 4096;
+
+/// Reads the rows of a table with these columns in batches.
+///
+/// # Errors
+/// Those of `take`, and a field that is no value of its column, in words.
+pub fn read_batches<E: From<String>>(
+    headings: &[Heading],
+    content: impl Read,
+    mut take: impl FnMut(Table) -> Result<(), E>,
+) -> Result<(), E> {
+    let empty = Table::new(headings.to_vec());
+    let mut table = empty.clone();
+    for (row, record) in ReaderBuilder::new().comment(Some(b'#')).from_reader(content).into_records().enumerate() {
+        let record = record.map_err(|error| error.to_string())?;
+        table.push_texts(record.iter()).map_err(|column| {
+            let expected = match &headings[column].kind {
+                Kind::Real => "a number".to_string(),
+                Kind::Integer => "a whole number".to_string(),
+                Kind::Boolean => "true or false".to_string(),
+                Kind::Choice(words) => format!("one of {}", words.join(", ")),
+                Kind::Text => unreachable!("any text is one"),
+            };
+            format!("row {row} has {} = {}; expected {expected}", headings[column], &record[column])
+        })?;
+        if table.rows() == BATCH {
+            take(std::mem::replace(&mut table, empty.clone()))?;
+        }
+    }
+    if table.rows() > 0 { take(table) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::table::Column;
+
+    struct Row(u64, f64, &'static str);
+
+    fn columns<'c>() -> Vec<Column<'c, Row>> {
+        type Of<'c> = Column<'c, Row>;
+        vec![
+            Of::row(|row| row.0),
+            Of::real("x", "m/s2", |row| row.1),
+            Of::optional("root", "1", |row| (row.1 >= 0.0).then(|| row.1.sqrt())),
+            Of::count("length", |row| row.2.len()),
+            Of::boolean("is_short", |row| row.2.len() < 3),
+            Of::choice("sign", ["minus", "plus, or none"], |row| usize::from(row.1 >= 0.0)),
+            Of::text("name", |row| row.2.into()),
+        ]
+    }
+
+    fn table() -> Table {
+        Table::of(&columns(), &[Row(7, 0.1 + 0.2, "a\"b"), Row(8, -1e300, ""), Row(9, f64::INFINITY, "c")])
+    }
+
+    #[test]
+    fn lines_restore_the_values_of_all_types() {
+        let text = with_headings(&table()).unwrap();
+        let large = format!("-1{}", "0".repeat(300));
+        let expected = [
+            "row,x [m/s2],root [1],length [1],is_short,sign,name",
+            "7,0.30000000000000004,0.5477225575051662,3,false,\"plus, or none\",\"a\"\"b\"",
+            &format!("8,{large},,0,true,minus,"),
+            "9,inf,inf,1,true,\"plus, or none\",c\n",
+        ];
+        assert_eq!(text, expected.join("\n"));
+        let mut found = Table::default();
+        let headings: Vec<Heading> = columns().iter().map(|column| column.heading().clone()).collect();
+        read_batches(&headings, text.as_bytes(), |batch| {
+            found.append(batch);
+            Ok::<(), String>(())
+        })
+        .unwrap();
+        // A missing number is no number, and thus equals none.
+        assert_eq!((found.rows(), format!("{found:?}")), (3, format!("{:?}", table())));
+    }
+
+    #[test]
+    fn a_field_that_is_no_value_of_its_column_is_named() {
+        let text = with_headings(&table()).unwrap();
+        let headings: Vec<Heading> = columns().iter().map(|column| column.heading().clone()).collect();
+        let refused = |from: &str, to: &str| {
+            read_batches(&headings, text.replacen(from, to, 1).as_bytes(), |_| Ok::<(), String>(())).unwrap_err()
+        };
+        assert_eq!(refused(",inf,inf,", ",inf,much,"), "row 2 has root [1] = much; expected a number");
+        assert_eq!(refused(",inf,inf,", ",inf,NaN,"), "row 2 has root [1] = NaN; expected a number");
+        assert_eq!(refused(",0,true", ",0.5,true"), "row 1 has length [1] = 0.5; expected a whole number");
+        assert_eq!(refused("0,true", "0,yes"), "row 1 has is_short = yes; expected true or false");
+        assert_eq!(refused(",minus,", ",none,"), "row 1 has sign = none; expected one of minus, plus, or none");
+    }
+}

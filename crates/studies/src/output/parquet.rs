@@ -1,0 +1,309 @@
+//! Tables → Parquet, and back.
+//!
+//! The names of columns are those of the table, without their units, and missing numbers and empty texts are nulls. The metadata of the file has
+//! the units, a JSON object by the names of the columns, and the description of the study, line by line, under `units` and `study`.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Write;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::{FileMetaData, KeyValue};
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+
+use crate::output::table::{Heading, Kind, Series, Table, Values};
+
+/// Rows of a group, which is kept in memory until it is compressed.
+const GROUP: usize = 1 << 16;
+
+/// The first bytes of a file.
+pub const MAGIC: &[u8] = b"PAR1";
+
+/// A file in progress.
+pub struct ParquetWriter<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
+    group: Table,
+}
+
+impl<W: Write + Send> ParquetWriter<W> {
+    /// Begins the file of a table with these columns.
+    ///
+    /// # Errors
+    /// `out` takes no bytes.
+    pub fn new(out: W, study: &[String], columns: &[Heading]) -> Result<ParquetWriter<W>> {
+        let units: BTreeMap<&str, &str> =
+            columns.iter().filter_map(|heading| Some((heading.name.as_str(), heading.unit.as_deref()?))).collect();
+        let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(error.into()))?;
+        let metadata = [("units", units), ("study", study.join("\n"))];
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::ZSTD(Default::default()))
+            .set_created_by(concat!("rocking-block ", env!("CARGO_PKG_VERSION")).into())
+            .set_key_value_metadata(Some(metadata.map(|(key, value)| KeyValue::new(key.into(), value)).into()))
+            .build();
+        let fields = columns.iter().map(field).collect::<Result<_>>()?;
+        let schema = Type::group_type_builder("schema").with_fields(fields).build()?;
+        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
+        Ok(ParquetWriter { writer, group: Table::new(columns.to_vec()) })
+    }
+
+    /// Appends rows.
+    ///
+    /// # Errors
+    /// `out` takes no bytes.
+    pub fn push(&mut self, rows: Table) -> Result<()> {
+        self.group.append(rows);
+        if self.group.rows() >= GROUP { self.end_group() } else { Ok(()) }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// `out` takes no bytes.
+    pub fn finish(mut self) -> Result<W> {
+        if self.group.rows() > 0 {
+            self.end_group()?;
+        }
+        self.writer.into_inner()
+    }
+
+    fn end_group(&mut self) -> Result<()> {
+        let empty = Table::new(self.group.columns().iter().map(|column| column.heading.clone()).collect());
+        let rows = std::mem::replace(&mut self.group, empty);
+        let mut group = self.writer.next_row_group()?;
+        for column in rows.columns() {
+            // The schema has as many columns as the table.
+            let Some(mut writer) = group.next_column()? else { break };
+            let is_known: Vec<i16> = (0..rows.rows()).map(|row| i16::from(!is_missing(column, row))).collect();
+            match &column.values {
+                Values::Real(values) => {
+                    let known: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
+                    writer.typed::<DoubleType>().write_batch(&known, Some(&is_known), None)?;
+                }
+                Values::Integer(values) => {
+                    writer.typed::<Int64Type>().write_batch(values, Some(&is_known), None)?;
+                }
+                Values::Boolean(values) => {
+                    writer.typed::<BoolType>().write_batch(values, Some(&is_known), None)?;
+                }
+                Values::Choice(_) | Values::Text(_) => {
+                    let words = (0..rows.rows()).filter_map(|row| column.word(row).filter(|word| !word.is_empty()));
+                    let words: Vec<ByteArray> = words.map(ByteArray::from).collect();
+                    writer.typed::<ByteArrayType>().write_batch(&words, Some(&is_known), None)?;
+                }
+            }
+            writer.close()?;
+        }
+        group.close().map(|_| ())
+    }
+}
+
+fn is_missing(column: &Series, row: usize) -> bool {
+    match &column.values {
+        Values::Real(values) => values[row].is_nan(),
+        Values::Integer(_) | Values::Boolean(_) => false,
+        Values::Choice(_) | Values::Text(_) => column.word(row).is_none_or(str::is_empty),
+    }
+}
+
+fn field(heading: &Heading) -> Result<Arc<Type>> {
+    let (physical, logical) = match heading.kind {
+        Kind::Real => (PhysicalType::DOUBLE, None),
+        Kind::Integer => (PhysicalType::INT64, None),
+        Kind::Boolean => (PhysicalType::BOOLEAN, None),
+        Kind::Choice(_) | Kind::Text => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
+    };
+    let field = Type::primitive_type_builder(&heading.name, physical);
+    Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).with_logical_type(logical).build()?))
+}
+
+/// Returns the file of a table.
+///
+/// # Errors
+/// None in practice: the file is written to memory.
+pub fn file(study: &[String], table: Table) -> Result<Vec<u8>> {
+    let headings: Vec<Heading> = table.columns().iter().map(|column| column.heading.clone()).collect();
+    let mut writer = ParquetWriter::new(Vec::new(), study, &headings)?;
+    writer.push(table)?;
+    writer.finish()
+}
+
+/// A file, read column by column in groups of rows.
+pub(super) struct Groups {
+    reader: SerializedFileReader<File>,
+    pub(super) headings: Vec<Heading>,
+}
+
+impl Groups {
+    /// Opens a file; columns that are neither numbers, whole numbers, booleans nor texts are refused.
+    ///
+    /// # Errors
+    /// The content is not that of a Parquet file, or a column has another type.
+    pub(super) fn new(content: File) -> Result<Groups> {
+        let reader = SerializedFileReader::new(content)?;
+        let metadata = reader.metadata().file_metadata();
+        let units: BTreeMap<String, String> =
+            entry(metadata, "units").and_then(|units| serde_json::from_str(units).ok()).unwrap_or_default();
+        let heading = |field: &Arc<Type>| {
+            let kind = match (
+                field.is_primitive().then(|| field.get_physical_type()),
+                field.get_basic_info().logical_type_ref(),
+            ) {
+                (Some(PhysicalType::DOUBLE), _) => Kind::Real,
+                (Some(PhysicalType::INT64), None | Some(LogicalType::Integer { .. })) => Kind::Integer,
+                (Some(PhysicalType::BOOLEAN), _) => Kind::Boolean,
+                (Some(PhysicalType::BYTE_ARRAY), Some(LogicalType::String)) => Kind::Text,
+                _ => {
+                    let name = field.name();
+                    let expected = "expected numbers, whole numbers, booleans or texts";
+                    return Err(ParquetError::General(format!("column {name} has another type; {expected}")));
+                }
+            };
+            Ok(Heading { name: field.name().into(), unit: units.get(field.name()).cloned(), kind })
+        };
+        let headings = metadata.schema().get_fields().iter().map(heading).collect::<Result<Vec<_>>>()?;
+        Ok(Groups { reader, headings })
+    }
+
+    /// The description of the study, line by line.
+    pub(super) fn study(&self) -> Vec<String> {
+        entry(self.reader.metadata().file_metadata(), "study").unwrap_or_default().lines().map(String::from).collect()
+    }
+
+    /// Number of rows.
+    pub(super) fn rows(&self) -> u64 {
+        self.reader.metadata().file_metadata().num_rows() as u64
+    }
+
+    /// Number of groups.
+    pub(super) fn count(&self) -> usize {
+        self.reader.num_row_groups()
+    }
+
+    /// Reads a column of a group.
+    ///
+    /// # Errors
+    /// The content is damaged.
+    pub(super) fn column(&self, group: usize, column: usize) -> Result<Series> {
+        let group = self.reader.get_row_group(group)?;
+        let rows = group.metadata().num_rows() as usize;
+        Ok(Series { heading: self.headings[column].clone(), values: values(group.get_column_reader(column)?, rows)? })
+    }
+}
+
+fn entry<'a>(metadata: &'a FileMetaData, key: &str) -> Option<&'a str> {
+    let entries = metadata.key_value_metadata().into_iter().flatten();
+    entries.filter(|entry| entry.key == key).find_map(|entry| entry.value.as_deref())
+}
+
+fn values(reader: ColumnReader, rows: usize) -> Result<Values> {
+    Ok(match reader {
+        ColumnReader::DoubleColumnReader(reader) => Values::Real(all(reader, rows, f64::NAN)?),
+        ColumnReader::Int64ColumnReader(reader) => Values::Integer(all(reader, rows, 0)?),
+        ColumnReader::BoolColumnReader(reader) => Values::Boolean(all(reader, rows, false)?),
+        ColumnReader::ByteArrayColumnReader(reader) => {
+            let texts = all(reader, rows, ByteArray::from(""))?;
+            Values::Text(texts.iter().map(|text| Ok(text.as_utf8()?.into())).collect::<Result<_>>()?)
+        }
+        _ => return Err(ParquetError::General("a column has another type than its schema".into())),
+    })
+}
+
+/// Reads all values of a column, `missing` for nulls.
+fn all<T: DataType>(mut reader: ColumnReaderImpl<T>, rows: usize, missing: T::T) -> Result<Vec<T::T>> {
+    let (mut known, mut is_known) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+    while is_known.len() < rows {
+        let before = is_known.len();
+        let (read, ..) = reader.read_records(rows - before, Some(&mut is_known), None, &mut known)?;
+        if is_known.len() == before {
+            // A required column has no levels.
+            is_known.resize(before + read, 1);
+        }
+        if read == 0 {
+            return Err(ParquetError::EOF(format!("a column has {before} of {rows} rows")));
+        }
+    }
+    let mut known = known.into_iter();
+    let value = |is_known: &i16| match is_known {
+        0 => missing.clone(),
+        _ => known.next().unwrap_or(missing.clone()),
+    };
+    Ok(is_known.iter().map(value).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::reading::TableReader;
+    use crate::output::table::Column;
+
+    type Row = (u64, f64, &'static str);
+
+    fn read(path: &std::path::Path) -> Option<Table> {
+        let mut reader = TableReader::new(&|_| true);
+        reader.read_file(path).ok()?;
+        Some(reader.table())
+    }
+
+    fn table(rows: std::ops::Range<u64>) -> Table {
+        type Of<'c> = Column<'c, Row>;
+        let columns = [
+            Of::row(|row| row.0),
+            Of::real("x", "m/s2", |row| row.1),
+            Of::optional("root", "1", |row| (row.1 >= 0.0).then(|| row.1.sqrt())),
+            Of::boolean("is_short", |row| row.2.len() < 3),
+            Of::choice("sign", ["minus", "plus"], |row| usize::from(row.1 >= 0.0)),
+            Of::text("name", |row| row.2.into()),
+        ];
+        let row = |number: u64| (number, 0.1 + 0.2 - (number % 7) as f64, ["a\"b", "", "long"][number as usize % 3]);
+        Table::of(&columns, &rows.map(row).collect::<Vec<_>>())
+    }
+
+    /// Rows of two groups and a part of a third one.
+    #[test]
+    fn a_file_restores_all_values_with_their_units() {
+        let rows = 2 * GROUP as u64 + 2000;
+        let headings: Vec<Heading> = table(0..0).columns().iter().map(|column| column.heading.clone()).collect();
+        let mut writer = ParquetWriter::new(Vec::new(), &["a study".into(), "of two lines".into()], &headings).unwrap();
+        for begin in (0..rows).step_by(999) {
+            writer.push(table(begin..(begin + 999).min(rows))).unwrap();
+        }
+        let content = writer.finish().unwrap();
+        assert!(content.starts_with(MAGIC) && content.ends_with(MAGIC));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        std::fs::write(&path, &content).unwrap();
+        let (found, expected) = (read(&path).unwrap(), table(0..rows));
+        assert_eq!(found.rows(), expected.rows());
+        for (found, expected) in found.columns().iter().zip(expected.columns()) {
+            assert_eq!((&found.heading.name, &found.heading.unit), (&expected.heading.name, &expected.heading.unit));
+            for row in 0..rows as usize {
+                assert_eq!(found.text(row), expected.text(row), "{} in row {row}", found.heading);
+            }
+        }
+        let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        assert_eq!(reader.num_row_groups(), 3);
+        let groups = Groups::new(File::open(&path).unwrap()).unwrap();
+        assert_eq!((groups.study().join(" "), groups.rows()), ("a study of two lines".into(), rows));
+        let metadata = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        assert!(metadata.contains(&KeyValue::new("study".into(), "a study\nof two lines".to_string())), "{metadata:?}");
+        assert!(metadata.contains(&KeyValue::new("units".into(), r#"{"root":"1","x":"m/s2"}"#.to_string())));
+    }
+
+    #[test]
+    fn other_content_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        let content = file(&[], table(0..100)).unwrap();
+        for content in [&b"row,x [m]\n0,1\n"[..], &content[..content.len() / 2], &content[content.len() / 2..]] {
+            std::fs::write(&path, content).unwrap();
+            assert_eq!(read(&path), None);
+        }
+    }
+}

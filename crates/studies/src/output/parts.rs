@@ -1,0 +1,393 @@
+//! A study → its parts, each a file of a folder; such a folder → its table.
+//!
+//! The rows of a study depend on their numbers alone, so that parts can be made anywhere and in any order. Blocks of rows go to the parts
+//! in turn, in an order drawn anew for each round: neighbouring rows share a block or a record, and thus their cost.
+
+use std::fmt::{self, Display};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use rocking_block::numerics::wide::VectorWidth;
+
+use crate::output::reading::{TableReadError, TableReader, is_parquet, parquet_description};
+use crate::output::resumable::TableHeader;
+use crate::output::runner::{Study, StudyRows};
+use crate::output::table::{Table, Values};
+
+/// Blocks of rows in a part of a large study: enough that all parts cost about the same.
+const BLOCKS: u64 = 32;
+
+/// Most rows of a block: enough to fill the lanes of vectors.
+const MAX_BLOCK: u64 = 256;
+
+/// The number of a part, from 1, and the number of parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PartNumber {
+    count: u64,
+    number: u64,
+}
+
+impl PartNumber {
+    /// Returns the number of a part; `None` unless it is at least 1 and at most the number of parts.
+    pub fn new(number: u64, count: u64) -> Option<PartNumber> {
+        (1..=count).contains(&number).then_some(PartNumber { count, number })
+    }
+
+    /// The number of the part, from 1.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+
+    /// The number of parts.
+    pub fn count(self) -> u64 {
+        self.count
+    }
+
+    /// The name of its file, such as `part-00003-of-00100.csv`.
+    pub fn file_name(self, extension: &str) -> String {
+        format!("part-{:05}-of-{:05}.{extension}", self.number, self.count)
+    }
+
+    /// The part whose file has this name.
+    fn of_file(name: &str) -> Option<PartNumber> {
+        let (stem, extension) = name.rsplit_once('.')?;
+        let (number, count) = stem.strip_prefix("part-")?.split_once("-of-")?;
+        let part = PartNumber::new(number.parse().ok()?, count.parse().ok()?)?;
+        (part.file_name(extension) == name && ["csv", "parquet"].contains(&extension)).then_some(part)
+    }
+}
+
+impl Display for PartNumber {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}", self.number, self.count)
+    }
+}
+
+/// Reads `3/100`.
+impl FromStr for PartNumber {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<PartNumber, String> {
+        let numbers =
+            text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+        numbers.and_then(|(number, count)| PartNumber::new(number, count)).ok_or_else(|| {
+            "expected the number of a part from 1 and the number of parts, such as 3/100; number the tasks of a job array from 1".into()
+        })
+    }
+}
+
+/// A part of a study.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a, S> {
+    study: &'a S,
+    part: PartNumber,
+    /// Rows of a block; the last block of the study may have fewer.
+    block: u64,
+}
+
+impl<S: Study> Part<'_, S> {
+    /// Takes a part of a study.
+    pub fn new(study: &S, part: PartNumber) -> Part<'_, S> {
+        let block = (study.rows() / (BLOCKS * part.count)).clamp(1, MAX_BLOCK);
+        Part { study, part, block: block.next_multiple_of(study.rows_together()) }
+    }
+
+    /// The block of a round, by its number in the study.
+    fn block_of(&self, round: u64) -> u64 {
+        let PartNumber { count, number } = self.part;
+        round * count + (number - 1 + mixed(round)) % count
+    }
+
+    fn rounds(&self) -> u64 {
+        let blocks = self.study.rows().div_ceil(self.block);
+        let complete = blocks / self.part.count;
+        complete + u64::from(self.block_of(complete) < blocks)
+    }
+}
+
+/// Mixes the bits of a number (the finalizer of SplitMix64; G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014, 453-472), without the upper
+/// half, so that sums with it do not overflow.
+fn mixed(number: u64) -> u64 {
+    let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (number ^ (number >> 31)) >> 32
+}
+
+impl<S: Study> Study for Part<'_, S> {
+    fn header(&self) -> TableHeader {
+        let mut header = self.study.header();
+        header.study.push(format!("{PART}{}, {} rows", self.part, self.rows()));
+        header
+    }
+
+    fn rows(&self) -> u64 {
+        let rounds = self.rounds();
+        let Some(last) = rounds.checked_sub(1) else { return 0 };
+        let begin = self.block_of(last) * self.block;
+        last * self.block + self.block.min(self.study.rows() - begin)
+    }
+
+    fn runs_in_a_row(&self) -> u64 {
+        self.study.runs_in_a_row()
+    }
+
+    fn rows_together(&self) -> u64 {
+        self.study.rows_together()
+    }
+
+    /// Makes rows by their positions in the part.
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        let row = |&position: &u64| self.block_of(position / self.block) * self.block + position % self.block;
+        self.study.make(&numbers.iter().map(row).collect::<Vec<_>>(), width)
+    }
+}
+
+/// The beginning of the line of the description that tells parts apart.
+const PART: &str = "part ";
+
+/// The state of the file of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartState {
+    /// There is no file.
+    Absent,
+    /// All rows of this study's part.
+    Complete,
+    /// The file ends early.
+    Broken,
+}
+
+/// The reason why a part or a folder of parts cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PartsError {
+    /// The part is that of another study.
+    #[error("{file}: is a part of another study; found `{found}`, expected `{expected}`")]
+    Other {
+        /// The file.
+        file: String,
+        /// A line of its description.
+        found: String,
+        /// The line of this study.
+        expected: String,
+    },
+    /// The folder has no parts.
+    #[error("{0}: has no parts of a study; expected files such as part-00001-of-00010.csv")]
+    None(String),
+    /// The folder has parts of several sets.
+    #[error("{folder}: has parts of different sets, {first} and {other}; expected one set in a folder")]
+    Sets {
+        /// The folder.
+        folder: String,
+        /// A part.
+        first: String,
+        /// A part of another set.
+        other: String,
+    },
+    /// Parts are missing.
+    #[error(
+        "{folder}: lacks {count} of {parts} parts: {missing}; make these, or evaluate the others alone with {partial}"
+    )]
+    Missing {
+        /// The folder.
+        folder: String,
+        /// Number of missing parts.
+        count: u64,
+        /// Number of parts.
+        parts: u64,
+        /// The numbers of the first ones.
+        missing: String,
+        /// The option that accepts them.
+        partial: &'static str,
+    },
+    /// A part ends early.
+    #[error("{file}: is damaged: found {found} rows, expected {expected}; make it anew")]
+    Broken {
+        /// The file.
+        file: String,
+        /// Number of its rows.
+        found: u64,
+        /// Number of rows of the part.
+        expected: u64,
+    },
+    /// A part cannot be read.
+    #[error("{file}: cannot be read: {error}")]
+    Io {
+        /// The file or folder.
+        file: String,
+        /// The reason.
+        error: io::Error,
+    },
+    /// A part is no table.
+    #[error(transparent)]
+    Read(#[from] TableReadError),
+}
+
+/// Returns whether the file of a part is there and complete.
+///
+/// # Errors
+/// It is that of another study, or cannot be read.
+pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, PartsError> {
+    let file = path.display().to_string();
+    if !path.exists() {
+        return Ok(PartState::Absent);
+    }
+    let (found, found_rows) = match description(path).and_then(|study| Ok((study, complete_rows(path)?))) {
+        Ok(description) => description,
+        Err(PartsError::Read(_)) => return Ok(PartState::Broken),
+        Err(error) => return Err(error),
+    };
+    let expected = header.study.iter().map(|line| line.replace(['\n', '\r'], " "));
+    for (number, expected) in expected.enumerate() {
+        match found.get(number) {
+            Some(found) if *found == expected => (),
+            Some(cut) if number + 1 == found.len() && expected.starts_with(cut) => return Ok(PartState::Broken),
+            Some(found) => return Err(PartsError::Other { file, found: found.clone(), expected }),
+            None => return Ok(PartState::Broken),
+        }
+    }
+    Ok(if found_rows == rows { PartState::Complete } else { PartState::Broken })
+}
+
+/// The description in the file of a part, line by line.
+fn description(path: &Path) -> Result<Vec<String>, PartsError> {
+    let file = open(path)?;
+    if is_parquet(path) {
+        return Ok(parquet_description(&path.display().to_string(), file)?.0);
+    }
+    let comments = BufReader::new(file).lines().map(|line| line.map_err(|error| refused(path, error)));
+    let is_comment = |line: &Result<String, PartsError>| line.as_ref().map_or(true, |line| line.starts_with("# "));
+    comments.take_while(is_comment).map(|line| Ok(line?["# ".len()..].into())).collect()
+}
+
+/// Counts the rows in the file of a part, of CSV those with an end.
+fn complete_rows(path: &Path) -> Result<u64, PartsError> {
+    let file = open(path)?;
+    if is_parquet(path) {
+        return Ok(parquet_description(&path.display().to_string(), file)?.1);
+    }
+    let mut reader = BufReader::new(file);
+    let (mut lines, mut line) = (0, Vec::new());
+    loop {
+        line.clear();
+        reader.read_until(b'\n', &mut line).map_err(|error| refused(path, error))?;
+        if !line.ends_with(b"\n") {
+            // The first line after the comments has the headings.
+            return Ok(u64::saturating_sub(lines, 1));
+        }
+        lines += u64::from(!line.starts_with(b"# "));
+    }
+}
+
+/// Whether the last line of a file has an end.
+fn ends_with_line(path: &Path) -> Result<bool, PartsError> {
+    let mut last = [0];
+    let read = open(path)?;
+    let read = (&read).seek(SeekFrom::End(-1)).and_then(|_| (&read).read_exact(&mut last));
+    read.map(|()| last == *b"\n").map_err(|error| refused(path, error))
+}
+
+fn open(path: &Path) -> Result<File, PartsError> {
+    File::open(path).map_err(|error| refused(path, error))
+}
+
+fn refused(path: &Path, error: io::Error) -> PartsError {
+    PartsError::Io { file: path.display().to_string(), error }
+}
+
+/// The parts in a folder, all of one set.
+pub struct Parts {
+    folder: String,
+    count: u64,
+    files: Vec<(PartNumber, PathBuf)>,
+}
+
+impl Parts {
+    /// Lists the parts of a folder.
+    ///
+    /// # Errors
+    /// The folder cannot be read, or has no parts, or parts of several sets.
+    pub fn of(path: &Path) -> Result<Parts, PartsError> {
+        let folder = path.display().to_string();
+        let refused = |error| refused(path, error);
+        let mut files = Vec::new();
+        for entry in path.read_dir().map_err(refused)? {
+            let path = entry.map_err(refused)?.path();
+            let name = path.file_name().and_then(|name| name.to_str());
+            files.extend(name.and_then(PartNumber::of_file).map(|part| (part, path)));
+        }
+        files.sort();
+        let Some((PartNumber { count, .. }, first)) = files.first().cloned() else {
+            return Err(PartsError::None(folder));
+        };
+        let extension = first.extension();
+        let other = files.iter().find(|(part, path)| part.count != count || path.extension() != extension);
+        if let Some((_, other)) = other {
+            let [first, other] =
+                [&first, other].map(|path| path.file_name().unwrap_or_default().to_string_lossy().into());
+            return Err(PartsError::Sets { folder, first, other });
+        }
+        Ok(Parts { folder, count, files })
+    }
+
+    /// The files, in the order of their numbers.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|(_, path)| path.as_path())
+    }
+
+    /// Checks that all parts are there.
+    ///
+    /// # Errors
+    /// Names the missing ones, and `partial`, the option that does without them.
+    pub fn check_complete(&self, partial: &'static str) -> Result<(), PartsError> {
+        let is_there = |number: &u64| self.files.binary_search_by_key(number, |(part, _)| part.number).is_ok();
+        let missing: Vec<u64> = (1..=self.count).filter(|number| !is_there(number)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let shown: Vec<String> = missing.iter().take(10).map(u64::to_string).collect();
+        let more = if missing.len() > 10 { ", …" } else { "" };
+        let (folder, count, parts) = (self.folder.clone(), missing.len() as u64, self.count);
+        Err(PartsError::Missing { folder, count, parts, missing: shown.join(", ") + more, partial })
+    }
+
+    /// Reads the wanted columns of all parts, in the order of the rows; returns the headings of all columns as well.
+    ///
+    /// # Errors
+    /// A part is damaged or no table, or one of another study.
+    pub fn read(&self, is_wanted: &dyn Fn(&str) -> bool) -> Result<(Table, Vec<String>), PartsError> {
+        const ROW: &str = "row";
+        let with_row = |name: &str| name == ROW || is_wanted(name);
+        let mut reader = TableReader::new(&with_row);
+        let mut first: Option<Vec<String>> = None;
+        for (part, path) in &self.files {
+            let file = path.display().to_string();
+            let mut study = description(path)?;
+            let own = study.pop().unwrap_or_default();
+            let rows = own.strip_prefix(&format!("{PART}{part}, ")).and_then(|rows| rows.strip_suffix(" rows"));
+            let Some(expected) = rows.and_then(|rows| rows.parse().ok()) else {
+                return Err(PartsError::Other { file, found: own, expected: format!("{PART}{part}, …") });
+            };
+            let first = first.get_or_insert_with(|| study.clone());
+            if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
+                return Err(PartsError::Other { file, found: found.clone(), expected: expected.clone() });
+            }
+            let before = reader.rows();
+            reader.read_file(path)?;
+            let found = reader.rows() - before;
+            if found != expected || !is_parquet(path) && !ends_with_line(path)? {
+                return Err(PartsError::Broken { file, found, expected });
+            }
+        }
+        let headings = reader.headings().to_vec();
+        let mut table = reader.table();
+        if let Some(Values::Integer(rows)) = table.column(ROW).map(|column| &column.values)
+            && !rows.is_sorted()
+        {
+            let mut order: Vec<usize> = (0..rows.len()).collect();
+            order.sort_by_key(|&position| rows[position]);
+            table.reorder(&order);
+        }
+        Ok((table, headings))
+    }
+}

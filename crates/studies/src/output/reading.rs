@@ -1,0 +1,379 @@
+//! Tables whose columns are not known → typed columns, one file after the other.
+
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use csv::{ReaderBuilder, StringRecord};
+
+#[cfg(feature = "parquet")]
+use crate::output::parquet::Groups;
+use crate::output::table::{Heading, Kind, Series, Table, Values, number, split_heading};
+
+/// The reason why a table cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum TableReadError {
+    /// The file is not a table.
+    #[error("{file}: cannot be read as CSV: {error}")]
+    Csv {
+        /// The table.
+        file: String,
+        /// The reason.
+        error: csv::Error,
+    },
+    /// The file has no headings.
+    #[error("{0}: found no lines; expected a table of `rocking sweep`")]
+    Empty(String),
+    /// The file is neither text nor Parquet.
+    #[error("{0}: found no text; expected a table of `rocking sweep`, as CSV or Parquet")]
+    NoText(String),
+    /// A row has more or fewer fields than the headings.
+    #[error("{file}: row {row} has {found} fields; expected {expected}, as in the heading")]
+    Fields {
+        /// The table.
+        file: String,
+        /// The row, from 0.
+        row: u64,
+        /// Number of its fields.
+        found: u64,
+        /// Number of headings.
+        expected: u64,
+    },
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {error}")]
+    Io {
+        /// The table.
+        file: String,
+        /// The reason.
+        error: std::io::Error,
+    },
+    /// The file is not a table in Parquet, or Parquet is not known.
+    #[error("{file}: cannot be read as Parquet: {reason}")]
+    Parquet {
+        /// The table.
+        file: String,
+        /// The reason.
+        reason: String,
+    },
+    /// The headings are repeated between the rows.
+    #[error("{file}: repeats its headings after {rows} rows, as in tables joined by cat; expected one table")]
+    Joined {
+        /// The table.
+        file: String,
+        /// Number of rows before them.
+        rows: u64,
+    },
+    /// A further table has other columns.
+    #[error("{file}: has the columns {found}; expected those of the first table, {expected}")]
+    OtherColumns {
+        /// The table.
+        file: String,
+        /// Its columns.
+        found: String,
+        /// The columns of the first table.
+        expected: String,
+    },
+}
+
+/// A table that is read row by row. Columns without words are of numbers, others, and the names of records, of words.
+pub struct TableReader<'a> {
+    /// Whether a column of this name is kept.
+    is_wanted: &'a dyn Fn(&str) -> bool,
+    /// Headings of all columns, as in the file; none before the first file.
+    headings: Vec<String>,
+    columns: Vec<Option<Growing>>,
+    rows: u64,
+}
+
+/// The values of a column so far.
+enum Growing {
+    Real(Vec<f64>),
+    Integer(Vec<i64>),
+    Words(Words),
+}
+
+/// Words by their positions in the order of their first row.
+#[derive(Default)]
+struct Words {
+    known: HashMap<Arc<str>, u32>,
+    positions: Vec<u32>,
+}
+
+impl Words {
+    fn push(&mut self, word: &str) {
+        let next = self.known.len() as u32;
+        let position = self.known.get(word).copied().unwrap_or_else(|| {
+            self.known.insert(word.into(), next);
+            next
+        });
+        self.positions.push(position);
+    }
+}
+
+impl Growing {
+    /// Begins a column of CSV.
+    fn of(heading: &str) -> Growing {
+        match split_heading(heading).0 {
+            "row" => Growing::Integer(Vec::new()),
+            // The name of a file may be a number.
+            "record" | "vertical" => Growing::Words(Words::default()),
+            _ => Growing::Real(Vec::new()),
+        }
+    }
+
+    fn push_text(&mut self, text: &str) {
+        match self {
+            Growing::Real(values) => match number(text) {
+                Some(value) => values.push(value),
+                None => self.push_word(text),
+            },
+            // Other texts of the same number, such as 007, are words.
+            Growing::Integer(values) => match text.parse::<i64>().ok().filter(|value| value.to_string() == text) {
+                Some(value) => values.push(value),
+                None => self.push_word(text),
+            },
+            Growing::Words(_) => self.push_word(text),
+        }
+    }
+
+    /// Makes the column one of words, and appends a word.
+    fn push_word(&mut self, text: &str) {
+        if !matches!(self, Growing::Words(_)) {
+            let earlier =
+                Series { heading: Heading { name: String::new(), unit: None, kind: Kind::Text }, values: self.take() };
+            let mut words = Words::default();
+            (0..earlier.values.len()).for_each(|row| words.push(&earlier.text(row)));
+            *self = Growing::Words(words);
+        }
+        let Growing::Words(words) = self else { unreachable!("made one above") };
+        words.push(text);
+    }
+
+    /// Takes the values of a column without words.
+    fn take(&mut self) -> Values {
+        match std::mem::replace(self, Growing::Words(Words::default())) {
+            Growing::Real(values) => Values::Real(values),
+            Growing::Integer(values) => Values::Integer(values),
+            Growing::Words(words) => Values::Choice(words.positions),
+        }
+    }
+
+    /// Appends the values of a typed column.
+    #[cfg(feature = "parquet")]
+    fn append(&mut self, more: Series) {
+        match (&mut *self, more.values) {
+            (Growing::Real(values), Values::Real(more)) => values.extend(more),
+            (Growing::Integer(values), Values::Integer(more)) => values.extend(more),
+            (_, values) => {
+                let more = Series { heading: more.heading, values };
+                (0..more.values.len()).for_each(|row| self.push_word(&more.text(row)));
+            }
+        }
+    }
+}
+
+impl<'a> TableReader<'a> {
+    /// Keeps the columns with wanted names.
+    pub fn new(is_wanted: &'a dyn Fn(&str) -> bool) -> TableReader<'a> {
+        TableReader { is_wanted, headings: Vec::new(), columns: Vec::new(), rows: 0 }
+    }
+
+    /// Number of rows so far.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Checks the headings of a further file, or takes those of the first with columns of these kinds.
+    fn begin(
+        &mut self,
+        file: &str,
+        headings: Vec<String>,
+        column: impl Fn(usize, &str) -> Growing,
+    ) -> Result<(), TableReadError> {
+        if self.headings.is_empty() {
+            let kept = |(number, heading): (usize, &String)| {
+                (self.is_wanted)(split_heading(heading).0).then(|| column(number, heading))
+            };
+            self.columns = headings.iter().enumerate().map(kept).collect();
+            self.headings = headings;
+        } else if self.headings != headings {
+            let [found, expected] = [headings, self.headings.clone()].map(|headings| headings.join(", "));
+            return Err(TableReadError::OtherColumns { file: file.into(), found, expected });
+        }
+        Ok(())
+    }
+
+    /// Appends the rows of a file, in CSV or Parquet by its name.
+    ///
+    /// # Errors
+    /// Those of both formats.
+    pub fn read_file(&mut self, path: &Path) -> Result<(), TableReadError> {
+        let file = path.display().to_string();
+        let content = File::open(path).map_err(|error| TableReadError::Io { file: file.clone(), error })?;
+        match is_parquet(path) {
+            true => self.read_parquet(&file, content),
+            false => self.read_csv(&file, content),
+        }
+    }
+
+    /// Appends the rows of a table in CSV.
+    ///
+    /// # Errors
+    /// A row with the wrong number of fields or with the headings, invalid UTF-8, or other columns than before.
+    pub fn read_csv(&mut self, file: &str, content: impl Read) -> Result<(), TableReadError> {
+        let refused = |error: csv::Error| match *error.kind() {
+            csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
+                let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
+                TableReadError::Fields { file: file.into(), row, found, expected }
+            }
+            csv::ErrorKind::Utf8 { .. } => TableReadError::NoText(file.into()),
+            _ => TableReadError::Csv { file: file.into(), error },
+        };
+        let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(content);
+        let header = reader.headers().map_err(refused)?.clone();
+        if header.is_empty() {
+            return Err(TableReadError::Empty(file.into()));
+        }
+        self.begin(file, header.iter().map(String::from).collect(), |_, heading| Growing::of(heading))?;
+        let mut record = StringRecord::new();
+        let before = self.rows;
+        while reader.read_record(&mut record).map_err(refused)? {
+            if record == header {
+                return Err(TableReadError::Joined { file: file.into(), rows: self.rows - before });
+            }
+            for (column, text) in self.columns.iter_mut().zip(&record) {
+                if let Some(column) = column {
+                    column.push_text(text);
+                }
+            }
+            self.rows += 1;
+        }
+        Ok(())
+    }
+
+    #[cfg(not(feature = "parquet"))]
+    fn read_parquet(&mut self, file: &str, _: File) -> Result<(), TableReadError> {
+        Err(not_parquet(file, UNKNOWN))
+    }
+
+    #[cfg(feature = "parquet")]
+    fn read_parquet(&mut self, file: &str, content: File) -> Result<(), TableReadError> {
+        let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
+        let headings = groups.headings.iter().map(Heading::to_string).collect();
+        self.begin(file, headings, |number, _| match groups.headings[number].kind {
+            Kind::Real => Growing::Real(Vec::new()),
+            Kind::Integer => Growing::Integer(Vec::new()),
+            Kind::Boolean | Kind::Choice(_) | Kind::Text => Growing::Words(Words::default()),
+        })?;
+        self.rows += groups.rows();
+        for group in 0..groups.count() {
+            for (number, column) in self.columns.iter_mut().enumerate() {
+                if let Some(column) = column {
+                    column.append(groups.column(group, number).map_err(|error| not_parquet(file, error))?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Headings of all columns.
+    pub fn headings(&self) -> &[String] {
+        &self.headings
+    }
+
+    /// Returns the table of the wanted columns.
+    pub fn table(self) -> Table {
+        let column = |(heading, column): (&String, Option<Growing>)| {
+            let mut column = column?;
+            let (name, unit) = split_heading(heading);
+            let heading = |kind| Heading { name: name.into(), unit: unit.map(String::from), kind };
+            let kind = match &mut column {
+                Growing::Real(_) => Kind::Real,
+                Growing::Integer(_) => Kind::Integer,
+                Growing::Words(words) => {
+                    let mut list: Vec<(Arc<str>, u32)> = words.known.drain().collect();
+                    list.sort_by_key(|(_, position)| *position);
+                    Kind::Choice(list.into_iter().map(|(word, _)| word.to_string()).collect())
+                }
+            };
+            Some(Series { heading: heading(kind), values: column.take() })
+        };
+        Table::of_series(self.headings.iter().zip(self.columns).filter_map(column).collect())
+    }
+}
+
+/// Whether a table is Parquet, by its name.
+pub fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
+}
+
+/// Returns the description in a file of Parquet, line by line, and the number of its rows.
+#[cfg(feature = "parquet")]
+pub(super) fn parquet_description(file: &str, content: File) -> Result<(Vec<String>, u64), TableReadError> {
+    let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
+    Ok((groups.study(), groups.rows()))
+}
+
+#[cfg(not(feature = "parquet"))]
+pub(super) fn parquet_description(file: &str, _: File) -> Result<(Vec<String>, u64), TableReadError> {
+    Err(not_parquet(file, UNKNOWN))
+}
+
+/// The reason of a program that does not know the format.
+#[cfg(not(feature = "parquet"))]
+const UNKNOWN: &str =
+    "this program is built without it; expected a table in .csv, or a program built with --features rocking/parquet";
+
+fn not_parquet(file: &str, error: impl Display) -> TableReadError {
+    TableReadError::Parquet { file: file.into(), reason: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# a study\nrow,x,record,ranges [m/s]\n0,1.5,1,0.25\n1,,2,0.1 to 0.2\n2,-3,1,\n";
+
+    fn read(files: &[&str], is_wanted: &dyn Fn(&str) -> bool) -> Result<Table, TableReadError> {
+        let mut reader = TableReader::new(is_wanted);
+        files.iter().try_for_each(|text| reader.read_csv("t.csv", text.as_bytes()))?;
+        Ok(reader.table())
+    }
+
+    #[test]
+    fn columns_are_of_numbers_where_there_are_no_words() {
+        let table = read(&[TEXT], &|_| true).unwrap();
+        let words = |words: &[&str]| Kind::Choice(words.iter().map(ToString::to_string).collect());
+        let kinds: Vec<Kind> = table.columns().iter().map(|column| column.heading.kind.clone()).collect();
+        assert_eq!(kinds, [Kind::Integer, Kind::Real, words(&["1", "2"]), words(&["0.25", "0.1 to 0.2", ""])]);
+        let Values::Real(x) = &table.columns()[1].values else { panic!("{table:?}") };
+        assert!(x[0] == 1.5 && x[1].is_nan() && x[2] == -3.0);
+        let shown: Vec<String> = (0..3).map(|row| table.columns()[3].text(row)).collect();
+        assert_eq!(shown, ["0.25", "0.1 to 0.2", ""]);
+    }
+
+    #[test]
+    fn further_files_append_rows_and_unwanted_columns_are_dropped() {
+        let table = read(&[TEXT, TEXT], &|name| name != "record").unwrap();
+        assert_eq!((table.rows(), table.columns().len()), (6, 3));
+        assert_eq!(table.column("ranges").unwrap().text(4), "0.1 to 0.2");
+    }
+
+    #[test]
+    fn what_is_not_one_table_is_refused() {
+        let message = |files: &[&str]| read(files, &|_| true).unwrap_err().to_string();
+        assert_eq!(
+            message(&[&TEXT.repeat(2)]),
+            "t.csv: repeats its headings after 3 rows, as in tables joined by cat; expected one table"
+        );
+        let other = message(&[TEXT, "row,y [m]\n0,1\n"]);
+        assert!(
+            other.starts_with("t.csv: has the columns row, y [m]; expected those of the first table, row, x, record")
+        );
+        assert_eq!(message(&["a,b\n1,2\n1\n"]), "t.csv: row 1 has 1 fields; expected 2, as in the heading");
+        assert!(message(&["# a study\n"]).starts_with("t.csv: found no lines"));
+    }
+}

@@ -1,0 +1,425 @@
+//! Columns with their units and types → tables of typed values.
+//!
+//! A [`Column`] declares all that a table says about a value: its name, its unit, its type, and the function that takes it from a row.
+
+use std::fmt::{Display, Write};
+use std::sync::Arc;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// The type of the values of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// Numbers; NaN where a row has none.
+    Real,
+    /// Whole numbers.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// One of these words.
+    Choice(Arc<[String]>),
+    /// Any text.
+    Text,
+}
+
+/// The name, the unit and the type of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heading {
+    /// The name.
+    pub name: String,
+    /// The unit of numbers, `1` for pure ones.
+    pub unit: Option<String>,
+    /// The type of the values.
+    pub kind: Kind,
+}
+
+/// Splits a heading such as `PGV [m/s]` into its name and unit.
+pub fn split_heading(heading: &str) -> (&str, Option<&str>) {
+    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
+        Some((name, unit)) => (name, Some(unit)),
+        None => (heading, None),
+    }
+}
+
+/// The name with the unit: `p [rad/s]`.
+impl Display for Heading {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name)?;
+        self.unit.as_ref().map_or(Ok(()), |unit| write!(f, " [{unit}]"))
+    }
+}
+
+/// The number that a field stands for: NaN if it is empty, `None` if it is no number.
+pub(super) fn number(field: &str) -> Option<f64> {
+    if field.is_empty() { Some(f64::NAN) } else { field.parse().ok().filter(|number: &f64| !number.is_nan()) }
+}
+
+/// A column of rows of this type: its heading, and its value in a row.
+pub struct Column<'c, R> {
+    heading: Heading,
+    value: Value<'c, R>,
+}
+
+type Of<'c, R, T> = Box<dyn Fn(&R) -> T + Sync + 'c>;
+
+enum Value<'c, R> {
+    Real(Of<'c, R, f64>),
+    Integer(Of<'c, R, i64>),
+    Boolean(Of<'c, R, bool>),
+    Choice(Of<'c, R, usize>),
+    Text(Of<'c, R, String>),
+}
+
+impl<'c, R> Column<'c, R> {
+    fn new(name: impl Into<String>, unit: Option<&str>, kind: Kind, value: Value<'c, R>) -> Column<'c, R> {
+        Column { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, value }
+    }
+
+    /// A column of numbers with a unit.
+    pub fn real(name: impl Into<String>, unit: &str, value: impl Fn(&R) -> f64 + Sync + 'c) -> Column<'c, R> {
+        Column::new(name, Some(unit), Kind::Real, Value::Real(Box::new(value)))
+    }
+
+    /// A column of numbers with a unit, which some rows lack.
+    pub fn optional(
+        name: impl Into<String>,
+        unit: &str,
+        value: impl Fn(&R) -> Option<f64> + Sync + 'c,
+    ) -> Column<'c, R> {
+        Column::real(name, unit, move |row| value(row).unwrap_or(f64::NAN))
+    }
+
+    /// A column of counts.
+    pub fn count<N: TryInto<i64>>(name: impl Into<String>, value: impl Fn(&R) -> N + Sync + 'c) -> Column<'c, R> {
+        // No run counts further.
+        let value = move |row: &R| value(row).try_into().unwrap_or(i64::MAX);
+        Column::new(name, Some("1"), Kind::Integer, Value::Integer(Box::new(value)))
+    }
+
+    /// The first column of a study's table: the number of the row, from 0.
+    pub fn row(value: impl Fn(&R) -> u64 + Sync + 'c) -> Column<'c, R> {
+        Column::count("row", value).with_unit(None)
+    }
+
+    /// A column of true and false.
+    pub fn boolean(name: impl Into<String>, value: impl Fn(&R) -> bool + Sync + 'c) -> Column<'c, R> {
+        Column::new(name, None, Kind::Boolean, Value::Boolean(Box::new(value)))
+    }
+
+    /// A column of words; the value is the position of the word in the list.
+    pub fn choice<W: Into<String>>(
+        name: impl Into<String>,
+        words: impl IntoIterator<Item = W>,
+        value: impl Fn(&R) -> usize + Sync + 'c,
+    ) -> Column<'c, R> {
+        let words = words.into_iter().map(Into::into).collect();
+        Column::new(name, None, Kind::Choice(words), Value::Choice(Box::new(value)))
+    }
+
+    /// A column of text.
+    pub fn text(name: impl Into<String>, value: impl Fn(&R) -> String + Sync + 'c) -> Column<'c, R> {
+        Column::new(name, None, Kind::Text, Value::Text(Box::new(value)))
+    }
+
+    /// The same column with another unit, or none.
+    #[must_use]
+    pub fn with_unit(mut self, unit: Option<&str>) -> Column<'c, R> {
+        self.heading.unit = unit.map(String::from);
+        self
+    }
+
+    /// The name, the unit and the type.
+    pub fn heading(&self) -> &Heading {
+        &self.heading
+    }
+
+    fn values(&self, rows: &[R]) -> Values {
+        match &self.value {
+            Value::Real(value) => Values::Real(rows.iter().map(value).collect()),
+            Value::Integer(value) => Values::Integer(rows.iter().map(value).collect()),
+            Value::Boolean(value) => Values::Boolean(rows.iter().map(value).collect()),
+            Value::Choice(value) => Values::Choice(rows.iter().map(|row| value(row) as u32).collect()),
+            Value::Text(value) => Values::Text(rows.iter().map(value).collect()),
+        }
+    }
+}
+
+/// The headings of columns.
+pub fn headings<R>(columns: &[Column<'_, R>]) -> Vec<Heading> {
+    columns.iter().map(|column| column.heading.clone()).collect()
+}
+
+/// The values of a column, of the type of its heading.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers; NaN where a row has none.
+    Real(Vec<f64>),
+    /// Whole numbers.
+    Integer(Vec<i64>),
+    /// True or false.
+    Boolean(Vec<bool>),
+    /// Positions in the list of words.
+    Choice(Vec<u32>),
+    /// Texts.
+    Text(Vec<String>),
+}
+
+impl Values {
+    /// Number of values.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Values::Real(values) => values.len(),
+            Values::Integer(values) => values.len(),
+            Values::Boolean(values) => values.len(),
+            Values::Choice(values) => values.len(),
+            Values::Text(values) => values.len(),
+        }
+    }
+}
+
+/// A column with its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// The name, the unit and the type.
+    pub heading: Heading,
+    /// The values.
+    pub values: Values,
+}
+
+impl Series {
+    fn new(heading: Heading) -> Series {
+        let values = match heading.kind {
+            Kind::Real => Values::Real(Vec::new()),
+            Kind::Integer => Values::Integer(Vec::new()),
+            Kind::Boolean => Values::Boolean(Vec::new()),
+            Kind::Choice(_) => Values::Choice(Vec::new()),
+            Kind::Text => Values::Text(Vec::new()),
+        };
+        Series { heading, values }
+    }
+
+    /// Appends the value in a row to a line of text: digits that restore a number exactly, and nothing for a missing number.
+    pub fn write(&self, row: usize, text: &mut String) {
+        let written = match &self.values {
+            Values::Real(values) if values[row].is_nan() => Ok(()),
+            Values::Real(values) => write!(text, "{}", values[row]),
+            Values::Integer(values) => write!(text, "{}", values[row]),
+            Values::Boolean(values) => write!(text, "{}", values[row]),
+            Values::Choice(_) | Values::Text(_) => text.write_str(self.word(row).unwrap_or_default()),
+        };
+        written.expect("a String takes any text");
+    }
+
+    /// The value in a row as text.
+    pub fn text(&self, row: usize) -> String {
+        let mut text = String::new();
+        self.write(row, &mut text);
+        text
+    }
+
+    /// The number in a row; `None` where it is missing, and in a column of another type.
+    pub fn number(&self, row: usize) -> Option<f64> {
+        match &self.values {
+            Values::Real(values) => Some(values[row]).filter(|value| !value.is_nan()),
+            Values::Integer(values) => Some(values[row] as f64),
+            Values::Boolean(_) | Values::Choice(_) | Values::Text(_) => None,
+        }
+    }
+
+    /// The word or text in a row; `None` in a column of another type.
+    pub fn word(&self, row: usize) -> Option<&str> {
+        match (&self.values, &self.heading.kind) {
+            (Values::Choice(values), Kind::Choice(words)) => words.get(values[row] as usize).map(String::as_str),
+            (Values::Text(values), _) => Some(&values[row]),
+            _ => None,
+        }
+    }
+
+    fn append(&mut self, more: Series) {
+        match (&mut self.values, more.values) {
+            (Values::Real(values), Values::Real(more)) => values.extend(more),
+            (Values::Integer(values), Values::Integer(more)) => values.extend(more),
+            (Values::Boolean(values), Values::Boolean(more)) => values.extend(more),
+            (Values::Choice(values), Values::Choice(more)) => values.extend(more),
+            (Values::Text(values), Values::Text(more)) => values.extend(more),
+            (values, more) => unreachable!("{more:?} after {values:?}"),
+        }
+    }
+
+    /// Appends the value that this text stands for; returns false for a text that stands for none.
+    #[must_use]
+    pub(super) fn push_text(&mut self, text: &str) -> bool {
+        fn push<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
+            let is_value = value.is_some();
+            values.extend(value);
+            is_value
+        }
+        match (&mut self.values, &self.heading.kind) {
+            (Values::Real(values), _) => push(values, number(text)),
+            (Values::Integer(values), _) => push(values, text.parse().ok()),
+            (Values::Boolean(values), _) => push(values, text.parse().ok()),
+            (Values::Choice(values), Kind::Choice(words)) => {
+                push(values, words.iter().position(|word| word == text).map(|position| position as u32))
+            }
+            (Values::Text(values), _) => push(values, Some(text.into())),
+            (Values::Choice(_), _) => false,
+        }
+    }
+}
+
+/// A table, or a batch of its rows: columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    columns: Vec<Series>,
+    rows: usize,
+}
+
+impl Table {
+    /// Takes the values of all columns from rows.
+    pub fn of<R>(columns: &[Column<R>], rows: &[R]) -> Table {
+        let series = |column: &Column<R>| Series { heading: column.heading.clone(), values: column.values(rows) };
+        Table { columns: columns.iter().map(series).collect(), rows: rows.len() }
+    }
+
+    /// A table without rows.
+    pub fn new(headings: Vec<Heading>) -> Table {
+        Table { columns: headings.into_iter().map(Series::new).collect(), rows: 0 }
+    }
+
+    /// A table of columns of equal length.
+    pub(super) fn of_series(columns: Vec<Series>) -> Table {
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        Table { columns, rows }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &[Series] {
+        &self.columns
+    }
+
+    /// The columns, without copying their values.
+    pub fn into_columns(self) -> Vec<Series> {
+        self.columns
+    }
+
+    /// The column with this name.
+    pub fn column(&self, name: &str) -> Option<&Series> {
+        self.columns.iter().find(|column| column.heading.name == name)
+    }
+
+    /// Appends the rows of another batch of the same table; a table without columns takes its columns too.
+    pub fn append(&mut self, more: Table) {
+        if self.columns.is_empty() {
+            *self = more;
+            return;
+        }
+        self.rows += more.rows;
+        self.columns.iter_mut().zip(more.columns).for_each(|(column, more)| column.append(more));
+    }
+
+    /// Puts the rows into this order: `order` has the position of each row.
+    pub(super) fn reorder(&mut self, order: &[usize]) {
+        fn reorder<T: Clone>(values: &mut Vec<T>, order: &[usize]) {
+            *values = order.iter().map(|&row| values[row].clone()).collect();
+        }
+        for column in &mut self.columns {
+            match &mut column.values {
+                Values::Real(values) => reorder(values, order),
+                Values::Integer(values) => reorder(values, order),
+                Values::Boolean(values) => reorder(values, order),
+                Values::Choice(values) => reorder(values, order),
+                Values::Text(values) => reorder(values, order),
+            }
+        }
+    }
+
+    /// Keeps only some of the rows.
+    pub fn retain(&mut self, is_kept: &[bool]) {
+        fn retain<T>(values: &mut Vec<T>, is_kept: &[bool]) {
+            let mut is_kept = is_kept.iter();
+            values.retain(|_| is_kept.next() == Some(&true));
+        }
+        self.rows = is_kept.iter().filter(|is_kept| **is_kept).count();
+        for column in &mut self.columns {
+            match &mut column.values {
+                Values::Real(values) => retain(values, is_kept),
+                Values::Integer(values) => retain(values, is_kept),
+                Values::Boolean(values) => retain(values, is_kept),
+                Values::Choice(values) => retain(values, is_kept),
+                Values::Text(values) => retain(values, is_kept),
+            }
+        }
+    }
+
+    /// Appends a row of texts. On an error the table has lost its last row.
+    ///
+    /// # Errors
+    /// The number of the first field that is no value of its column.
+    pub(super) fn push_texts<'a>(&mut self, texts: impl Iterator<Item = &'a str>) -> Result<(), usize> {
+        for (number, (column, text)) in self.columns.iter_mut().zip(texts).enumerate() {
+            if !column.push_text(text) {
+                return Err(number);
+            }
+        }
+        self.rows += 1;
+        Ok(())
+    }
+}
+
+/// Lists of values by the names of the columns; numbers that a row lacks, or that are infinite, are null.
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.columns.len()))?;
+        for column in &self.columns {
+            let name = &column.heading.name;
+            match &column.values {
+                Values::Real(values) => map.serialize_entry(name, values)?,
+                Values::Integer(values) => map.serialize_entry(name, values)?,
+                Values::Boolean(values) => map.serialize_entry(name, values)?,
+                Values::Choice(_) | Values::Text(_) => {
+                    let words: Vec<Option<&str>> = (0..self.rows).map(|row| column.word(row)).collect();
+                    map.serialize_entry(name, &words)?;
+                }
+            }
+        }
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(numbers: &[f64]) -> Table {
+        type Of<'c> = Column<'c, f64>;
+        let sign = Of::choice("sign", ["minus", "plus"], |number| usize::from(*number > 0.0));
+        Table::of(&[Of::real("x", "m", |number| *number), sign, Of::boolean("is_whole", |x| x.fract() == 0.0)], numbers)
+    }
+
+    #[test]
+    fn batches_append_and_rows_are_kept() {
+        let mut all = Table::default();
+        all.append(table(&[1.0, -2.5]));
+        all.append(table(&[3.0]));
+        assert_eq!(all, table(&[1.0, -2.5, 3.0]));
+        all.retain(&[false, true, true]);
+        assert_eq!(all, table(&[-2.5, 3.0]));
+        let sign = all.column("sign").unwrap();
+        assert_eq!([0, 1].map(|row| sign.word(row)), [Some("minus"), Some("plus")]);
+        assert_eq!((sign.number(0), all.column("x").unwrap().number(0)), (None, Some(-2.5)));
+    }
+
+    #[test]
+    fn a_table_is_lists_by_names_in_json() {
+        let json = serde_json::to_value(table(&[0.5, f64::NAN, -2.0])).unwrap();
+        let expected = serde_json::json!({
+            "x": [0.5, null, -2.0], "sign": ["plus", "minus", "minus"], "is_whole": [false, false, true]
+        });
+        assert_eq!(json, expected);
+    }
+}

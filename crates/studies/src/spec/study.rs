@@ -1,0 +1,530 @@
+//! The tables of study files and of files of tests: each key once, with its type, its limits and its help.
+//!
+//! Readers take the keys that a table may have from here ([`keys`](crate::input::study_file::keys)), and `rocking schema` describes them to editors. The rules between keys
+//! stand in the readers.
+
+#![allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of editors")]
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::spec::schema;
+
+/// A number > 0.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline, extend("exclusiveMinimum" = 0))]
+pub struct Positive(pub f64);
+
+/// A whole number from 0 to 2^63 - 1, which determines random choices.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+pub struct Seed(#[schemars(range(min = 0, max = 9_223_372_036_854_775_807_u64))] pub u64);
+
+/// A study of many runs, for `rocking sweep`, `rocking ida` and `rocking assess`.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StudyFile {
+    /// The design of the study and the settings of its runs.
+    pub study: StudyTable,
+    /// Parameters of block, pulse and initial state by their names: one value, a list, or a range.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::parameters::<RangeTable>")]
+    pub parameters: Option<toml::Table>,
+    /// Ground motions; several files by a pattern.
+    #[schemars(length(min = 1))]
+    pub records: Option<Vec<RecordsTable>>,
+    /// A building whose floors carry the block.
+    pub building: Option<BuildingTable>,
+    /// The assessment of an object: limits, hazard, variants. Only `rocking assess` reads it.
+    pub assess: Option<AssessTable>,
+}
+
+/// How the values of the parameters are combined.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignWord {
+    /// All combinations of the lists.
+    Grid,
+    /// Samples of the ranges.
+    LatinHypercube,
+}
+
+/// `[study]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct StudyTable {
+    /// All combinations of the lists, or samples of the ranges.
+    pub design: DesignWord,
+    /// Number of samples of a Latin hypercube.
+    #[schemars(range(min = 1, max = 10_000_000))]
+    pub samples: Option<u32>,
+    /// Seed of a Latin hypercube.
+    pub seed: Option<Seed>,
+    /// Natural periods of further columns, the spectral accelerations Sa and velocities Sv [s].
+    #[schemars(length(min = 1), inner(range(min = 0.001, max = 1000)))]
+    pub periods: Option<Vec<f64>>,
+    /// Relative tolerance of the integration; by default 1e-6.
+    #[schemars(range(min = 1e-14, max = 0.1))]
+    pub tolerance: Option<f64>,
+    /// Duration of each run [s]; by default until the ground has come to rest and the block has come down.
+    #[schemars(range(max = 1e6))]
+    pub duration: Option<Positive>,
+    /// Longest time between two stops of a run [s].
+    #[schemars(range(min = 1e-6))]
+    pub step: Option<f64>,
+    /// Coefficient of friction: a column has the longest time for which the demand exceeds it.
+    pub friction_demand: Option<Positive>,
+    /// Each row stands for samples around its values: a coefficient of variation for each parameter.
+    pub ensemble: Option<EnsembleTable>,
+    /// Factors on the records, a row each.
+    #[schemars(length(min = 1))]
+    pub scales: Option<Vec<f64>>,
+    /// Values of an intensity measure, a row each.
+    pub levels: Option<LevelsTable>,
+    /// Incremental dynamic analysis by hunt and fill: each level follows from the runs before.
+    pub hunt: Option<HuntTable>,
+    /// The least values of a measure that overturn the block, a row for each ground motion.
+    pub least: Option<LeastTable>,
+}
+
+/// A range of a parameter.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RangeTable {
+    /// Its beginning.
+    pub from: f64,
+    /// Its end.
+    pub to: f64,
+    /// Number of values of a grid, both ends included.
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub count: Option<u64>,
+    /// Spacing of the values; by default linear.
+    pub spacing: Option<SpacingWord>,
+}
+
+/// A spacing.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpacingWord {
+    /// Equal differences.
+    Linear,
+    /// Equal ratios.
+    Log,
+}
+
+/// `levels`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct LevelsTable {
+    /// Intensity measure, such as "PGV" or "Sa(0.5 s)".
+    pub im: String,
+    /// Its values, in its unit.
+    #[schemars(length(min = 1))]
+    pub values: Vec<Positive>,
+}
+
+/// `hunt`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct HuntTable {
+    /// Intensity measure, such as "PGV" or "Sa(0.5 s)".
+    pub im: String,
+    /// Level of the first run.
+    pub first: Positive,
+    /// First step between levels; by default `first`.
+    pub step: Option<Positive>,
+    /// Growth of each further step; by default half of `first`.
+    #[schemars(range(min = 0))]
+    pub growth: Option<f64>,
+    /// Distance of the two levels that enclose overturning, as a part of the greater; by default 0.1.
+    #[schemars(extend("exclusiveMaximum" = 1))]
+    pub resolution: Option<Positive>,
+    /// Number of runs; by default 12.
+    #[schemars(range(min = 1, max = 1000))]
+    pub runs: Option<u64>,
+}
+
+/// `least`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct LeastTable {
+    /// Intensity measure, such as "PGV" or "Sa(0.5 s)".
+    pub im: String,
+    /// Least level.
+    pub from: Positive,
+    /// Greatest level.
+    pub to: Positive,
+    /// Number of levels that are scanned before the changes between them are bisected.
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub points: u64,
+    /// Width of the bisected intervals.
+    pub resolution: Positive,
+}
+
+/// `ensemble`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+pub struct EnsembleTable {
+    /// Number of runs per row.
+    #[schemars(range(min = 1, max = 100_000))]
+    pub samples: u32,
+    /// Pairs the values of several spreads.
+    pub seed: Option<Seed>,
+    /// Further limits: numbers for |theta|/alpha, or as "slip:0.1" in metres.
+    #[schemars(length(min = 1))]
+    pub limits: Option<Vec<Word>>,
+    /// Spread of the factor on the records.
+    pub scale: Option<Spread>,
+    /// Spreads of parameters by their names.
+    #[serde(flatten)]
+    #[schemars(schema_with = "schema::spreads::<Spread>")]
+    pub parameters: toml::Table,
+}
+
+/// A number > 0, or a text.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(untagged)]
+pub enum Word {
+    /// A number.
+    Number(Positive),
+    /// A text.
+    Text(String),
+}
+
+/// A coefficient of variation, or a distribution and its width.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Spread {
+    /// Coefficient of variation of a lognormal distribution.
+    Relative(Positive),
+    /// Distribution with its width.
+    Table(SpreadTable),
+}
+
+/// A distribution and its width: cov or deviation.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct SpreadTable {
+    /// Distribution; by default lognormal.
+    pub distribution: Option<DistributionWord>,
+    /// Coefficient of variation.
+    pub cov: Option<Positive>,
+    /// Standard deviation, in the unit of the parameter.
+    pub deviation: Option<Positive>,
+}
+
+/// A distribution.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
+pub enum DistributionWord {
+    /// Lognormal.
+    Lognormal,
+    /// Normal.
+    Normal,
+    /// Uniform.
+    Uniform,
+}
+
+/// `[[records]]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct RecordsTable {
+    /// File of the horizontal motion, or a pattern for several files.
+    pub horizontal: Option<String>,
+    /// File of the vertical motion, or a pattern for several files.
+    pub vertical: Option<String>,
+    /// Patterns of files to leave out.
+    pub exclude: Option<Vec<String>>,
+    /// Unit of accelerograms that do not state it: g, m/s2, cm/s2, mm/s2 or g/10.
+    pub unit: Option<String>,
+    /// Time step of accelerograms that do not state it [s].
+    pub dt: Option<Positive>,
+    /// Format, if the content leaves it open.
+    pub format: Option<String>,
+    /// Channel of a file with several, by name or by number from 1.
+    pub channel: Option<Column<1000>>,
+    /// Columns of fixed width in a line, as an edit descriptor of Fortran: 8(1PE10.4E1).
+    pub layout: Option<String>,
+    /// Lines before the first line of the layout.
+    #[schemars(range(min = 0, max = 100_000))]
+    pub skip: Option<u64>,
+    /// Value of a printed 1 in the unit of the file.
+    pub value_scale: Option<Positive>,
+    /// Column of accelerations in a table, by heading or by number from 1.
+    pub acceleration_column: Option<Column>,
+    /// Column of times in a table, by heading or by number from 1.
+    pub time_column: Option<Column>,
+    /// Subtracts the line that fits the accelerations best.
+    pub baseline: Option<bool>,
+    /// Corner frequencies of a Butterworth band-pass filter of order 4 without phase [Hz].
+    pub band_pass: Option<[Positive; 2]>,
+    /// Time step to which the record is resampled [s].
+    pub resample: Option<Positive>,
+    /// Unit of vertical accelerograms.
+    pub vertical_unit: Option<String>,
+    /// Time step of vertical accelerograms [s].
+    pub vertical_dt: Option<Positive>,
+    /// Format of vertical accelerograms.
+    pub vertical_format: Option<String>,
+    /// Channel of vertical accelerograms.
+    pub vertical_channel: Option<Column<1000>>,
+    /// Layout of vertical accelerograms.
+    pub vertical_layout: Option<String>,
+    /// Lines before the first line of the vertical layout.
+    #[schemars(range(min = 0, max = 100_000))]
+    pub vertical_skip: Option<u64>,
+    /// Value of a printed 1 in vertical accelerograms.
+    pub vertical_value_scale: Option<Positive>,
+    /// Column of vertical accelerations.
+    pub vertical_acceleration_column: Option<Column>,
+    /// Column of times in vertical accelerograms.
+    pub vertical_time_column: Option<Column>,
+}
+
+/// A name, or a number from 1 to the last.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(untagged)]
+pub enum Column<const LAST: u64 = 100_000> {
+    /// Number, from 1.
+    Number(#[schemars(range(min = 1, max = LAST))] u64),
+    /// Name.
+    Name(String),
+}
+
+/// `[building]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct BuildingTable {
+    /// Masses of the floors of a shear building, from the lowest [kg].
+    #[schemars(length(min = 1))]
+    pub floor_masses: Option<Vec<f64>>,
+    /// Stiffnesses of its storeys [N/m].
+    #[schemars(length(min = 1))]
+    pub storey_stiffnesses: Option<Vec<f64>>,
+    /// Natural frequencies of the modes [Hz].
+    #[schemars(length(min = 1))]
+    pub frequencies: Option<Vec<f64>>,
+    /// Participation factors of the modes.
+    #[schemars(length(min = 1))]
+    pub participation: Option<Vec<f64>>,
+    /// Shape of each mode, a value per floor.
+    pub shapes: Option<Vec<Vec<f64>>>,
+    /// Damping ratio of all modes, or a list of one per mode.
+    pub damping: Option<DampingValue>,
+    /// Rayleigh damping, instead of `damping`.
+    pub rayleigh: Option<RayleighTable>,
+    /// Floors that carry the block, 0 for the ground; by default all above it.
+    #[schemars(length(min = 1), inner(range(min = 0)))]
+    pub floors: Option<Vec<u64>>,
+}
+
+/// A ratio, or a list of one per mode.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(untagged)]
+pub enum DampingValue {
+    /// Of all modes.
+    All(f64),
+    /// Of each mode.
+    Each(#[schemars(length(min = 1))] Vec<f64>),
+}
+
+/// `rayleigh`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct RayleighTable {
+    /// Damping ratio of both modes.
+    pub damping: Positive,
+    /// Two modes, as in [1, 3].
+    #[schemars(inner(range(min = 1)))]
+    pub modes: [u64; 2],
+}
+
+/// `[assess]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct AssessTable {
+    /// Name of the object.
+    pub title: String,
+    /// Measure of the curves; by default that of the levels, else PGV.
+    pub im: Option<String>,
+    /// Years of the probabilities; by default 50.
+    pub years: Option<Positive>,
+    /// Shape of the pulses whose least amplitude is searched; by default one-sine.
+    pub pulse: Option<String>,
+    /// Their periods [s]; by default 0.25, 0.5, 1 and 2.
+    #[schemars(length(min = 1))]
+    pub pulse_periods: Option<Vec<Positive>>,
+    /// Hazard curve of the site.
+    pub hazard: Option<HazardTable>,
+    /// Limits on the response, the least severe first.
+    #[schemars(length(min = 1))]
+    pub states: Option<Vec<StateTable>>,
+    /// Changes of the object whose effect is reported.
+    #[schemars(length(min = 1))]
+    pub variants: Option<Vec<VariantTable>>,
+    /// Both ends of the ranges of doubtful parameters, by their names.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pairs")]
+    pub sensitivity: Option<toml::Table>,
+}
+
+/// `hazard`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct HazardTable {
+    /// File of the hazard curve.
+    pub file: String,
+    /// Unit of the levels, if the file does not state it.
+    pub unit: Option<String>,
+    /// Site of a file with several: its name, or longitude and latitude.
+    pub site: Option<Site>,
+    /// Investigation time of probabilities, if the file does not state it [years].
+    pub investigation_time: Option<Positive>,
+}
+
+/// A name, or longitude and latitude.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(untagged)]
+pub enum Site {
+    /// A name.
+    Name(String),
+    /// Longitude and latitude (°).
+    Place([f64; 2]),
+}
+
+/// `[[assess.states]]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct StateTable {
+    /// Name of the state.
+    pub name: String,
+    /// "overturned", "balance", a number for |theta|/alpha, or "slip:0.1" in metres.
+    pub limit: Word,
+    /// The publication or decision behind it.
+    pub source: Option<String>,
+}
+
+/// `[[assess.variants]]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct VariantTable {
+    /// Name of the variant.
+    pub name: String,
+    /// Factor on the width of the base.
+    pub width: Option<Positive>,
+    /// Coefficient of friction over the static threshold b/h; below 1 the block slides before it rocks.
+    pub friction_over_threshold: Option<Positive>,
+    /// Stiffness of two ties at the top, over M g/R0.
+    pub ties: Option<Positive>,
+    /// Parameters that change.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::values")]
+    pub parameters: Option<toml::Table>,
+}
+
+/// A file of tests, for `rocking fit`.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FitFile {
+    /// The parameters that are fitted, and the settings of the fit.
+    pub fit: FitTable,
+    /// Parameters of the block: known values, and first values of those that are fitted.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::values")]
+    pub parameters: Option<toml::Table>,
+    /// Tests of the same block.
+    #[schemars(length(min = 1))]
+    pub tests: Vec<TestTable>,
+}
+
+/// `[fit]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct FitTable {
+    /// Names of the parameters that are fitted.
+    pub free: Option<Vec<String>>,
+    /// Both ends of free parameters, by their names.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pairs")]
+    pub bounds: Option<toml::Table>,
+    /// Mean and standard deviation of free parameters, by their names.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pairs")]
+    pub prior: Option<toml::Table>,
+    /// Number of starts.
+    #[schemars(range(min = 1, max = 100_000))]
+    pub starts: Option<u32>,
+    /// Seed of the starts.
+    pub seed: Option<Seed>,
+    /// Level of confidence of the intervals.
+    #[schemars(extend("exclusiveMaximum" = 1))]
+    pub level: Option<Positive>,
+    /// Relative tolerance of the integration.
+    #[schemars(range(min = 1e-14, max = 0.1))]
+    pub tolerance: Option<f64>,
+}
+
+/// `[[tests]]`
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct TestTable {
+    /// CSV file of times and measured values.
+    pub data: String,
+    /// Column of times [s], by heading or by number from 1; by default t.
+    pub time: Option<Column>,
+    /// Column of values; by default the name of the output.
+    pub column: Option<Column>,
+    /// Factor that converts the values to the unit of the output, not 0.
+    pub factor: Option<f64>,
+    /// Measured quantity, a column of `rocking simulate`; by default theta.
+    pub output: Option<String>,
+    /// Standard deviation of the noise, in the unit of the output.
+    pub noise: Option<Positive>,
+    /// Ground motion of the test.
+    pub record: Option<RecordsTable>,
+    /// Factor on the record.
+    pub scale: Option<f64>,
+    /// Reading of the instrument at rest, in the unit of the output.
+    pub zero: Option<f64>,
+    /// Time of the data at which the test begins [s].
+    pub delay: Option<f64>,
+    /// Names of the parameters that are fitted for this test alone.
+    pub free: Option<Vec<String>>,
+    /// Both ends of these parameters.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pairs")]
+    pub bounds: Option<toml::Table>,
+    /// Mean and standard deviation of these parameters.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pairs")]
+    pub prior: Option<toml::Table>,
+    /// Initial state of the test.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::initial")]
+    pub initial: Option<toml::Table>,
+    /// Pulse of the test.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::pulse")]
+    pub pulse: Option<toml::Table>,
+}
