@@ -15,18 +15,20 @@ from rocking_block import foundations
 from rocking_block._assess import Assessment, assess
 from rocking_block._block import Block
 from rocking_block._building import Building, FloorMotions, floor_motions
+from rocking_block._cloud import Cloud, Share, Stripes, Sufficiency, cloud, stripes
 from rocking_block._engine import __version__
 from rocking_block._fit import Combination, Estimate, Fit, Test, TestFit, fit
 from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, export_fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
+from rocking_block._ida import Ida, IdaCurve, ida
 from rocking_block._pulse import Pulse, PulseFit, fit_pulse
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
-from rocking_block._record import Record, read_record
+from rocking_block._record import Record, read_record, records_from
 from rocking_block._run import Counts, Energy, Event, Gradient, Grazing, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
 from rocking_block._studies import blocks, outcomes, spectrum, sweep
-from rocking_block._table import Table
+from rocking_block._table import Table, read_table
 from rocking_block._tie import Tie
 
 __all__ = [
@@ -34,6 +36,7 @@ __all__ = [
     "Assessment",
     "Block",
     "Building",
+    "Cloud",
     "Combination",
     "Counts",
     "Energy",
@@ -47,12 +50,17 @@ __all__ = [
     "Gradient",
     "Grazing",
     "Hazard",
+    "Ida",
+    "IdaCurve",
     "Peak",
     "Pulse",
     "PulseFit",
     "Record",
     "Run",
     "Search",
+    "Share",
+    "Stripes",
+    "Sufficiency",
     "Table",
     "Test",
     "TestFit",
@@ -60,6 +68,7 @@ __all__ = [
     "annual_rate",
     "assess",
     "blocks",
+    "cloud",
     "export_fragility",
     "fit",
     "fit_pulse",
@@ -68,12 +77,16 @@ __all__ = [
     "foundations",
     "fragility",
     "frame",
+    "ida",
     "intensity",
     "outcomes",
     "read_hazard",
     "read_record",
+    "read_table",
+    "records_from",
     "search_damping",
     "search_overturning",
     "spectrum",
+    "stripes",
     "sweep",
 ]

@@ -1,11 +1,14 @@
 """A block and its foundation."""
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rocking_block import _engine
+from rocking_block._html import html_table
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._run import Run
@@ -42,8 +45,8 @@ class Block(_engine.Block):
         Stiffness [N/m] and damping [N s/m] of one support, instead of `eta` and `xi_v`.
     mass : float, default 1000
         Mass M [kg]; required with `K` and `C`, since η and ξ_v then depend on it.
-    gamma : float
-        Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle.
+    gamma : float, default 3
+        Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle. Refused with `inertia`.
     epsilon : float
         Restitution ε of the landing corner [1], 0 ≤ ε ≤ 1, eq. (17).
     g : float
@@ -55,8 +58,8 @@ class Block(_engine.Block):
     eccentricity : float, default 0
         Distance of the centre of mass from the middle of the base [m], positive to the right. `alpha_L` and `alpha_R` are the
         slenderness angles of both sides.
-    friction : float, default 0
-        Coulomb's coefficient of friction μ of the feet [1]; 0 for no limit, so that they do not slide.
+    friction : float, optional
+        Coulomb's coefficient of friction μ of the feet [1]. By default (None or infinity) it has no limit, so that they do not slide.
     ties : Tie or sequence of Tie
         One or several ties to the ground, up to eight; they need `mass`.
 
@@ -86,7 +89,7 @@ class Block(_engine.Block):
 
     __slots__ = ()
 
-    def replace(self, **changes: Any) -> "Block":
+    def replace(self, **changes: Any) -> Block:
         """Returns the block with some parameters replaced.
 
         With `foundation="rigid"` the parameters of its supports are dropped, and with "viscoelastic" the factor on e.
@@ -199,7 +202,7 @@ class Block(_engine.Block):
             )
         return Run.of(self, result)
 
-    def plot(self, ax: "Axes | None" = None) -> "Axes":
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the block with its centre of mass, foundation and dimensions with Matplotlib.
 
         Lengths are to scale, in metres; supports have a fixed size.
@@ -213,6 +216,26 @@ class Block(_engine.Block):
 
         return _sketch.sketch(self, ax)
 
+    def _repr_html_(self) -> str:
+        angles = [("α", self.alpha)] if self.eccentricity == 0 else [("α left", self.alpha_L), ("α right", self.alpha_R)]
+        rows = [
+            ("width × height", f"{self.width:.4g} m × {self.height:.4g} m"),
+            *((name, f"{angle:.4g} rad = {math.degrees(angle):.4g}°") for name, angle in angles),
+            ("R0, p", f"{self.R0:.4g} m, {self.p:.4g} rad/s"),
+            ("mass, γ", f"{self.mass:.6g} kg, {self.gamma:.4g}"),
+        ]
+        if self.foundation == "rigid":
+            rows += [("rigid base", f"e = {self.e:.4g}")]
+        else:
+            rows += [
+                ("η, ξ_v, ε", f"{self.eta:.4g}, {self.xi_v:.4g}, {self.epsilon:.4g}"),
+                ("K, C of a support", f"{self.K:.4g} N/m, {self.C:.4g} N s/m"),
+            ]
+        rows += [("eccentricity", f"{self.eccentricity:.4g} m")] if self.eccentricity else []
+        rows += [("friction", f"{self.friction:.4g}")] if math.isfinite(self.friction) else []
+        rows += [(f"tie {number}", repr(tie)) for number, tie in enumerate(self.ties, 1)]
+        return html_table("rigid block", (), rows)
+
     def __repr__(self) -> str:
         size = f"{self.width:.3g} m × {self.height:.3g} m, {self.mass:g} kg"
         if math.isnan(self.eta):
@@ -222,8 +245,8 @@ class Block(_engine.Block):
             base = f"eta={self.eta:.6g}, xi_v={self.xi_v:.6g}, "
             more = f"K={self.K:.3g} N/m, C={self.C:.3g} N s/m"
         paper = f"alpha={self.alpha:.6g}, p={self.p:.6g}, {base}epsilon={self.epsilon:g}"
-        for name, value in (("eccentricity", self.eccentricity), ("friction", self.friction)):
-            paper += f", {name}={value:g}" if value else ""
+        paper += f", eccentricity={self.eccentricity:g}" if self.eccentricity else ""
+        paper += f", friction={self.friction:g}" if math.isfinite(self.friction) else ""
         if self.ties:
             paper += f", {len(self.ties)} tie{'s' if len(self.ties) > 1 else ''}"
         return f"<Block {size}: {paper}; R0={self.R0:.3g} m, {more}>"

@@ -1,5 +1,7 @@
 """Buildings and the motions of their floors."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Parameters of a block from measured tests."""
 
+from __future__ import annotations
+
 import dataclasses
 import json
 import os
@@ -104,7 +106,8 @@ class Estimate:
     standard_error: float
     """Its standard error, to first order."""
     interval: tuple[float | None, float | None] | None
-    """Interval of the profile likelihood; None for an end where the data admit the bound, and for a test's own parameter."""
+    """Interval of the profile likelihood; None for an end where the data admit the bound, for a test's own parameter,
+    and where the search for intervals kept finding better fits."""
     quadratic_interval: tuple[float, float]
     """Interval of the quadratic approximation, symmetric in the logarithm of a positive parameter."""
     bounds: tuple[float, float]
@@ -195,7 +198,7 @@ class Fit:
                 return estimate
         raise KeyError(f"{name}; expected one of {', '.join(estimate.name for estimate in self.estimates)}")
 
-    def to_frame(self) -> "pandas.DataFrame":
+    def to_frame(self) -> pandas.DataFrame:
         """Returns the estimates as a pandas DataFrame, a row each."""
         with optional("to_frame", "pandas"):
             import pandas
@@ -208,7 +211,7 @@ class Fit:
         ]
         return pandas.DataFrame(rows, index=pandas.Index([estimate.name for estimate in self.estimates], name="parameter"))
 
-    def plot(self, axes: Any = None) -> "npt.NDArray[Any]":
+    def plot(self, axes: Any = None) -> npt.NDArray[Any]:
         """Draws measured and fitted values of each test over time, and the residuals under them, with Matplotlib.
 
         Parameters

@@ -1,5 +1,7 @@
 """The Functional Mock-up Units included in the package."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 

@@ -1,18 +1,20 @@
 """Fragility curves."""
 
+from __future__ import annotations
+
 import os
 import warnings
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._record import Record
-from rocking_block._table import Table, read_table
+from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._html import html_table
 from rocking_block._words import Floats, Outcome, chosen, ticking
 
@@ -65,6 +67,15 @@ def intensity(
     return dict(_engine.rot_d(record, transverse, percentile, listed, g))
 
 
+class GoodnessOfFit(NamedTuple):
+    """The deviance of a curve from the fractions of groups of rows, compared with χ²; corrected where records repeat."""
+
+    deviance: float
+    degrees_of_freedom: int
+    p: float
+    """Probability of at least this deviance if the curve is true."""
+
+
 class Fragility(_engine.Fragility):
     """A maximum-likelihood fragility curve `P = F(a + b ln IM)`; made by `fragility`.
 
@@ -82,7 +93,7 @@ class Fragility(_engine.Fragility):
     unit: str
     """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """The limit: "overturned", a rotation |θ|/α [1], or a slip [m] as in "slip>0.1"."""
+    """The limit: "overturned", "balance", a rotation |θ|/α [1], or a slip [m] as in "slip>0.1"."""
     ci: float
     """Confidence level of intervals and bands."""
     measures: Floats
@@ -95,24 +106,31 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their duration was too short."""
     separated: int
     """Rows omitted because their runs ended at complete separation, with the outcome open."""
+    exceeded: tuple[float, float]
+    """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
     _arguments: tuple[Any, ...]
 
     def __new__(
         cls,
         rows: tuple[Floats, Floats, Floats, npt.NDArray[np.int64]],
         options: tuple[str, float, int | None, int],
-        labels: tuple[str, str, str | float, int, int, int],
+        labels: tuple[str, str, str | float, int, int, int, tuple[float, float]],
         tick: Any = lambda done, total: None,
-    ) -> "Self":
+    ) -> Self:
         fit = super().__new__(cls, *rows, *options, tick)
         fit.measures, fit.fractions = rows[:2]
         fit.ci = options[1]
-        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided = labels
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.exceeded = labels
         fit._arguments = (rows, options, labels)
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self._arguments)
+
+    @property
+    def goodness_of_fit(self) -> GoodnessOfFit | None:
+        """Whether the curve fits up to twelve groups of rows with adjacent measures; None for fewer than three."""
+        return None if self.goodness is None else GoodnessOfFit(*self.goodness)
 
     def curve(self, x: npt.ArrayLike) -> Floats:
         """Returns the probability of exceeding the limit [1] at measures `x` > 0 of any array shape."""
@@ -126,8 +144,8 @@ class Fragility(_engine.Fragility):
         return low.reshape(measures.shape), high.reshape(measures.shape)
 
     def plot(
-        self, ax: "Axes | None" = None, *, label: str | None = None, color: Any = None, runs: bool = True, **style: Any
-    ) -> "Axes":
+        self, ax: Axes | None = None, *, label: str | None = None, color: Any = None, runs: bool = True, **style: Any
+    ) -> Axes:
         """Draws the curve, its band and the runs with Matplotlib. Several curves can share axes.
 
         Parameters
@@ -162,12 +180,14 @@ class Fragility(_engine.Fragility):
 
     def _repr_html_(self) -> str:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        fit = self.goodness_of_fit
         ends = [[f"{end:.4g}" for end in pair] for pair in (self.median_ci, self.beta_ci)]
         rows = [
             ("median", f"{self.median:.4g}{unit}", f"[{', '.join(ends[0])}]"),
             ("β", f"{self.beta:.3g}", f"[{', '.join(ends[1])}]"),
-            ("exceeded", f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs", ""),
+            ("exceeded", self._exceeded(), ""),
             ("left out", f"{self.failed} failed, {self.separated} separated, {self.undecided} undecided", ""),
+            *([("deviance of the fit", f"{fit.deviance:.4g} (df = {fit.degrees_of_freedom}), p = {fit.p:.3g}", "")] if fit else []),
             ("AUC, Brier score", f"{self.auc:.3f}, {self.brier:.3f}", ""),
         ]
         return html_table(f"{self._limit()} over {self.im}, {100 * self.ci:g} % intervals", (), rows)
@@ -181,8 +201,12 @@ class Fragility(_engine.Fragility):
         return (
             f"<Fragility of {self._limit()} over {self.im}: median {self.median:.4g}{unit} "
             f"[{median[0]:.4g}, {median[1]:.4g}], beta {self.beta:.3g} [{beta[0]:.3g}, {beta[1]:.3g}], "
-            f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs>"
+            f"{self._exceeded()}>"
         )
+
+    def _exceeded(self) -> str:
+        # Digits beyond the tenth are round-off of the fractions of ensembles.
+        return f"{np.sum(self.fractions):.10g} of {len(self.fractions)} runs"
 
 
 def _slip(limit: object) -> float | None:
@@ -202,9 +226,9 @@ def _limit_word(limit: str | float) -> str:
 
 
 def fragility(
-    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike] | str | os.PathLike[str]",
+    table: Table | pandas.DataFrame | Mapping[str, npt.ArrayLike] | str | os.PathLike[str],
     im: str,
-    limit: str | float = "overturned",
+    limit: str | float | None = None,
     *,
     ci: float = 0.95,
     link: Literal["probit", "logit"] = "probit",
@@ -222,14 +246,17 @@ def fragility(
     ----------
     table : Table, DataFrame, mapping or path
         Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
-        `rocking sweep`; or your own table
+        `rocking sweep`, a Parquet file of `Table.to_parquet`, or a DataFrame of either; or your own table
         with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
     im : str
-        Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
-    limit : "overturned", float or str
-        The limit: overturning, a rotation |θ|/α > 0 [1], or a slip in metres as in "slip:0.1"; a block that overturned exceeds any.
+        Name of the column of the intensity measure, such as "PGV", "Sa(0.5)" or "p PGV/(g tan alpha)", with or without the unit in its
+        heading.
+    limit : "overturned", "balance", float or str, optional
+        The limit: overturning, the balance (the rotation that puts the centre of mass over the corner), a rotation |θ|/α > 0 [1], or a
+        slip in metres as in "slip:0.1"; a block that overturned exceeds any. By default overturning, or the balance if ties hold blocks
+        beyond it for which overturning leaves runs undecided.
     ci : float
         Confidence level of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
@@ -251,7 +278,7 @@ def fragility(
     Warns
     -----
     UserWarning
-        The probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
+        Runs are undecided, the probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
 
     Examples
     --------
@@ -269,63 +296,87 @@ def fragility(
     if isinstance(table, str | os.PathLike):
         table = read_table(table)
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
-        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file")
+        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a file")
     if not isinstance(im, str):
         raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
+    table, im = by_name(table), split_heading(im)[0]
+    im = im if im in table else _engine.measure_name(im)
     slip = _slip(limit)
-    if isinstance(limit, str) and limit.lower() == "overturned":
-        limit = "overturned"
+    outcome = outcomes_of(table)
+    if limit is None:
+        held = "peak.theta/balance" in table and "ensemble.samples" not in table
+        held = held and bool(((outcome == "undecided") & (numbers(table, "peak.theta/balance") > 1.0)).any())
+        limit = "balance" if held else "overturned"
+    elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
+        limit = limit.lower()
     elif slip is not None:
         limit = "slip>" + repr(slip).removesuffix(".0")
     elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
         shown = f'"{limit}"' if isinstance(limit, str) else limit
-        raise ValueError(f'limit = {shown}; expected "overturned", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
+        raise ValueError(f'limit = {shown}; expected "overturned", "balance", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
-    searched = [str(name) for name in table if str(name).startswith("least.")]
+    searched = [name for name in table if name.startswith("least.")]
     if searched:
         expected = "an outcome at one level in each row, as from a sweep with scales or levels"
         raise ValueError(f"found the least levels of searches, {searched[0]}; expected {expected}")
-    outcome = _outcomes(table)
     if "peak.theta/alpha" in table or not isinstance(limit, str):
-        peak = _numbers(table, "peak.theta/alpha")
+        peak = numbers(table, "peak.theta/alpha")
     else:
         peak = np.full(len(outcome), np.nan)
     exceeded = outcome == "overturned"
     if not isinstance(limit, str):
         exceeded |= peak > limit
+    if limit == "balance":
+        # Without ties, even blocks have it in `peak.theta/alpha`.
+        even = "peak.theta/balance" not in table and "eccentricity" not in table
+        exceeded |= numbers(table, "peak.theta/alpha" if even else "peak.theta/balance") > 1.0
     if slip is not None:
-        exceeded |= _numbers(table, "peak.slip") > slip
+        exceeded |= numbers(table, "peak.slip") > slip
     fraction = exceeded.astype(np.float64)
     separated = (outcome == "separated") & ~exceeded
     undecided = (outcome == "undecided") & ~exceeded
     failed = outcome == "failed"
+    unknown = np.zeros(len(outcome))
     if "ensemble.samples" in table:
-        # The samples of an ensemble count, not the run in its middle; the probability is nan if all samples failed.
-        fraction = _numbers(table, f"P({_limit_word(limit)})")
-        separated, unknown = np.zeros_like(exceeded), np.isnan(fraction)
-        undecided, failed = unknown & (outcome == "undecided"), unknown & (outcome != "undecided")
+        # The samples of an ensemble count, not the run in its middle; the probability is nan if none is known.
+        word = _limit_word(limit)
+        fraction = numbers(table, f"P({word})")
+        # Tables of earlier versions do not have it.
+        if f"ensemble.unknown({word})" in table:
+            unknown = numbers(table, f"ensemble.unknown({word})") / numbers(table, "ensemble.samples")
+        none = np.isnan(fraction)
+        undecided, separated = none & (outcome == "undecided"), none & (outcome == "separated")
+        failed = none & ~undecided & ~separated
     decided = ~separated & ~undecided & ~failed
+    least = float(np.sum((fraction * (1.0 - unknown))[decided]))
+    most = least + float(np.sum(unknown[decided]) + np.sum(~decided))
+    partly = int(np.sum(unknown[decided] > 0.0))
     rocked = (outcome == "completed") & (peak > 0.0)
     if "events.liftoffs" in table:
         rocked &= np.asarray(table["events.liftoffs"]) > 0
     peak = np.where(rocked, peak, np.nan)
-    names = [np.asarray(table[column], dtype=str).tolist() for column in ("record", "vertical") if column in table]
+    names = [[_record_name(name) for name in table[column].tolist()] for column in ("record", "vertical") if column in table]
     # Numbered in order of first appearance, since bootstrap samples depend on the order.
-    numbers: dict[tuple[str, ...], int] = {}
+    order: dict[tuple[str, ...], int] = {}
     shared: list[tuple[str, ...]] = list(zip(*names, strict=True)) if names else [()] * len(outcome)
     # A row without records has its own motion.
     keys = [key if any(key) else ("", "", str(row)) for row, key in enumerate(shared)]
-    motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
-    measures = _numbers(table, im)
+    motions = np.array([order.setdefault(key, len(order)) for key in keys], dtype=np.int64)
+    measures = numbers(table, im)
     rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
     for column in rows:
         column.setflags(write=False)
-    units = table.units if isinstance(table, Table) else getattr(table, "attrs", {}).get("units", {})
-    unit = units.get(im, "")
-    labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
+    unit = table.units.get(im, "")
+    labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()), (least / len(outcome), most / len(outcome)))
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         fit = Fragility(rows, options, labels, tick)
+    doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
+    if partly:
+        doubts.append(f"in {partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
+    if doubts:
+        shares = " to ".join(f"{100 * share:.1f} %" for share in fit.exceeded)
+        warnings.warn(f"{'; '.join(doubts)}: it is exceeded in {shares} of all rows", stacklevel=2)
     for warning in fit.warnings(f"{im} [{unit}]" if unit else im):
         warnings.warn(warning, stacklevel=2)
     return fit
@@ -404,13 +455,19 @@ def export_fragility(
         warnings.warn(remark, stacklevel=2)
 
 
-def _column(table: Any, name: str) -> npt.NDArray[Any]:
+def _record_name(name: Any) -> str:
+    """Returns the name of a record; empty where it is missing, for which pandas has nan, None or NA."""
+    return "" if name is None or str(name) in ("nan", "<NA>") else str(name)
+
+
+def _column(table: Table, name: str) -> npt.NDArray[Any]:
     if name not in table:
-        raise ValueError(f"there is no column {name!r}; expected one of {', '.join(map(str, table))}")
-    return np.asarray(table[name])
+        raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
+    return table[name]
 
 
-def _numbers(table: Any, name: str) -> Floats:
+def numbers(table: Table, name: str) -> Floats:
+    """Returns a column of numbers."""
     column = _column(table, name)
     try:
         return column.astype(np.float64)
@@ -418,7 +475,7 @@ def _numbers(table: Any, name: str) -> Floats:
         raise ValueError(f"column {name!r} has {column[0]!r}; expected numbers") from None
 
 
-def _outcomes(table: Any) -> npt.NDArray[Any]:
+def outcomes_of(table: Table) -> npt.NDArray[Any]:
     """Returns the outcomes in lower case. An unknown word is an error, since it would count as a standing block."""
     column = _column(table, "outcome")
     outcome = np.char.lower(column.astype(str))

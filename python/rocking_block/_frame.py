@@ -1,5 +1,7 @@
 """Equal free-standing columns under a freely supported beam."""
 
+from __future__ import annotations
+
 import os
 import warnings
 from dataclasses import dataclass
@@ -112,7 +114,8 @@ class Frame:
             step=step,
         )
         motion = [run.u, run.v, run.u_ddot, run.v_ddot, run.H, run.N_L + run.N_R, run.a_gx, run.a_gz]
-        response = _engine.frame_response(self.columns, self.column, self.beam_mass, motion)
+        found = _engine.frame_response(self.columns, self.column, self.beam_mass, motion)
+        response = {name: values for name, _, values in found}
         leaves = np.flatnonzero(response["top_N"] < 0)
         if self.beam_mass > 0 and leaves.size:
             message = f"the beam leaves the columns at t = {run.t[leaves[0]]:.4g} s; the motion after it is not that of the frame"

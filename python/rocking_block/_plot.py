@@ -1,6 +1,8 @@
 """Matplotlib plots."""
 
-from collections.abc import Callable, Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,21 +23,11 @@ with optional("plot", "matplotlib"):
 # SRON/EPS/TN/09-002 (2021), "high-contrast"); from the fourth curve on the dashes differ as well.
 _COLOURS = ("#004488", "#DDAA33", "#BB5566", "#000000")
 _DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1.5, 2)))
-_MARKS = {"completed": "o", "overturned": "x", "separated": "^", "undecided": "s", "failed": "*"}
-_INK, _BAND = "#404040", "0.93"
-_ROTATION = "peak.theta/alpha"
+INK, _BAND = "#404040", "0.93"
 # Rotations |θ|/α beyond this are clipped.
 _CUT = 1.5
-# Default horizontal axes of a table: the first of these that varies.
-_ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
-_MOTIONS = ("record", "vertical", "scale")
-_OF_BLOCK = ("foundation", "alpha", "p", "eta", "xi_v", "width", "height", "K", "C", "mass", "gamma", "epsilon", "g",
-             "restitution_factor")
-# Columns that follow from others and need no curves of their own.
-_FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 
-
-_Columns = Mapping[str, npt.NDArray[Any]]
+Columns = Mapping[str, npt.NDArray[Any]]
 
 
 class _Fit(Protocol):
@@ -56,11 +48,11 @@ class _Fit(Protocol):
 
 
 def run(
-    block: _engine.Block, columns: _Columns, summary: str, ax: Any, label: str | None, color: Any, style: dict[str, Any]
+    block: _engine.Block, columns: Columns, summary: str, ax: Any, label: str | None, color: Any, style: dict[str, Any]
 ) -> Any:
     """Draws a run on one axes or several: rotation, reactions, ground acceleration."""
     has_ground = bool(np.any(columns["a_gx"]) or np.any(columns["a_gz"]))
-    kinds = [_rotation, _reactions, *([_slip] if block.friction else []), *([_tensions] if block.ties else [])]
+    kinds = [_rotation, _reactions, *([_slip] if np.isfinite(block.friction) else []), *([_tensions] if block.ties else [])]
     panels = _panels(ax, [*kinds, _ground] if has_ground else kinds)
     number = _drawn(panels[0], "run")
     first = number == 0
@@ -107,19 +99,19 @@ def _panels(ax: Any, kinds: Sequence[Any]) -> npt.NDArray[Any]:
     return np.array(figure.axes)
 
 
-def _rotation(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _rotation(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     if first:
         _contact(axes, run)
-        axes.axhline(0.0, color=_INK, lw=0.5)
+        axes.axhline(0.0, color=INK, lw=0.5)
         for balance in (-block.alpha_L, block.alpha_R):
-            axes.axhline(balance / block.alpha, color=_INK, lw=0.8, ls=":")
+            axes.axhline(balance / block.alpha, color=INK, lw=0.8, ls=":")
         axes.set_ylabel("rotation θ/α")
     rotation = run["theta"] / block.alpha
     axes.plot(run["t"], rotation, **_style({"linewidth": 1.2, "label": label}, style))
     _cut(axes, rotation)
 
 
-def _reactions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _reactions(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     weight = block.mass * block.g
     axes.plot(run["t"], run["N_L"] / weight, **style, linewidth=0.8, label="left corner" if first else None)
     axes.plot(run["t"], run["N_R"] / weight, **style, linewidth=0.8, alpha=0.45, label="right corner" if first else None)
@@ -134,7 +126,7 @@ def _reactions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, lab
         axes.set_ylim(top=1.05 * highest)
 
 
-def _slip(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _slip(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     axes.plot(run["t"], 1e3 * run["slip"], **style, linewidth=0.8)
     if first and np.max(np.abs(run["slip"])) < 1e-9:
         # Round-off would fill the panel.
@@ -142,7 +134,7 @@ def _slip(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: s
     axes.set_ylabel("slip [mm]")
 
 
-def _tensions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _tensions(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     weight = block.mass * block.g
     tensions = [run[f"tie_{number}.tension"] for number in range(1, len(block.ties) + 1)]
     for number, tension in enumerate(tensions, 1):
@@ -153,7 +145,7 @@ def _tensions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, labe
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(tensions), frameon=False)
 
 
-def _ground(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _ground(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     both = bool(np.any(run["a_gz"]))
     axes.plot(run["t"], run["a_gx"], **style, linewidth=0.7, label="horizontal" if both else None)
     if both:
@@ -162,7 +154,7 @@ def _ground(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label:
     axes.set_ylabel("ground [m/s²]")
 
 
-def _contact(axes: Axes, run: _Columns, label: str | None = None) -> None:
+def _contact(axes: Axes, run: Columns, label: str | None = None) -> None:
     """Shades the times at which both corners touch."""
     shade: dict[str, Any] = {"color": _BAND, "lw": 0, "label": label}
     where = run["regime"] == 0
@@ -171,7 +163,7 @@ def _contact(axes: Axes, run: _Columns, label: str | None = None) -> None:
 
 def record(record: _engine.Record, times: Floats, ax: Axes | None, style: dict[str, Any]) -> Axes:
     """Draws a record's acceleration."""
-    axes = _axes(ax, "record", (9.0, 3.0))
+    axes = new_axes(ax, "record", (9.0, 3.0))
     curve_style = _curve_style(_add(axes, "record"), None)
     axes.plot(times, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | curve_style, style))
     axes.set(xlabel="time [s]", ylabel="acceleration [m/s²]")
@@ -187,7 +179,7 @@ def fragility(
     fit: _Fit, limit: str, ax: Axes | None, label: str | None, color: Any, runs: bool, style: dict[str, Any]
 ) -> Axes:
     """Draws a curve and its band; marks at 0 and 1 are runs, rings the fraction of those that exceed the limit."""
-    axes = _axes(ax, "fragility", (7.0, 4.5))
+    axes = new_axes(ax, "fragility", (7.0, 4.5))
     number = _add(axes, "fragility")
     first, curve_style = number == 0, _curve_style(number, color)
     low, high = float(fit.measures.min()), float(fit.measures.max())
@@ -197,7 +189,7 @@ def fragility(
     band = f"{100 * fit.ci:g} % confidence" if first else None
     axes.fill_between(x, *fit.band(x), color=line.get_color(), alpha=0.18, lw=0, label=band)
     if runs:
-        ink = _INK if first else line.get_color()
+        ink = INK if first else line.get_color()
         order = np.argsort(fit.measures)
         classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
         middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
@@ -237,7 +229,7 @@ def fit(tests: Sequence[Any], axes: Any) -> npt.NDArray[Any]:
         upper.plot(test.t, test.fitted, color=_COLOURS[0], linewidth=1.0, label="fitted")
         upper.set_ylabel(f"{name}{unit}")
         upper.legend()
-        lower.axhline(0.0, color=_INK, linewidth=0.6)
+        lower.axhline(0.0, color=INK, linewidth=0.6)
         lower.plot(test.t, test.residuals, ".", color=_COLOURS[0], markersize=2.0)
         lower.set_ylabel("measured less fitted")
         lower.set_title(f"Durbin–Watson {test.durbin_watson:.2f}, white noise 2", fontsize="small", loc="left")
@@ -247,7 +239,7 @@ def fit(tests: Sequence[Any], axes: Any) -> npt.NDArray[Any]:
 
 def annual_rate(found: _engine.AnnualRate, im: str, unit: str, ax: Axes | None, style: dict[str, Any]) -> Axes:
     """Draws the density of the rate over the logarithm of the measure, its median and the range of 90 %."""
-    axes = _axes(ax, "rate", (7.0, 4.0))
+    axes = new_axes(ax, "rate", (7.0, 4.0))
     number = _add(axes, "rate")
     low, high = found.quantile(0.001), found.quantile(0.999)
     edges = np.geomspace(low, high, 301)
@@ -268,106 +260,7 @@ def annual_rate(found: _engine.AnnualRate, im: str, unit: str, ax: Axes | None, 
     return axes
 
 
-def table(
-    table: _Columns,
-    heading: Callable[[str], str],
-    x: str | None,
-    y: str,
-    by: str | Sequence[str] | None,
-    ax: Axes | None,
-    style: dict[str, Any],
-) -> Axes:
-    """Draws one column over another, as curves or points."""
-    varying = [name for name in table if _rows(table) and len(np.unique(table[name])) > 1]
-    if x is None:
-        # A spectrum has curves over the size; runs under many records have points over a measure of the records.
-        known = (*_ABSCISSAS, *(name for name in varying if _is_parameter(name)))
-        fitting = [name for name in known if name in varying and table[name].dtype.kind in "fiu"]
-        if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _distinguishing(varying, "2pi/p", y)):
-            fitting.remove("2pi/p")
-        if not fitting:
-            raise ValueError(f"no column to draw over varies; expected x, one of {', '.join(table)}")
-        x = fitting[0]
-    for name in (x, y, *([by] if isinstance(by, str) else by or ())):
-        if name not in table:
-            raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
-    for name in (x, y):
-        if table[name].dtype.kind not in "fiub":
-            raise ValueError(f"column {name!r} has {table[name].dtype} values; expected numbers")
-    if by is None:
-        by = _distinguishing(varying, x, y)
-        single = _makes_curves(table, x, by)
-        if not single:
-            by = ["outcome"] if "outcome" in table else []
-    else:
-        by = [by] if isinstance(by, str) else list(by)
-        single = _makes_curves(table, x, by)
-    groups = _groups(table, by)
-    axes = _axes(ax, "table", (8.0, 4.5))
-    for key, rows in groups.items():
-        rows = rows[np.argsort(table[x][rows], kind="stable")] if single else rows
-        number = _add(axes, "table")
-        curve_style, values = _curve_style(number, None), table[y][rows]
-        if not single:
-            others = tuple(_MARKS.values())
-            mark = _MARKS.get(key[0], "o") if by == ["outcome"] else others[number // len(_COLOURS) % len(others)]
-            curve_style = {"color": curve_style["color"], "linestyle": "", "marker": mark, "markersize": 4, "alpha": 0.7}
-            # Points beyond the edge are drawn on it, so that all are visible.
-            values = np.minimum(values, _CUT) if y == _ROTATION else values
-        label = ", ".join(_named(name, value) for name, value in zip(by, key))
-        axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | curve_style, style))
-    axes.set(xlabel=heading(x), ylabel=heading(y))
-    if y == _ROTATION:
-        axes.set_ylabel("greatest rotation |θ|/α")
-        if _add(axes, "limit") == 0:
-            axes.axhline(1.0, color=_INK, lw=0.8, ls=":")
-        axes.set_ylim(bottom=0.0)
-        _cut(axes, table[y])
-    if any(by):
-        axes.legend(fontsize="small")
-    return axes
-
-
-def _distinguishing(varying: Sequence[str], x: str, y: str) -> list[str]:
-    """Returns the parameters that distinguish curves over x."""
-    return [name for name in varying if _is_parameter(name) and name not in (x, y, *_FOLLOWS.get(x, ()))]
-
-
-def _is_parameter(name: str) -> bool:
-    return name in _MOTIONS or name in _OF_BLOCK or name.startswith(("pulse.", "initial."))
-
-
-def _makes_curves(table: _Columns, x: str, by: Sequence[str]) -> bool:
-    """Whether each of a few groups has a single row per x."""
-    groups = _groups(table, by)
-    return len(groups) <= 8 and all(len(np.unique(table[x][rows])) == len(rows) > 1 for rows in groups.values())
-
-
-def _groups(table: _Columns, by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDArray[np.intp]]:
-    """Returns the rows of each combination of values, in order of first appearance."""
-    groups: dict[tuple[Any, ...], list[int]] = {}
-    # Indices of unique values, since nan does not equal itself.
-    unique = [np.unique(table[name], return_inverse=True) for name in by]
-    keys = zip(*(indices.tolist() for _, indices in unique), strict=True) if by else [()] * _rows(table)
-    for row, key in enumerate(keys):
-        groups.setdefault(key, []).append(row)
-    return {
-        tuple(values[index] for (values, _), index in zip(unique, key, strict=True)): np.array(rows, dtype=np.intp)
-        for key, rows in groups.items()
-    }
-
-
-def _rows(table: _Columns) -> int:
-    return len(next(iter(table.values()), ()))
-
-
-def _named(name: str, value: Any) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{name} = {value:.4g}" if isinstance(value, float) else f"{name} = {value}"
-
-
-def _axes(ax: Axes | None, kind: str | None, size: tuple[float, float]) -> Axes:
+def new_axes(ax: Axes | None, kind: str | None, size: tuple[float, float]) -> Axes:
     """Returns the axes to draw on. Current axes with a plot of another kind, or of any if `kind` is None, are left alone."""
     if ax is not None:
         if not isinstance(ax, Axes):
@@ -376,7 +269,7 @@ def _axes(ax: Axes | None, kind: str | None, size: tuple[float, float]) -> Axes:
     figure = pyplot.gcf()
     if figure.axes:
         axes = pyplot.gca()
-        others = set(getattr(axes, "_rocking_block", {})) - {kind, "limit"}
+        others = set(getattr(axes, "_rocking_block", {})) - {kind, "limit", "lane"}
         if not others:
             return axes
         figure = pyplot.figure()
@@ -421,11 +314,13 @@ def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
     finite = np.abs(rotation[np.isfinite(rotation)])
     greatest = max(float(finite.max(initial=0.0)), getattr(axes, "_rocking_block_greatest", 0.0))
     axes._rocking_block_greatest = greatest  # type: ignore[attr-defined]
-    if greatest <= _CUT:
+    if greatest < _CUT:
         return
     axes.set_ylim(-_CUT if axes.get_ylim()[0] < 0.0 else 0.0, _CUT)
+    if greatest == _CUT:
+        return
     for text in [text for text in axes.texts if text.get_gid() == "rocking_block.cut"]:
         text.remove()
     note = f"cut at {_CUT}; up to {greatest:.3g}"
-    axes.text(0.995, 0.98, note, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
+    axes.text(0.995, 0.98, note, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=INK,
               gid="rocking_block.cut")

@@ -1,5 +1,7 @@
 """Pulses of ground acceleration."""
 
+from __future__ import annotations
+
 import os
 import warnings
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Annual rates from hazard and fragility curves."""
 
+from __future__ import annotations
+
 import os
 import warnings
 from collections.abc import Sequence
@@ -53,7 +55,7 @@ class Hazard:
         self, levels: npt.ArrayLike, rates: npt.ArrayLike, im: str = "", unit: str = "", *, g: float = 9.81
     ) -> None:
         fields = _engine.check_hazard(_floats("levels", levels), _floats("rates", rates), unit or None, g)
-        self._set(im, *fields)
+        self._set(_engine.measure_name(im), *fields)
 
     def _set(self, im: str, levels: Floats, rates: Floats, _: str | None, unit: str | None, remarks: list[str]) -> None:
         for column in (levels, rates):
@@ -85,6 +87,12 @@ class Hazard:
         """Remarks on levels of a file that were left out."""
         return self._remarks
 
+    def _repr_html_(self) -> str:
+        headings = [f"{self.im or 'level'} [{self.unit}]" if self.unit else self.im or "level", "annual rate [1/year]", "return period [years]"]
+        rows = zip(self.levels[:10], self.rates[:10], 1.0 / self.rates[:10], strict=True)
+        more = "; the first 10 are shown" if len(self.levels) > 10 else ""
+        return html_table(f"hazard curve of {len(self.levels)} levels{more}", headings, rows)
+
     def __repr__(self) -> str:
         measure, unit = f" of {self.im}" if self.im else "", f" {self.unit}" if self.unit not in ("", "1") else ""
         levels = f"{len(self.levels)} levels from {self.levels[0]:.4g} to {self.levels[-1]:.4g}{unit}"
@@ -92,11 +100,11 @@ class Hazard:
 
 
 def read_hazard(
-    path: "str | os.PathLike[str]",
+    path: str | os.PathLike[str],
     *,
     im: str | None = None,
     unit: str | None = None,
-    site: str | None = None,
+    site: str | Sequence[float] | None = None,
     investigation_time: float | None = None,
     g: float = 9.81,
 ) -> Hazard:
@@ -111,8 +119,8 @@ def read_hazard(
         The measure: the choice in a file of several, or that of a file that does not name it.
     unit : str, optional
         Unit of the levels, if the file does not name it.
-    site : str, optional
-        Name of the site, or its longitude and latitude as in "-122.4,37.75", in a file of several.
+    site : str or sequence of float, optional
+        Name of the site, or its longitude and latitude as in (-122.4, 37.75), in a file of several.
     investigation_time : float, optional
         Years to which the probabilities of the file refer. Without it, the file has annual rates, or names the time itself.
     g : float
@@ -123,6 +131,8 @@ def read_hazard(
     ValueError
         Another format, or several curves without a choice.
     """
+    if site is not None and not isinstance(site, str):
+        site = ",".join(repr(number("site", coordinate)) for coordinate in site)
     curve = Hazard.__new__(Hazard)
     fields = _engine.read_hazard(path, im=im, unit=unit, site=site, investigation_time=investigation_time, g=g)
     curve._set(fields[2] or "", *fields)
@@ -150,7 +160,7 @@ class AnnualRate(_engine.AnnualRate):
         fit: Fragility | None,
         lognormal: tuple[float, float] | None,
         table: tuple[Floats, Floats] | None,
-    ) -> "Self":
+    ) -> Self:
         rate = super().__new__(cls, hazard.levels, hazard.rates, fit, lognormal, table)
         rate.hazard = hazard
         rate.rows = None if fit is None else (float(fit.measures.min()), float(fit.measures.max()))
@@ -180,7 +190,7 @@ class AnnualRate(_engine.AnnualRate):
             parts |= {"below_rows": self.between(0.0, self.rows[0]), "above_rows": self.between(self.rows[1], np.inf)}
         return {name: part / self.rate if self.rate > 0.0 else 0.0 for name, part in parts.items()}
 
-    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
         """Draws the measures from which the rate comes with Matplotlib: its density over the logarithm of the measure.
 
         Parameters

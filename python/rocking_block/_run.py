@@ -1,5 +1,8 @@
 """The history of a block."""
 
+from __future__ import annotations
+
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, overload
@@ -145,6 +148,10 @@ class Run:
     """End of the run [s]."""
     has_come_down: bool
     """Whether, at the end, the ground is at rest and the block is at rest or bound to come to rest."""
+    passed_balance: bool = False
+    """Whether |θ| exceeded the balance angle of its side, beyond which the block needs more than its weight to come back."""
+    ends_tilted: bool = False
+    """Whether the block rests at the end without standing upright, as one that leans on a tie."""
     broken: tuple[bool, ...] = ()
     """Whether each tie is broken at the end."""
     gradients: dict[str, Gradient] = field(default_factory=dict)
@@ -153,7 +160,7 @@ class Run:
     """The event from which on there are no derivatives, if one grazes."""
 
     @staticmethod
-    def of(block: _engine.Block, result: dict[str, Any]) -> "Run":
+    def of(block: _engine.Block, result: dict[str, Any]) -> Run:
         """Builds a run from the engine's result."""
         gradients = {
             name: Gradient(columns, event_times, Peak(*peak))
@@ -171,6 +178,8 @@ class Run:
             outcome=result["outcome"],
             end_time=result["end_time"],
             has_come_down=result["has_come_down"],
+            passed_balance=result["passed_balance"],
+            ends_tilted=result["ends_tilted"],
             broken=tuple(result["broken"]),
             gradients=gradients,
             grazing=Grazing(*result["grazing"]) if result["grazing"] else None,
@@ -308,7 +317,7 @@ class Run:
         zeros = np.zeros(len(self))
         return Energy(**{part.name: self.columns.get(f"energy.{part.name}", zeros) for part in fields(Energy)})
 
-    def to_frame(self) -> "pandas.DataFrame":
+    def to_frame(self) -> pandas.DataFrame:
         """Returns the columns as a pandas DataFrame with the index `t` [s].
 
         >>> import rocking_block as rb
@@ -322,11 +331,11 @@ class Run:
         return pandas.DataFrame(columns | {"regime": self.regime}, index=pandas.Index(self.t, name="t"))
 
     @overload
-    def plot(self, ax: "Axes", *, label: str | None = None, color: Any = None, **style: Any) -> "Axes": ...
+    def plot(self, ax: Axes, *, label: str | None = None, color: Any = None, **style: Any) -> Axes: ...
     @overload
     def plot(
-        self, ax: "Sequence[Axes] | None" = None, *, label: str | None = None, color: Any = None, **style: Any
-    ) -> "npt.NDArray[Any]": ...
+        self, ax: Sequence[Axes] | None = None, *, label: str | None = None, color: Any = None, **style: Any
+    ) -> npt.NDArray[Any]: ...
     def plot(self, ax: Any = None, *, label: str | None = None, color: Any = None, **style: Any) -> Any:
         """Draws rotation, corner reactions, slip and tensions if there are any, and ground acceleration over time with Matplotlib.
 
@@ -369,7 +378,7 @@ class Run:
             ("greatest horizontal reaction", f"{peak.H:.4g} N"),
             ("greatest uplift", f"{peak.uplift:.4g} m"),
             ("impacts, lift-offs", f"{counts.impacts}, {counts.liftoffs}"),
-            *([("greatest slip", f"{peak.slip:.4g} m")] if self.block.friction else []),
+            *([("greatest slip", f"{peak.slip:.4g} m")] if math.isfinite(self.block.friction) else []),
             *(
                 (f"greatest tension of tie {number}", f"{tension:.4g} N{', broken' if broken else ''}")
                 for number, (tension, broken) in enumerate(zip(peak.tensions, self.broken, strict=True), 1)

@@ -1,5 +1,7 @@
 """Searches for the values at which the outcome of a run changes."""
 
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
 from typing import Any

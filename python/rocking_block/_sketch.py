@@ -1,10 +1,12 @@
 """A sketch of a block with its dimensions."""
 
+from __future__ import annotations
+
 import math
 from typing import Any
 
 from rocking_block import _engine
-from rocking_block._plot import _INK, _add, _axes
+from rocking_block._plot import INK, _add, new_axes
 from rocking_block._words import optional
 
 with optional("plot", "matplotlib"):
@@ -23,7 +25,7 @@ _REACH, _DEPTH = 0.9, 0.4
 
 def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     """Draws a block with its centre of mass, foundation, ties and dimensions, in metres."""
-    axes = _axes(ax, None, (7.0, 5.0))
+    axes = new_axes(ax, None, (7.0, 5.0))
     _add(axes, "block")
     slot = _slot(axes)
     b, body = block.width / 2, block.height
@@ -36,9 +38,9 @@ def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     top = max([body, *(z for _, z in ends)])
     # Of a body as it is measured only the height of the centre of mass is known.
     is_measured = "center_height" in block.parameters()
-    axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec="none" if is_measured else _INK, lw=1.8))
+    axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec="none" if is_measured else INK, lw=1.8))
     if is_measured:
-        axes.plot([-b, -b, b, b], [h, 0.0, 0.0, h], color=_INK, lw=1.8)
+        axes.plot([-b, -b, b, b], [h, 0.0, 0.0, h], color=INK, lw=1.8)
         axes.plot([-b, -b, math.nan, b, b], [h, body, math.nan, h, body], color=_FAINT, lw=1, ls="--")
     below = _foundation(axes, block, b, size, (left, right) if ties else None)
     below = min([below, *(z for _, z in ends)])
@@ -49,8 +51,8 @@ def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
         at = (start[0] + 0.3 * (end[0] - start[0]), start[1] + 0.3 * (end[1] - start[1]))
         axes.text(*at, str(number), ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "ec": _TIE})
     for angle in (0, 180):
-        axes.add_patch(Wedge((offset, h), 0.022 * size, angle, angle + 90, fc=_INK, zorder=4))
-    axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=_INK, lw=1.2, zorder=3))
+        axes.add_patch(Wedge((offset, h), 0.022 * size, angle, angle + 90, fc=INK, zorder=4))
+    axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=INK, lw=1.2, zorder=3))
     if not is_measured:
         _vertical(axes, left - 0.3 * _ROW * size, -b, 0.0, body, f"2h = {body:.4g} m")
     _vertical(axes, right + 0.3 * _ROW * size, b, 0.0, h, f"h = {h:.4g} m")
@@ -114,7 +116,7 @@ def _foundation(axes: Axes, block: _engine.Block, b: float, size: float, surface
         for low, high in ((surface[0], middles[0] - wall), (middles[1] + wall, surface[1])):
             _ground(axes, low, high, 0.0, size)
         for x in (middles[0] - wall, middles[1] + wall):
-            axes.plot([x, x], [0.0, bottom], color=_INK, lw=1.8)
+            axes.plot([x, x], [0.0, bottom], color=INK, lw=1.8)
     _ground(axes, middles[0] - wall, middles[1] + wall, bottom, size)
     for corner, middle in zip((-b, b), middles):
         _support(axes, corner, middle, bottom, size)
@@ -125,14 +127,14 @@ def _foundation(axes: Axes, block: _engine.Block, b: float, size: float, surface
 
 def _ground(axes: Axes, left: float, right: float, top: float, size: float) -> None:
     """Draws a hatched surface."""
-    axes.add_patch(Rectangle((left, top - 0.03 * size), right - left, 0.03 * size, fc="none", ec=_INK, lw=0, hatch="////"))
-    axes.plot([left, right], [top, top], color=_INK, lw=1.8)
+    axes.add_patch(Rectangle((left, top - 0.03 * size), right - left, 0.03 * size, fc="none", ec=INK, lw=0, hatch="////"))
+    axes.plot([left, right], [top, top], color=INK, lw=1.8)
 
 
 def _support(axes: Axes, corner: float, middle: float, bottom: float, size: float) -> None:
     """Draws a spring and a dashpot under a bar that reaches to the corner."""
     spring, dashpot, bar = middle - 0.03 * size, middle + 0.03 * size, 0.1 * bottom
-    line: dict[str, Any] = {"color": _INK, "lw": 1.1, "solid_joinstyle": "miter"}
+    line: dict[str, Any] = {"color": INK, "lw": 1.1, "solid_joinstyle": "miter"}
     axes.plot([corner, corner], [0.0, bar], **line)
     axes.plot([min(spring, corner), max(dashpot, corner)], [bar, bar], **line)
     turns = [(spring + (-1) ** i * 0.013 * size, bottom * (0.24 + 0.62 * i / 6)) for i in range(7)]
@@ -158,7 +160,7 @@ def _angles(axes: Axes, b: float, h: float, offset: float, size: float) -> None:
         # The arc of a squat block stays below its top.
         radius = min(0.5 * math.hypot(b - sign * offset, h), 1.6 * h)
         start, end = sorted((90.0, 90.0 + sign * math.degrees(angle)))
-        axes.add_patch(Arc((corner, 0.0), 2 * radius, 2 * radius, theta1=start, theta2=end, ec=_INK, lw=0.9))
+        axes.add_patch(Arc((corner, 0.0), 2 * radius, 2 * radius, theta1=start, theta2=end, ec=INK, lw=0.9))
         middle = (corner - sign * radius * math.sin(angle / 2), radius * math.cos(angle / 2))
         label = (corner + sign * 0.035 * size, min(middle[1], h) - 0.05 * size)
         axes.annotate(
@@ -171,7 +173,7 @@ def _vertical(axes: Axes, x: float, side: float, low: float, high: float, label:
     """Draws a vertical dimension, with extension lines from a side of the block."""
     for y in (low, high):
         axes.plot([side, x], [y, y], color=_FAINT, lw=0.6, zorder=0.5)
-    axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<|-|>", "fc": _INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<|-|>", "fc": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
     aside = -1 if x < side else 1
     axes.annotate(label, (x, (low + high) / 2), (4 * aside, 0), textcoords="offset points", rotation=90,
                   ha="right" if aside < 0 else "left", va="center")
@@ -181,7 +183,7 @@ def _horizontal(axes: Axes, y: float, left: float, right: float, end: float, lab
     """Draws a horizontal dimension with its text at the right, and extension lines from a height."""
     for x in (left, right):
         axes.plot([x, x], [end, y], color=_FAINT, lw=0.6, zorder=0.5)
-    axes.annotate("", (left, y), (right, y), arrowprops={"arrowstyle": "<|-|>", "fc": _INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate("", (left, y), (right, y), arrowprops={"arrowstyle": "<|-|>", "fc": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
     axes.annotate(label, (right, y), (6, 0), textcoords="offset points", ha="left", va="center")
 
 
@@ -197,7 +199,7 @@ def _values(block: _engine.Block, offset: float) -> list[str]:
     else:
         lines += ["each support:", f"K = {block.K:.4g} N/m", f"C = {block.C:.4g} N s/m",
                   rf"η = {block.eta:.4g}, $ξ_v$ = {block.xi_v:.4g}, ε = {block.epsilon:.4g}"]
-    if block.friction:
+    if math.isfinite(block.friction):
         lines += [f"friction μ = {block.friction:.4g}"]
     for number, tie in enumerate(block.ties, 1):
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"

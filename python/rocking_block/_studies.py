@@ -1,49 +1,23 @@
 """Many runs: spectra, lists of blocks, and studies from files."""
 
+from __future__ import annotations
+
 import os
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from rocking_block import _engine, _toml
+from rocking_block import _engine, _parts, _toml
 from rocking_block._block import Block
-from rocking_block._pulse import Pulse, as_pulse
-from rocking_block._record import Record, as_record
-from rocking_block._table import Table, of_program
+from rocking_block._outcomes import Records, table_of_outcomes, varying, warn_of_failures
+from rocking_block._pulse import Pulse
+from rocking_block._table import Table, of_columns
 from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, run_options, ticking
-
-# One record or several, as objects or as files.
-Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
-
-_UNITS = {
-    "scale": "1",
-    "PGA.vertical": "m/s2",
-    "alpha": "rad",
-    "p": "rad/s",
-    "eta": "1",
-    "xi_v": "1",
-    "epsilon": "1",
-    "restitution_factor": "1",
-    "2pi/p": "s",
-    "omega_p/p": "1",
-    "end_time": "s",
-    "peak.theta/alpha": "1",
-    "peak.uplift": "m",
-    "peak.N": "N",
-    "peak.H": "N",
-    "peak.friction_demand": "1",
-    "peak.slip": "m",
-    **{f"peak.tie_{number}.tension": "N" for number in range(1, 9)},
-    "first_separation": "s",
-    "flights": "1",
-    "events.impacts": "1",
-    "events.liftoffs": "1",
-}
-
 
 def spectrum(
     *,
@@ -57,7 +31,7 @@ def spectrum(
     mass: float = 1000.0,
     gamma: float = 3.0,
     g: float = 9.81,
-    friction: float = 0.0,
+    friction: float | None = None,
     records: Records | None = None,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
@@ -119,8 +93,8 @@ def spectrum(
     Returns
     -------
     Table
-        One row per record × scale × curve × size, in this order; `shape` has an axis for each array argument. Unnamed
-        records are numbered from 0.
+        One row per record × scale × curve × size, in this order; `shape` has an axis for each array argument. An unnamed
+        record is named by a checksum of its samples, so that tables of several calls can be joined.
 
     Raises
     ------
@@ -174,16 +148,16 @@ def spectrum(
     )
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
     shape = (*shape, *sizes.shape)
-    return _outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction_demand, options, threads, progress)
+    return table_of_outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction_demand, options, threads, progress)
 
 
-def blocks(**parameters: npt.ArrayLike) -> list[Block]:
+def blocks(**parameters: npt.ArrayLike | Sequence[float | None] | None) -> list[Block]:
     """Returns blocks from parameters that broadcast as in NumPy, in the order of the elements.
 
     Parameters
     ----------
     **parameters : array_like
-        Those of `Block`; `foundation` may be an array of words. All blocks have the same `ties`.
+        Those of `Block`; `foundation` may be an array of words, and `friction` may contain None. All blocks have the same `ties`.
 
     Examples
     --------
@@ -228,7 +202,8 @@ def outcomes(
     Returns
     -------
     Table
-        One row per record × scale × block, in this order.
+        One row per record × scale × block, in this order. Parameters of the blocks that vary have columns, those of ties as
+        `tie_1.stiffness`.
 
     Raises
     ------
@@ -252,16 +227,52 @@ def outcomes(
     many = _engine.Blocks.of(listed)
     shape = () if single else (len(many),)
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
-    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, friction_demand, options, threads, progress)
+    more = varying(listed)
+    return table_of_outcomes(
+        many, shape, records, vertical, scale, periods, pulse, 9.81, friction_demand, options, threads, progress, more
+    )
 
 
+@overload
 def sweep(
     study: str | os.PathLike[str] | Mapping[str, Any],
     *,
     on_separation: OnSeparation | None = None,
+    out: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     progress: bool | None = None,
-) -> Table:
+) -> Table: ...
+@overload
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    on_separation: OnSeparation | None = None,
+    parts: int | None = None,
+    executor: Executor,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Table: ...
+@overload
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    on_separation: OnSeparation | None = None,
+    out: str | os.PathLike[str],
+    parts: int | None = None,
+    executor: Executor,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> None: ...
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    on_separation: OnSeparation | None = None,
+    out: str | os.PathLike[str] | None = None,
+    parts: int | None = None,
+    executor: Executor | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Table | None:
     """Runs a study over any parameters of the FMU, records and scale factors, on grids or Latin hypercubes.
 
     The table equals that of `rocking sweep` to the last bit.
@@ -273,21 +284,36 @@ def sweep(
         working directory.
     on_separation : {"fly", "terminate"}, optional
         Action at complete separation if the study does not name it; by default the block flies.
-    threads, progress
+    out : path, optional
+        CSV file of the table, with the bytes of `rocking sweep`. Rows are written as they come, and Ctrl-C keeps them: the same call
+        continues. A file that exists must be that of an interrupted or complete run of this study. With an executor a folder, or the URL
+        of one for which fsspec is installed: each worker writes its parts there, complete parts are left alone, and the parts are
+        those of `rocking sweep --part`; `read_table` and `fragility` read the folder.
+    parts : int, optional
+        Number of parts for the executor; by default about one for 10,000 rows, and at least 32.
+    executor : concurrent.futures.Executor, optional
+        Runs the parts: a `ProcessPoolExecutor`, the `get_executor()` of a client of Dask, an `MPIPoolExecutor` of mpi4py, or another one.
+        Workers read the records by the paths of the study.
+    threads : int, optional
+        As in `spectrum`; with an executor, those of each part, by default 1.
+    progress : bool, optional
         As in `spectrum`.
 
     Returns
     -------
-    Table
-        One row per combination × record × scale. Parameters have their names in the FMU without the group: `alpha` for
+    Table or None
+        One row per combination × record × scale; None for a folder of parts. Parameters have their names in the FMU without the group: `alpha` for
         `dimensionless.alpha`.
 
     Raises
     ------
     OSError
         The study cannot be read.
+    RuntimeError
+        A part failed on its worker; the message names the part, and complete parts are kept.
     ValueError
-        The study has a mistake; the message has its line, the value found and the one expected.
+        The study has a mistake; the message has its line, the value found and the one expected. Or `out` is the table of another
+        study, or cannot be written.
 
     Warns
     -----
@@ -307,16 +333,50 @@ def sweep(
     >>> table["p"]
     array([1., 2., 3.])
     """
-    if isinstance(study, Mapping):
-        name, text, folder = None, _toml.text(study), Path()
-    else:
-        path = Path(study)
-        name, text, folder = str(path), path.read_text(encoding="utf-8"), path.parent
+    if executor is None and parts is not None:
+        raise ValueError("parts has no effect without an executor")
+    if executor is None:
+        return swept(study, on_separation, out, threads, progress)[0]
+    if out is not None and Path(os.fspath(out)).suffix:
+        raise ValueError(f"out = {os.fspath(out)}; expected a folder for the parts of an executor")
+    source = _source(study, on_separation)
     with ticking(progress) as tick:
-        headings, columns, failure = _engine.sweep(name, text, folder, on_separation, threads, tick)
-    table = of_program(headings, columns)
-    _warn(table["outcome"], failure)
+        read = _engine.Study(*source, tick)
+    folder = None if out is None else os.fspath(out)
+    if folder is not None and "://" not in folder:
+        folder = os.path.abspath(folder)
+    table, failure = _parts.made(source, read, folder, parts, executor, threads, progress)
+    if failure is not None:
+        warnings.warn(f"some runs failed, such as: {failure}", RuntimeWarning, stacklevel=2)
     return table
+
+
+def _source(study: str | os.PathLike[str] | Mapping[str, Any], on_separation: OnSeparation | None) -> _parts.Source:
+    """Returns what the engine needs to read a study."""
+    if isinstance(study, Mapping):
+        return _parts.Source(None, _toml.text(study), os.getcwd(), on_separation)
+    path = Path(study)
+    return _parts.Source(str(path), path.read_text(encoding="utf-8"), str(path.parent.absolute()), on_separation)
+
+
+def swept(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    on_separation: OnSeparation | None,
+    out: str | os.PathLike[str] | None,
+    threads: int | None,
+    progress: bool | None,
+) -> tuple[Table, str | None]:
+    """Returns the table of `sweep`, and the measure whose levels the study names, if it does."""
+    source = _source(study, on_separation)
+    if out is not None and Path(out).suffix.lower() != ".csv":
+        raise ValueError(f"out = {os.fspath(out)}; expected a name in .csv")
+    with ticking(progress) as tick:
+        read = _engine.Study(*source, tick)
+        columns, failure = read.table(threads, out, tick)
+    # The numbers of the rows are those of the arrays.
+    table = of_columns(columns[1:])
+    warn_of_failures(table["outcome"], failure, 4)
+    return table, read.measure
 
 
 def _refuse(unread: bool, arguments: Mapping[str, object], why: str) -> None:
@@ -341,99 +401,3 @@ def _same_shape(arrays: dict[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[An
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.shape)
         raise ValueError(f"shapes do not broadcast: {shapes}") from None
     return {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
-
-
-def _outcomes(
-    many: _engine.Blocks,
-    shape: tuple[int, ...],
-    records: Records | None,
-    vertical: Records | None,
-    scale: npt.ArrayLike,
-    periods: npt.ArrayLike,
-    pulse: Pulse | None,
-    g: float,
-    friction_demand: float | None,
-    options: dict[str, Any],
-    threads: int | None,
-    progress: bool | None,
-) -> Table:
-    horizontal, vertical_records = _read("records", records, g), _read("vertical", vertical, g)
-    pulse = as_pulse(pulse)
-    if not horizontal and not vertical_records and pulse is None:
-        raise ValueError("nothing moves the ground; expected records or a pulse")
-    if horizontal and vertical_records and len(horizontal) != len(vertical_records):
-        raise ValueError(f"found {len(vertical_records)} vertical and {len(horizontal)} horizontal records; expected equal numbers")
-    number = max(len(horizontal), len(vertical_records), 1)
-    nothing: list[Record | None] = [None] * number
-    pairs = list(zip(horizontal or nothing, vertical_records or nothing, strict=True))
-    scales = np.asarray(scale, dtype=np.float64)
-    if scales.ndim > 1:
-        raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
-    if scales.size == 0:
-        raise ValueError("scale = []; expected at least one factor")
-    if not horizontal and not vertical_records and not np.array_equal(scales, 1.0):
-        raise ValueError("scale has no effect without records")
-    spectral_periods = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
-    if not horizontal and spectral_periods:
-        raise ValueError("periods has no effect without horizontal records")
-    factors = scales.ravel().tolist()
-    with ticking(progress) as tick:
-        results, units, failure = _engine.outcomes(
-            many, pairs, factors, spectral_periods, g, pulse, friction_demand, options, threads, tick
-        )
-
-    def motion_column(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
-        """Returns a column of values of the records, or of the scales, repeated for each record."""
-        return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
-
-    columns: dict[str, npt.ArrayLike] = {}
-    if horizontal:
-        columns["record"] = motion_column(_names(horizontal), len(factors))
-    if vertical_records:
-        columns["vertical"] = motion_column(_names(vertical_records), len(factors))
-    if horizontal or vertical_records:
-        columns["scale"] = motion_column(factors, 1)
-    if vertical_records:
-        pga = motion_column([record.pga for record in vertical_records], len(factors))
-        columns["PGA.vertical"] = pga * np.abs(columns["scale"])
-    columns["foundation"] = np.tile(np.array(many.foundations()), number * len(factors))
-    for name in ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor"):
-        columns[name] = np.tile(many.column(name), number * len(factors))
-    frequencies = np.asarray(columns["p"])
-    columns["2pi/p"] = 2 * np.pi / frequencies
-    if pulse is not None:
-        columns["omega_p/p"] = 2 * np.pi / pulse.period / frequencies
-    columns.update({name: results[name] for name, _ in units})
-    columns.update(results)
-    _warn(results["outcome"], failure)
-    single = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
-    axes = (*(() if single else (number,)), *scales.shape, *shape)
-    above = {name: "s" for name in columns if name.startswith("friction_demand>")}
-    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units) | above).items() if name in columns},
-    axes)
-
-
-def _read(name: str, records: Records | None, g: float) -> list[Record]:
-    if records is None:
-        return []
-    several = [records] if isinstance(records, Record | str | os.PathLike) else records
-    listed = [as_record(name, record, g) for record in several]
-    if not listed:
-        raise ValueError(f"{name} = []; expected at least one")
-    return listed
-
-
-def _names(records: Sequence[Record]) -> list[str]:
-    """Returns distinct names: unnamed records get their number, and repeated names have it appended."""
-    names: list[str] = []
-    for number, record in enumerate(records):
-        name = record.name or str(number)
-        names.append(f"{name} ({number})" if name in names else name)
-    return names
-
-
-def _warn(found: Sequence[str] | npt.NDArray[Any], failure: str | None) -> None:
-    if failure is not None:
-        failed = np.flatnonzero(np.asarray(found) == "failed")
-        message = f"{len(failed)} of {len(found)} runs failed, the first in row {failed[0]}: {failure}"
-        warnings.warn(message, RuntimeWarning, stacklevel=3)

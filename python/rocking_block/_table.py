@@ -1,20 +1,24 @@
 """Results of many runs: columns of equal length."""
 
-import csv
+from __future__ import annotations
+
+import json
 import math
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from rocking_block import _engine
 from rocking_block._html import html_table
 from rocking_block._words import optional
 
 if TYPE_CHECKING:
     import pandas
+    import pyarrow
     from matplotlib.axes import Axes
 
 # Columns of whole numbers.
@@ -86,8 +90,8 @@ class Table(dict[str, npt.NDArray[Any]]):
     @overload
     def __getitem__(self, key: str) -> npt.NDArray[Any]: ...
     @overload
-    def __getitem__(self, key: slice | npt.NDArray[Any] | Sequence[int] | Sequence[bool]) -> "Table": ...
-    def __getitem__(self, key: Any) -> "npt.NDArray[Any] | Table":
+    def __getitem__(self, key: slice | npt.NDArray[Any] | Sequence[int] | Sequence[bool]) -> Table: ...
+    def __getitem__(self, key: Any) -> npt.NDArray[Any] | Table:
         if isinstance(key, slice):
             return Table({name: column[key] for name, column in self.items()}, self._units)
         if not isinstance(key, str):
@@ -126,7 +130,7 @@ class Table(dict[str, npt.NDArray[Any]]):
 
     __hash__ = None
 
-    def to_frame(self) -> "pandas.DataFrame":
+    def to_frame(self) -> pandas.DataFrame:
         """Returns a pandas DataFrame, with the units in `attrs["units"]`."""
         with optional("to_frame", "pandas"):
             import pandas
@@ -135,19 +139,67 @@ class Table(dict[str, npt.NDArray[Any]]):
         frame.attrs["units"] = self.units
         return frame
 
-    def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Writes a Parquet file with pyarrow, with the units in the fields' metadata."""
-        with optional("to_parquet", "pyarrow"):
+    @staticmethod
+    def concat(tables: Iterable[Table]) -> Table:
+        """Joins tables of the same columns, one after the other.
+
+        Raises
+        ------
+        ValueError
+            There is no table, or one has other columns or units.
+
+        Examples
+        --------
+        >>> import rocking_block as rb
+        >>> parts = [rb.Table({"p": [1.0, 2.0]}, {"p": "rad/s"}), rb.Table({"p": [3.0]}, {"p": "rad/s"})]
+        >>> rb.Table.concat(parts)["p"]
+        array([1., 2., 3.])
+        """
+        listed = list(tables)
+        if not listed:
+            raise ValueError("tables = []; expected at least one")
+        first = listed[0]
+        for number, table in enumerate(listed):
+            if list(table) != list(first) or table.units != first.units:
+                headings = [", ".join(map(one._heading, one)) for one in (table, first)]
+                raise ValueError(f"table {number} has the columns {headings[0]}; expected those of the first, {headings[1]}")
+        return Table({name: np.concatenate([table[name] for table in listed]) for name in first}, first.units)
+
+    def to_arrow(self) -> pyarrow.Table:
+        """Returns a pyarrow Table, with the unit of each column in the metadata of its field.
+
+        Missing values, nan in columns of numbers and empty texts, are nulls, as in the program's JSON. The numbers are not copied.
+
+        Examples
+        --------
+        >>> import rocking_block as rb
+        >>> arrow = rb.Table({"PGV": [0.2, float("nan")], "outcome": ["completed", "overturned"]}, {"PGV": "m/s"}).to_arrow()
+        >>> arrow["PGV"].to_pylist(), arrow.schema.field("PGV").metadata
+        ([0.2, None], {b'unit': b'm/s'})
+        """
+        with optional("to_arrow", "pyarrow"):
             import pyarrow
+
+        def field(name: str, array: Any) -> Any:
+            return pyarrow.field(name, array.type, metadata={"unit": self._units[name]} if name in self._units else None)
+
+        arrays = {
+            name: pyarrow.array(column, mask=column == "" if column.dtype.kind == "U" else None, from_pandas=True)
+            for name, column in self.items()
+        }
+        fields = [field(name, array) for name, array in arrays.items()]
+        return pyarrow.table(list(arrays.values()), schema=pyarrow.schema(fields))
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Returns the columns of `to_arrow` as a stream of the Arrow PyCapsule interface."""
+        return self.to_arrow().__arrow_c_stream__(requested_schema)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Writes the table of `to_arrow` to a Parquet file."""
+        with optional("to_parquet", "pyarrow"):
             import pyarrow.parquet
 
-        arrays = {name: pyarrow.array(column) for name, column in self.items()}
-        fields = [
-            pyarrow.field(name, array.type, metadata={"unit": self._units[name]} if name in self._units else None)
-            for name, array in arrays.items()
-        ]
-        table = pyarrow.table(list(arrays.values()), schema=pyarrow.schema(fields))
-        pyarrow.parquet.write_table(table, os.fspath(path))
+        pyarrow.parquet.write_table(self.to_arrow(), os.fspath(path))
 
     def plot(
         self,
@@ -155,9 +207,9 @@ class Table(dict[str, npt.NDArray[Any]]):
         y: str = "peak.theta/alpha",
         *,
         by: str | Sequence[str] | None = None,
-        ax: "Axes | None" = None,
+        ax: Axes | None = None,
         **style: Any,
-    ) -> "Axes":
+    ) -> Axes:
         """Draws one column over another with Matplotlib: curves if each x has a single row, otherwise points.
 
         Parameters
@@ -166,7 +218,8 @@ class Table(dict[str, npt.NDArray[Any]]):
             Column on the horizontal axis; by default the first that varies of 2pi/p, PGV, scale and the blocks'
             parameters.
         y : str
-            Column on the vertical axis. Rotations above 1.5 |θ|/α are clipped, and the plot states the largest.
+            Column on the vertical axis. Rotations above 1.5 |θ|/α are clipped, and the plot states the largest. Curves of rotations
+            are blank for blocks that overturned, and a lane per curve shows which blocks separated or overturned.
         by : str or sequence of str, optional
             Columns that distinguish curves; by default the parameters of records and blocks that vary besides x. Points
             then have a marker per outcome.
@@ -180,9 +233,9 @@ class Table(dict[str, npt.NDArray[Any]]):
         ValueError
             A column does not exist, or is not numeric.
         """
-        from rocking_block import _plot
+        from rocking_block import _plot_table
 
-        return _plot.table(self, self._heading, x, y, by, ax, style)
+        return _plot_table.table(self, self._heading, x, y, by, ax, style)
 
     def _heading(self, name: str) -> str:
         return f"{name} [{self._units[name]}]" if name in self._units else name
@@ -200,43 +253,109 @@ class Table(dict[str, npt.NDArray[Any]]):
         caption = f"{self.rows} rows, shape {self.shape}" + (f": {self._count()}" if self._count() else "")
         if self.rows > shown.rows:
             caption += f"; the first {shown.rows} are shown"
-        return html_table(caption, [self._heading(name) for name in self], zip(*shown.values(), strict=True))
+        return html_table(caption, [self._heading(name) for name in self], zip(*shown.values(), strict=True), ("record", "vertical"))
 
 
-def of_program(headings: list[str], columns: list[Any]) -> Table:
-    """Returns a table from columns and the program's headings: a name and, in brackets, a unit."""
-    named, units = {}, {}
-    for heading, column in zip(headings, columns, strict=True):
-        name, unit = heading, None
-        if heading.endswith("]"):
-            name, _, unit = heading[:-1].rpartition(" [")
-        values = np.asarray(column)
-        if unit is None and set(column) <= {"true", "false"}:
-            values = values == "true"
-        named[name] = values.astype(np.int64) if name in _COUNTS else values
+def split_heading(heading: str) -> tuple[str, str | None]:
+    """Returns the name and the unit of a heading of the program, such as "PGV [m/s]"."""
+    name, bracket, unit = heading[:-1].rpartition(" [")
+    return (name, unit) if bracket and heading.endswith("]") else (heading, None)
+
+
+def by_name(table: Any) -> Table:
+    """Returns a table, a DataFrame or a mapping as a Table; headings such as "PGV [m/s]" are names with units."""
+    if isinstance(table, Table):
+        return table
+    columns, units = {}, dict(getattr(table, "attrs", {}).get("units", {}))
+    for heading in table:
+        name, unit = split_heading(str(heading))
+        if name in columns:
+            raise ValueError(f"found two columns {name!r}, one of them {str(heading)!r}; expected one")
+        columns[name] = np.asarray(table[heading])
         if unit is not None:
             units[name] = unit
-    return Table(named, units)
+    return Table(columns, units)
 
 
-def read_table(path: str | os.PathLike[str]) -> Table:
-    """Reads a table of the program. Columns of numbers and empty fields are numeric, except for the names of records."""
-    with open(path, newline="", encoding="utf-8") as file:
-        lines = [row for row in csv.reader(line for line in file if not line.startswith("#")) if row]
-    if not lines:
-        raise ValueError(f"{os.fspath(path)}: found no lines; expected a table of `rocking sweep`")
-    headings, rows = lines[0], lines[1:]
-    for number, row in enumerate(rows):
-        if len(row) != len(headings):
-            raise ValueError(f"{os.fspath(path)}: row {number} has {len(row)} fields; expected {len(headings)}, as in the heading")
-    columns = [[row[i] for row in rows] for i in range(len(headings))]
-    named = zip(headings, columns, strict=True)
-    return of_program(headings, [column if name in ("record", "vertical") else _numbers(column) for name, column in named])
+def of_columns(columns: Iterable[tuple[str, str | None, npt.NDArray[Any]]], shape: tuple[int, ...] | None = None) -> Table:
+    """Returns a table from names, units and values of columns."""
+    listed = list(columns)
+    units = {name: unit for name, unit, _ in listed if unit is not None}
+    return Table({name: values for name, _, values in listed}, units, shape)
 
 
-def _numbers(column: list[str]) -> list[Any]:
-    """Returns a column as numbers, with nan for empty fields, or as it is if it has words."""
-    try:
-        return [float(field) if field else math.nan for field in column]
-    except ValueError:
-        return column
+def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
+    """Reads a table of the program, a Parquet file of one, or a folder with the parts of a study.
+
+    Columns of numbers and empty fields are numeric, except for the names of records.
+
+    Parameters
+    ----------
+    path : path
+        The file or the folder. The rows of parts are in the order of the study.
+    partial : bool
+        Read a folder although parts are missing.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        The file is no table, or a part is missing, damaged or that of another study; the message names it.
+    """
+    if partial and not os.path.isdir(path):
+        raise ValueError(f"partial has no effect without a folder of parts; found {os.fspath(path)}")
+    if os.path.isdir(path):
+        files = _engine.part_files(path, partial)
+        if files[0].endswith(".parquet"):
+            return _read_parquet_parts(files)
+    else:
+        with open(path, "rb") as content:
+            if content.read(4) == b"PAR1":
+                return _read_parquet(path)
+    return of_columns(map(_of_program, _engine.read_table(path, partial)))
+
+
+def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, str | None, npt.NDArray[Any]]:
+    """Returns a column of a table in CSV with the type of its values."""
+    name, unit, values = column
+    if unit is None and values.dtype.kind == "U" and values.size and set(np.unique(values)) <= {"true", "false"}:
+        return name, unit, values == "true"
+    return name, unit, values.astype(np.int64) if name in _COUNTS else values
+
+
+def _read_parquet_parts(files: list[str]) -> Table:
+    """Reads the parts of a study, in the order of its rows."""
+    with optional("a Parquet file", "pyarrow"):
+        import pyarrow.parquet
+
+    tables, first = [], None
+    for file in files:
+        table = _read_parquet(file)
+        *study, part = (pyarrow.parquet.read_schema(file).metadata or {}).get(b"study", b"").decode().splitlines() or [""]
+        first = study if first is None else first
+        if study != first:
+            raise ValueError(f"{file}: is a part of another study than {files[0]}")
+        if not part.endswith(f", {table.rows} rows"):
+            raise ValueError(f"{file}: is damaged: found {table.rows} rows, expected those of {part!r}; make it anew")
+        tables.append(table)
+    table = Table.concat(tables)
+    return table[np.argsort(table["row"], kind="stable")]
+
+
+def _read_parquet(path: str | os.PathLike[str]) -> Table:
+    """Reads a table of `Table.to_parquet` or of the program, or another one with headings of the program."""
+    with optional("a Parquet file", "pyarrow"):
+        import pyarrow
+        import pyarrow.parquet
+
+    def values(column: Any) -> npt.NDArray[Any]:
+        is_text = pyarrow.types.is_string(column.type) or pyarrow.types.is_large_string(column.type)
+        return np.asarray(column.fill_null("").to_numpy(), dtype=np.str_) if is_text else np.asarray(column.to_numpy())
+
+    table = pyarrow.parquet.read_table(os.fspath(path))
+    # The program keeps all units in the metadata of the file, `to_parquet` in those of the columns.
+    units = json.loads((table.schema.metadata or {}).get(b"units", "{}"))
+    units |= {field.name: field.metadata[b"unit"].decode() for field in table.schema if b"unit" in (field.metadata or {})}
+    named = by_name({name: values(table[name]) for name in table.column_names})
+    return Table(named, units | named.units)

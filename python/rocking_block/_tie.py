@@ -1,5 +1,7 @@
 """Ties between a block and the ground."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 
 from rocking_block._words import number

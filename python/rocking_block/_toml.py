@@ -1,5 +1,7 @@
 """A dictionary → the text of a study file."""
 
+from __future__ import annotations
+
 import json
 import os
 from collections.abc import Mapping

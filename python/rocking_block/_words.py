@@ -1,5 +1,7 @@
 """Words of options, optional packages, and progress bars."""
 
+from __future__ import annotations
+
 import sys
 import warnings
 from collections.abc import Callable, Iterator

@@ -7,6 +7,8 @@ The values are those of `rocking foundations`. They are starting points: their s
     block = rb.Block(width=2, height=8, K=support.K, C=support.C, mass=40000)
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Literal, get_args
 

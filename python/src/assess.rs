@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_studies::assess::{Plan, assess as assessed};
+use rocking_studies::assess::{Kept, Plan, assess as assessed};
 
 use crate::options::{invalid, pool};
 use crate::work::wait;
@@ -13,7 +13,8 @@ use crate::work::wait;
 /// The numbers as JSON, the result in a few sentences, and the names and contents of the files.
 type Report<'py> = (String, String, Vec<(String, Bound<'py, PyBytes>)>);
 
-/// Returns the report on the object of a study; its paths are relative to the folder.
+/// Returns the report on the object of a study; its paths are relative to the folder. Rows are kept in the folder of `keep`, for further
+/// calls of the library that is its file.
 #[pyfunction]
 pub fn assess<'py>(
     py: Python<'py>,
@@ -21,16 +22,18 @@ pub fn assess<'py>(
     study: &str,
     folder: PathBuf,
     threads: Option<i64>,
+    keep: Option<(PathBuf, PathBuf)>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Report<'py>> {
     let plan = Plan::read(name, study, &folder).map_err(invalid)?;
     let pool = pool(threads)?;
     let (numbers, text, files) = wait(py, tick, move |progress| {
-        let show = |done, total| {
+        let show = |_: &str, done, total| {
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        let found = assessed(&plan, &pool, VectorWidth::widest(), &show).map_err(|error| error.to_string())?;
+        let keep = keep.as_ref().map(|(folder, program)| Kept { folder, program });
+        let found = assessed(&plan, &pool, VectorWidth::widest(), keep, &show).map_err(|error| error.to_string())?;
         let files = rocking_report::files(&plan, &found).map_err(|error| error.to_string())?;
         let text = rocking_report::text(&found);
         let numbers = serde_json::to_string(&found.report).map_err(|error| error.to_string())?;

@@ -1,127 +1,27 @@
 //! Parameters → a block.
 
-use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use rocking_block::block::{
-    self as engine, Common, Corner, Dimensionless, Foundation, Parameterization, Physical, restraints,
-};
-use rocking_block::words::Words;
+use rocking_block::block::{self as engine, Common, Corner, Foundation, Parameterization};
+use rocking_studies::doubts;
+use rocking_studies::spec::words::{Words, friction};
+use rocking_studies::spec::{BlockSpec, HoldSpec, SpecError};
 
-use crate::options::{choice, invalid};
-use crate::tie::Tie;
+use crate::options::{choice, friction_of_block, warn};
+use crate::tie;
 
 /// All foundations.
 pub const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::Rigid];
-
-/// The explicit parameters of a block; the others follow.
-#[derive(Clone, Debug, Default)]
-struct ExplicitParameters {
-    alpha: Option<f64>,
-    p: Option<f64>,
-    eta: Option<f64>,
-    xi_v: Option<f64>,
-    width: Option<f64>,
-    height: Option<f64>,
-    stiffness: Option<f64>,
-    damping: Option<f64>,
-    restitution_factor: Option<f64>,
-    center_height: Option<f64>,
-    inertia: Option<f64>,
-}
-
-impl ExplicitParameters {
-    fn named(&self) -> [(&'static str, Option<f64>); 11] {
-        let ExplicitParameters { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor, .. } =
-            *self;
-        [
-            ("alpha", alpha),
-            ("p", p),
-            ("eta", eta),
-            ("xi_v", xi_v),
-            ("width", width),
-            ("height", height),
-            ("K", stiffness),
-            ("C", damping),
-            ("restitution_factor", restitution_factor),
-            ("center_height", self.center_height),
-            ("inertia", self.inertia),
-        ]
-    }
-
-    /// Refuses the first of these parameters that the user gave.
-    fn refuse(&self, names: &[&str], why: &str) -> PyResult<()> {
-        match self.named().into_iter().find(|(name, value)| value.is_some() && names.contains(name)) {
-            Some((name, _)) => Err(PyValueError::new_err(format!("{name} has no effect {why}"))),
-            None => Ok(()),
-        }
-    }
-
-    /// Returns the parameters of this block in the user's parameterization.
-    fn parameterization(&self, block: &engine::Block) -> Parameterization {
-        match self.width {
-            None => Parameterization::Dimensionless(Dimensionless {
-                alpha: block.alpha,
-                p: block.p,
-                eta: self.eta.unwrap_or(block.eta()),
-                xi_v: block.xi_v,
-            }),
-            Some(_) => Parameterization::Physical(Physical {
-                width: 2.0 * block.b,
-                height: 2.0 * block.h,
-                stiffness: block.stiffness,
-                damping: block.damping,
-                inertia: self.inertia,
-            }),
-        }
-    }
-
-    fn block(&self, common: &Common) -> PyResult<engine::Block> {
-        match common.foundation {
-            Foundation::Viscoelastic => {
-                self.refuse(&["restitution_factor"], "on viscoelastic supports; expected foundation=\"rigid\"")?;
-            }
-            Foundation::Rigid => self.refuse(&["eta", "xi_v", "K", "C"], "on a rigid base")?,
-        }
-        let Some(width) = self.width else {
-            self.refuse(&["height", "center_height", "inertia", "K", "C"], "without width")?;
-            let ExplicitParameters { alpha, p, eta, xi_v, .. } = *self;
-            let dimensionless = Dimensionless {
-                alpha: alpha.unwrap_or(0.25),
-                p: p.unwrap_or(1.0),
-                eta: eta.unwrap_or(40.0),
-                xi_v: xi_v.unwrap_or(0.1),
-            };
-            return engine::Block::from_dimensionless(&dimensionless, common).map_err(invalid);
-        };
-        self.refuse(&["alpha", "p", "eta", "xi_v"], "with width")?;
-        let missing = |what: &str| PyValueError::new_err(format!("width without {what}"));
-        if self.center_height.is_some() {
-            self.refuse(&["height"], "with center_height")?;
-        }
-        let height = self.center_height.map(|height| 2.0 * height).or(self.height);
-        let height = height.ok_or_else(|| missing("height; expected both, or center_height"))?;
-        let (stiffness, damping) = match (common.foundation, self.stiffness, self.damping) {
-            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
-            (Foundation::Viscoelastic, ..) => {
-                return Err(missing("K and C; expected both and mass, or foundation=\"rigid\""));
-            }
-            // The rigid base ignores both; any valid values will do.
-            (Foundation::Rigid, ..) => (common.mass * common.gravity / height, 0.0),
-        };
-        let physical = Physical { width, height, stiffness, damping, inertia: self.inertia };
-        engine::Block::from_physical(&physical, common).map_err(invalid)
-    }
-}
 
 /// The parameters of a block; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
-    explicit: ExplicitParameters,
+    /// The parameters as given; of a block of the engine, η, which may differ from ω_v/p by round-off.
+    spec: BlockSpec,
     pub block: engine::Block,
 }
 
@@ -145,11 +45,8 @@ impl Hash for Block {
 
 impl Block {
     /// Returns the parameters of this block in the user's parameterization.
-    pub fn parameterization(&self) -> (Parameterization, Common) {
-        let engine::Block { mass, gamma, epsilon, gravity, foundation, .. } = self.block;
-        let engine::Block { restitution_factor, eccentricity, friction, .. } = self.block;
-        let common = Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction };
-        (self.explicit.parameterization(&self.block), common)
+    pub fn parameterization(&self) -> PyResult<(Parameterization, Common)> {
+        self.spec.parameters().map_err(refused)
     }
 }
 
@@ -157,9 +54,9 @@ impl Block {
 impl Block {
     #[new]
     #[pyo3(signature = (
-        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=3.0,
+        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=None,
         epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None, center_height=None, inertia=None,
-        eccentricity=0.0, friction=0.0, ties=None,
+        eccentricity=0.0, friction=None, ties=None,
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
     fn new(
@@ -173,7 +70,7 @@ impl Block {
         K: Option<f64>,
         C: Option<f64>,
         mass: Option<f64>,
-        gamma: f64,
+        gamma: Option<f64>,
         epsilon: f64,
         g: f64,
         foundation: &str,
@@ -181,53 +78,36 @@ impl Block {
         center_height: Option<f64>,
         inertia: Option<f64>,
         eccentricity: f64,
-        friction: f64,
+        friction: Option<f64>,
         ties: Option<&Bound<PyAny>>,
     ) -> PyResult<Block> {
-        let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
-        let (stiffness, damping) = (K, C);
-        let explicit = ExplicitParameters {
+        let ties = ties.map_or(Ok(Vec::new()), tie::one_or_several)?;
+        let spec = BlockSpec {
             alpha,
             p,
             eta,
             xi_v,
             width,
             height,
-            stiffness,
-            damping,
-            restitution_factor,
             center_height,
             inertia,
-        };
-        if inertia.is_some() && gamma != Common::default().gamma {
-            return Err(PyValueError::new_err("gamma has no effect with inertia"));
-        }
-        let restitution_factor = restitution_factor.unwrap_or(1.0);
-        let common = Common {
-            mass: mass.unwrap_or(1000.0),
+            stiffness: K,
+            damping: C,
+            mass,
             gamma,
-            epsilon,
-            gravity: g,
-            foundation,
+            epsilon: Some(epsilon),
+            g: Some(g),
+            foundation: Some(choice("foundation", foundation, &FOUNDATIONS)?),
             restitution_factor,
-            eccentricity,
-            friction,
+            hold: HoldSpec {
+                eccentricity: Some(eccentricity),
+                friction: Some(friction::to_user(friction_of_block(friction)?)),
+                ties,
+            },
         };
-        let ties = ties.map_or(Ok(Vec::new()), Tie::one_or_several)?;
-        let ties: Vec<restraints::Tie> = ties.iter().map(Tie::of_engine).collect();
-        let block = explicit.block(&common)?.with_ties(&ties).map_err(invalid)?;
-        for (name, is_given, why) in [
-            ("K", K.is_some(), "eta and xi_v depend"),
-            ("inertia", inertia.is_some(), "p depends"),
-            ("ties", !ties.is_empty(), "their effect depends"),
-        ] {
-            if is_given && mass.is_none() {
-                let message = format!("{name} without mass; expected both, since {why} on the mass");
-                return Err(PyValueError::new_err(message));
-            }
-        }
-        warn_of_soft_supports(py, &[block], 1)?;
-        Ok(Block { block, explicit })
+        let block = spec.block().map_err(refused)?;
+        warn_of_blocks(py, &[block], 1)?;
+        Ok(Block { block, spec })
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -237,20 +117,16 @@ impl Block {
     /// Returns the parameters that define this block: the explicit ones and those common to all blocks.
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
-        for (name, value) in self.explicit.named() {
+        for (name, value) in self.spec.numbers() {
+            // A copy with ties or springs needs the mass; an explicit moment of inertia determines the shape factor.
+            let value = match name {
+                "mass" => Some(self.block.mass),
+                "gamma" if self.spec.inertia.is_none() => Some(self.block.gamma),
+                "eccentricity" => value.filter(|&value| value != 0.0),
+                "friction" => value.filter(|&value| value != f64::INFINITY),
+                _ => value,
+            };
             if let Some(value) = value {
-                parameters.set_item(name, value)?;
-            }
-        }
-        let engine::Block { mass, gamma, epsilon, gravity, .. } = self.block;
-        for (name, value) in [("mass", mass), ("gamma", gamma), ("epsilon", epsilon), ("g", gravity)] {
-            // An explicit moment of inertia determines the shape factor.
-            if name != "gamma" || self.explicit.inertia.is_none() {
-                parameters.set_item(name, value)?;
-            }
-        }
-        for (name, value) in [("eccentricity", self.block.eccentricity), ("friction", self.block.friction)] {
-            if value != 0.0 {
                 parameters.set_item(name, value)?;
             }
         }
@@ -278,7 +154,7 @@ impl Block {
 
     #[getter]
     pub fn eta(&self) -> f64 {
-        self.of_supports(self.explicit.eta.unwrap_or(self.block.eta()))
+        self.of_supports(self.spec.eta.unwrap_or(self.block.eta()))
     }
 
     #[getter]
@@ -384,13 +260,13 @@ impl Block {
 
     #[getter]
     pub fn friction(&self) -> f64 {
-        self.block.friction
+        friction::to_user(self.block.friction)
     }
 
     #[getter]
     fn ties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let class = py.import("rocking_block._tie")?.getattr("Tie")?;
-        let ties = self.block.ties().iter().map(|tie| class.call((), Some(&Tie::of_python(tie).named(py)?)));
+        let ties = self.block.ties().iter().map(|tie| class.call((), Some(&tie::named(tie, py)?)));
         PyTuple::new(py, ties.collect::<PyResult<Vec<_>>>()?)
     }
 
@@ -406,7 +282,7 @@ impl Block {
 impl Block {
     /// Returns a block of the engine; its explicit η may differ from ω_v/p by round-off.
     pub fn with_eta(block: engine::Block, eta: f64) -> Block {
-        Block { explicit: ExplicitParameters { eta: Some(eta), ..ExplicitParameters::default() }, block }
+        Block { spec: BlockSpec { eta: Some(eta), ..BlockSpec::default() }, block }
     }
 
     /// Returns a value that a rigid base lacks.
@@ -418,10 +294,18 @@ impl Block {
     }
 }
 
-/// Warns of the first block whose supports are too soft to keep it upright. `stack_level` selects the line that the warning names.
-pub fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
-    let Some(warning) = blocks.iter().find_map(engine::Block::soft_supports) else { return Ok(()) };
-    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(warning)?, stack_level)
+/// Returns the error with the names of Python.
+fn refused(error: SpecError) -> PyErr {
+    PyValueError::new_err(error.spelled(|name| match name.split_once(" = ") {
+        Some((name, value)) => format!("{name}=\"{value}\""),
+        None => name.into(),
+    }))
+}
+
+/// Warns of the first block whose supports are too soft to keep it upright, and of parameters beyond reason.
+pub fn warn_of_blocks(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
+    let soft = blocks.iter().find_map(engine::Block::soft_supports);
+    warn(py, soft.into_iter().chain(doubts::of_blocks(blocks.iter().copied())), stack_level)
 }
 
 /// Returns a hash of numbers that is the same in every Python process.

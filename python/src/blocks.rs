@@ -3,11 +3,12 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rocking_block::block::{self as engine, Common, Dimensionless};
-use rocking_block::words::Words;
+use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_studies::input::parameters::Parameter;
+use rocking_studies::spec::words::Words;
 
-use crate::block::{Block, FOUNDATIONS, warn_of_soft_supports};
-use crate::options::{choice, invalid};
+use crate::block::{Block, FOUNDATIONS, warn_of_blocks};
+use crate::options::{choice, friction_of_block, invalid};
 
 /// Many blocks on the same kind of foundation.
 #[pyclass(frozen, module = "rocking_block._engine")]
@@ -34,27 +35,23 @@ impl Blocks {
         mass: f64,
         gamma: f64,
         g: f64,
-        friction: f64,
+        friction: Option<f64>,
     ) -> PyResult<Blocks> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
+        let friction = friction_of_block(friction)?;
         let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
         let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
         let block = |i: usize| {
-            let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], eta: eta[i], xi_v: xi_v[i] };
-            let common = Common {
-                mass,
-                gamma,
-                epsilon: epsilon[i],
-                gravity: g,
-                foundation,
-                restitution_factor: factor[i],
-                friction,
-                ..Common::default()
+            let supports = match foundation {
+                Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta: eta[i], xi_v: xi_v[i] }),
+                Foundation::Rigid => Supports::Rigid { restitution_factor: factor[i] },
             };
+            let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], supports };
+            let common = Common { mass, gamma, epsilon: epsilon[i], gravity: g, friction, ..Common::default() };
             engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
         };
         let blocks = (0..alpha.len()).map(block).collect::<PyResult<Vec<_>>>()?;
-        warn_of_soft_supports(py, &blocks, 2)?;
+        warn_of_blocks(py, &blocks, 2)?;
         Ok(Blocks { blocks, eta: eta.to_vec() })
     }
 
@@ -95,4 +92,13 @@ impl Blocks {
     fn foundations(&self) -> Vec<&'static str> {
         self.blocks.iter().map(|block| block.foundation.word()).collect()
     }
+}
+
+/// Returns the unit of a real parameter; that of any tie, `tie_8.stiffness`, is that of the first.
+#[pyfunction]
+pub fn parameter_unit(name: &str) -> PyResult<&'static str> {
+    let of_tie = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.'));
+    let of_first = of_tie.map(|(_, parameter)| format!("tie_1.{parameter}"));
+    let parameter = Parameter::named(of_first.as_deref().unwrap_or(name)).map_err(PyValueError::new_err)?;
+    parameter.metadata.unit.ok_or_else(|| PyValueError::new_err(format!("{name} has no unit")))
 }

@@ -3,6 +3,7 @@
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rocking_studies::building::{self as engine, Damping, FloorMotion, Mode};
 
 use crate::options::invalid;
@@ -58,6 +59,20 @@ impl Building {
             }
         };
         Ok(Building { building: building.map_err(invalid)? })
+    }
+
+    /// Returns the arguments of the same building from its modes.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
+        let arguments = PyDict::new(py);
+        for (name, values) in [
+            ("frequencies", self.frequencies(py)),
+            ("participation", self.participation(py)),
+            ("damping", self.damping(py)),
+        ] {
+            arguments.set_item(name, values.call_method0("tolist")?)?;
+        }
+        arguments.set_item("shapes", self.shapes())?;
+        Ok(((), arguments))
     }
 
     #[getter]

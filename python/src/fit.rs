@@ -77,7 +77,7 @@ pub fn fit<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<(String, Vec<Columns<'py>>)> {
-    let (parameterization, common) = block.get().parameterization();
+    let (parameterization, common) = block.get().parameterization()?;
     let options = Options {
         starts: whole("starts", options.starts, 1..=100_000)? as u32,
         seed: whole("seed", options.seed, 0..=i64::MAX)?,

@@ -3,7 +3,7 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::{
-    Assessment, Case, Component, Interval, Limit, Link, LossProgram, Uncertainty, openquake, pelicun,
+    Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
 
@@ -48,6 +48,8 @@ impl Fragility {
         let case = |(row, ((fraction, peak), motion)): (usize, ((&f64, &f64), &i64))| Case {
             row,
             fraction: *fraction,
+            // The range of the exceeded runs is counted in Python.
+            unknown: 0.0,
             peak: known(peak),
             motion: *motion as usize,
         };
@@ -103,6 +105,12 @@ impl Fragility {
     #[getter]
     fn brier(&self) -> f64 {
         self.0.brier
+    }
+
+    /// Deviance, degrees of freedom and p-value; none for fewer than three groups of rows.
+    #[getter]
+    fn goodness(&self) -> Option<(f64, usize, f64)> {
+        self.0.goodness.map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p))
     }
 
     #[getter]

@@ -1,12 +1,13 @@
 //! Columns under a beam → the parameters of the equivalent block, and the motion of the beam with the forces of the columns.
 
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rocking_studies::frame::{self, BlockMotion, FrameResponse};
+use rocking_studies::output::table::Table;
 
 use crate::block::Block;
 use crate::options::{invalid, whole};
+use crate::table::{Column, columns as columns_of};
 
 fn of_engine(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<frame::Frame> {
     let columns = whole("columns", columns, 0..=i64::from(u32::MAX))? as u32;
@@ -28,7 +29,7 @@ pub fn frame_response<'py>(
     column: &Bound<'py, Block>,
     beam_mass: f64,
     motion: [PyReadonlyArray1<f64>; 8],
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Vec<Column<'py>>> {
     let frame = of_engine(columns, column, beam_mass)?;
     let [u, v, u_ddot, v_ddot, horizontal, vertical, along, up] = motion.each_ref().map(|array| array.as_array());
     let response = |i: usize| {
@@ -40,17 +41,5 @@ pub fn frame_response<'py>(
         })
     };
     let rows: Vec<FrameResponse> = (0..u.len()).map(response).collect();
-    let shown = PyDict::new(py);
-    type Pair = fn(&FrameResponse) -> [f64; 2];
-    let pairs: [([&str; 2], Pair); 3] = [
-        (["beam_u", "beam_v"], |row| row.beam),
-        (["base_H", "base_N"], |row| row.base),
-        (["top_H", "top_N"], |row| row.top),
-    ];
-    for (names, of) in pairs {
-        for (i, name) in names.into_iter().enumerate() {
-            shown.set_item(name, PyArray1::from_iter(py, rows.iter().map(|row| of(row)[i])))?;
-        }
-    }
-    Ok(shown)
+    columns_of(py, Table::of(&FrameResponse::columns(|response: &FrameResponse| response), &rows))
 }

@@ -10,13 +10,14 @@ use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_gradients::{Grazing, Parameters};
+use rocking_studies::doubts;
 use rocking_studies::run::gradients::{Derivatives, Gradients};
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, MemoryError, Run};
 
 use crate::block::Block;
-use crate::options::{PulseOptions, RunOptions, finite, invalid};
+use crate::options::{PulseOptions, RunOptions, finite, invalid, warn};
 use crate::record::{Record, ground};
 use crate::work::wait;
 
@@ -82,8 +83,9 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
-    let (parameterization, common) = block.get().parameterization();
+    let (parameterization, common) = block.get().parameterization()?;
     let (block, settings) = (block.get().block, options.settings()?);
+    warn(py, doubts::of_end(&pulse, !ground.is_empty()), 2)?;
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     run.check_memory(gradients.len()).map_err(|error| match error {
         MemoryError::TooManyRows { .. } => invalid(error),
@@ -172,5 +174,7 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
     result.set_item("outcome", end.word())?;
     result.set_item("end_time", ending.map_or(last, |(_, time)| time))?;
     result.set_item("has_come_down", *end == End::Completed)?;
+    result.set_item("passed_balance", history.lean.passed_balance())?;
+    result.set_item("ends_tilted", history.ends_tilted(block))?;
     Ok(result)
 }

@@ -12,6 +12,7 @@
 //! | `history` | a block and its excitation → columns over time |
 //! | `frame` | columns under a beam → the equivalent block, and the forces of the columns |
 //! | `studies` | many blocks under many ground motions → a column each |
+//! | `table` | a table, or its file → its columns as arrays of NumPy |
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `risk` | a hazard curve and a fragility curve → an annual rate |
 //! | `fit` | a block, measured tests, free parameters → estimates with their intervals |
@@ -31,11 +32,13 @@ mod foundations;
 mod fragility;
 mod frame;
 mod history;
+mod ida;
 mod options;
 mod record;
 mod risk;
 mod search;
 mod studies;
+mod table;
 mod tie;
 mod work;
 
@@ -52,7 +55,7 @@ mod _engine {
     #[pymodule_export]
     use super::block::Block;
     #[pymodule_export]
-    use super::blocks::Blocks;
+    use super::blocks::{Blocks, parameter_unit};
     #[pymodule_export]
     use super::building::Building;
     #[pymodule_export]
@@ -66,13 +69,17 @@ mod _engine {
     #[pymodule_export]
     use super::history::history;
     #[pymodule_export]
+    use super::ida::Ida;
+    #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
     #[pymodule_export]
     use super::record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor};
     #[pymodule_export]
-    use super::risk::{AnnualRate, check_hazard, measure_scale, read_hazard};
+    use super::risk::{AnnualRate, check_hazard, measure_name, measure_scale, read_hazard};
     #[pymodule_export]
     use super::search::{search_damping, search_overturning};
     #[pymodule_export]
-    use super::studies::{outcomes, sweep};
+    use super::studies::{Study, outcomes, part_file_name};
+    #[pymodule_export]
+    use super::table::{part_files, read_table};
 }

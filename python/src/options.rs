@@ -1,15 +1,17 @@
 //! Words and numbers of Python → settings and pulses of the engine.
 
+use std::ffi::CString;
 use std::ops::RangeInclusive;
 
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
-use rocking_block::words::Words;
 use rocking_studies::output::runner;
 use rocking_studies::run::{MAX_DURATION, MIN_STEP};
+use rocking_studies::spec::words::{Words, friction};
+use rocking_studies::spec::{GaborSpec, PulseSpec};
 
 /// Converts an error of the engine to a `ValueError` with the same message.
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
@@ -24,12 +26,26 @@ pub fn choice<T: Words>(name: &str, found: &str, choices: &[T]) -> PyResult<T> {
     })
 }
 
+/// Gives warnings; `stack_level` selects the line that they name: 1 is that of the caller.
+pub fn warn(py: Python, messages: impl IntoIterator<Item = String>, stack_level: i32) -> PyResult<()> {
+    messages
+        .into_iter()
+        .try_for_each(|message| PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, stack_level))
+}
+
 /// Returns an error that names a value.
 pub fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> PyResult<()> {
     if value.is_finite() && fits(value) {
         return Ok(());
     }
     Err(PyValueError::new_err(format!("{name} = {value}; expected {expected}")))
+}
+
+/// Returns the friction of a block of the engine; `None` or infinity is no limit.
+pub fn friction_of_block(value: Option<f64>) -> PyResult<f64> {
+    let value = value.unwrap_or(f64::INFINITY);
+    let expected = "a number > 0, or None for no limit; a block without any friction has no foot to rock about";
+    friction::of_user(value).map_err(|_| PyValueError::new_err(format!("friction = {value}; expected {expected}")))
 }
 
 /// Returns a whole number in a range, both ends included.
@@ -99,32 +115,30 @@ pub struct PulseOptions {
 }
 
 impl PulseOptions {
-    /// Returns the pulse; a missing amplitude is replaced by `instead`.
-    fn pulse(&self, instead: Option<f64>) -> PyResult<Pulse> {
+    /// Returns the pulse with this amplitude.
+    fn pulse(&self, amplitude: Option<f64>) -> PyResult<Pulse> {
         let shapes = PulseShape::WORDS.iter().map(|(_, shape)| *shape).filter(|&shape| shape != PulseShape::None);
         let shape = choice("shape", &self.shape, &shapes.collect::<Vec<_>>())?;
-        let amplitude = instead.or(self.amplitude);
         let missing = || PyValueError::new_err("amplitude is missing; expected that of the pulse, a_p [m/s2]");
         let amplitude = amplitude.ok_or_else(missing)?;
-        let PulseOptions { period, start, phase, cycles, .. } = *self;
-        finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
-        finite("period", period, |x| x > 0.0, "a time > 0 s")?;
-        finite("start", start, |_| true, "a finite time")?;
-        finite("phase", phase, |_| true, "a finite angle")?;
-        finite("cycles", cycles, |x| x >= 1.0, "a number of at least 1")?;
-        for (name, value, default) in [("phase", phase, Pulse::NONE.phase), ("cycles", cycles, Pulse::NONE.cycles)] {
-            if shape != PulseShape::Gabor && value != default {
-                let message =
-                    format!("{name} = {value} has no effect on a {} pulse; expected it with \"gabor\"", shape.word());
-                return Err(PyValueError::new_err(message));
-            }
-        }
-        Ok(Pulse { shape, amplitude, period, start, phase, cycles })
+        // The defaults of other shapes are theirs, too.
+        let of_gabor = |value: f64, default: f64| (value != default).then_some(value);
+        let gabor = GaborSpec {
+            phase: of_gabor(self.phase, Pulse::NONE.phase),
+            cycles: of_gabor(self.cycles, Pulse::NONE.cycles),
+        };
+        let (period, start) = (Some(self.period), Some(self.start));
+        let spec = PulseSpec { shape: Some(shape), amplitude: None, period, start, gabor };
+        let spelled = |name: &str| match name {
+            "pulse = gabor" => "shape = \"gabor\"".into(),
+            name => name.into(),
+        };
+        spec.with_amplitude(Some(amplitude)).map_err(|error| PyValueError::new_err(error.spelled(spelled)))
     }
 
     /// Returns the pulse of an option that may be missing.
     pub fn pulse_or_none(pulse: Option<&PulseOptions>) -> PyResult<Pulse> {
-        pulse.map_or(Ok(Pulse::NONE), |pulse| pulse.pulse(None))
+        pulse.map_or(Ok(Pulse::NONE), |pulse| pulse.pulse(pulse.amplitude))
     }
 
     /// Returns the pulse for a search over its amplitude.
@@ -142,7 +156,7 @@ pub fn check_pulse(pulse: PulseOptions) -> PyResult<()> {
 /// Returns the ground accelerations of a pulse at these times (m/s²).
 #[pyfunction]
 pub fn pulse_acceleration(pulse: PulseOptions, times: Vec<f64>) -> PyResult<Vec<f64>> {
-    let pulse = pulse.pulse(None)?;
+    let pulse = pulse.pulse(pulse.amplitude)?;
     Ok(times.into_iter().map(|time| pulse.acceleration(time)).collect())
 }
 

@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rocking_block::ground::Ground;
-use rocking_records::{self as engine, Column, Format, Processing, ReadOptions, RecordError, Unit};
+use rocking_block::excitation::records::Ground;
+use rocking_records::{self as engine, Choice, Format, Processing, ReadOptions, RecordError, Unit};
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{self as measures_of, Measure, PERIODS, pga, pgv};
 use rocking_studies::pulse_fit::{self, PulseFit};
@@ -152,19 +152,20 @@ pub fn intensity(py: Python, record: &Bound<Record>, periods: Vec<f64>, g: f64) 
     Ok(py.detach(|| measures.iter().map(evaluate).collect()))
 }
 
-/// A column of a table, by its name or its number from 1.
+/// A column of a table or a channel of a file, by its name or its number from 1.
 #[derive(FromPyObject)]
-pub enum ColumnOption {
-    Number(usize),
+pub enum ChoiceOption {
+    Number(i64),
     Name(String),
 }
 
-impl From<ColumnOption> for Column {
-    fn from(column: ColumnOption) -> Column {
-        match column {
-            ColumnOption::Number(number) => Column::Number(number),
-            ColumnOption::Name(name) => Column::Name(name),
-        }
+impl ChoiceOption {
+    /// Returns the choice of the parameter `name`.
+    fn checked(self, name: &str) -> PyResult<Choice> {
+        Ok(match self {
+            ChoiceOption::Number(number) => Choice::Number(whole(name, number, 1..=1_000_000)? as usize),
+            ChoiceOption::Name(name) => Choice::Name(name),
+        })
     }
 }
 
@@ -219,9 +220,12 @@ pub fn fit_pulse(py: Python, record: &Bound<Record>, shape: &str) -> PyResult<Op
     }))
 }
 
-/// Returns samples, time step (s), title and start (s) of a file.
+/// Samples, time step (s), title and start (s) of a file, and the reason to doubt them, if there is one.
+type Reading = (Py<PyArray1<f64>>, f64, String, f64, Option<String>);
+
+/// Reads a record from a file.
 #[pyfunction]
-#[pyo3(signature = (path, *, unit, dt, format, channel, time_column, acceleration_column, g))]
+#[pyo3(signature = (path, *, unit, dt, format, channel, layout, skip, value_scale, time_column, acceleration_column, g))]
 #[allow(clippy::too_many_arguments)]
 pub fn read_record(
     py: Python,
@@ -229,32 +233,35 @@ pub fn read_record(
     unit: Option<&str>,
     dt: Option<f64>,
     format: Option<&str>,
-    channel: Option<i64>,
-    time_column: Option<ColumnOption>,
-    acceleration_column: Option<ColumnOption>,
+    channel: Option<ChoiceOption>,
+    layout: Option<&str>,
+    skip: Option<i64>,
+    value_scale: Option<f64>,
+    time_column: Option<ChoiceOption>,
+    acceleration_column: Option<ChoiceOption>,
     g: f64,
-) -> PyResult<(Py<PyArray1<f64>>, f64, String, f64)> {
+) -> PyResult<Reading> {
     let options = ReadOptions {
         format: format.map(str::parse).transpose().map_err(invalid)?,
         unit: unit.map(str::parse).transpose().map_err(invalid)?,
         time_step: dt,
         gravity: g,
-        time_column: time_column.map(Column::from),
-        acceleration_column: acceleration_column.map(Column::from),
-        channel: channel
-            .map(|channel| whole("channel", channel, 1..=1_000_000))
-            .transpose()?
-            .map(|channel| channel as usize),
+        layout: layout.map(str::parse).transpose().map_err(invalid)?,
+        skip: skip.map(|lines| whole("skip", lines, 0..=1_000_000)).transpose()?.map(|lines| lines as usize),
+        value_scale,
+        time_column: time_column.map(|column| column.checked("time_column")).transpose()?,
+        acceleration_column: acceleration_column.map(|column| column.checked("acceleration_column")).transpose()?,
+        channel: channel.map(|channel| channel.checked("channel")).transpose()?,
         processing: Processing::default(),
     };
-    let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
+    let (record, doubt) = py.detach(|| engine::read_with_doubt(&path, &options)).map_err(refused)?;
     let record_options = RecordOptions { both: options, ..RecordOptions::default() };
     let ground = Ground { horizontal: Some(record.clone()), vertical: None };
     if let Some((name, needed)) = record_options.unread(&[ground]) {
         return Err(PyValueError::new_err(format!("{} has no effect without {needed}", name.key())));
     }
     let engine::Record { title, start_time, time_step, acceleration, .. } = record;
-    Ok((PyArray1::from_slice(py, &acceleration).unbind(), time_step, title, start_time))
+    Ok((PyArray1::from_slice(py, &acceleration).unbind(), time_step, title, start_time, doubt))
 }
 
 /// Converts errors of the operating system to an `OSError`, and errors in a file to a `ValueError`.

@@ -61,6 +61,12 @@ fn hazard(levels: &PyReadonlyArray1<f64>, rates: &PyReadonlyArray1<f64>) -> PyRe
     HazardCurve::new(&levels.as_array().to_vec(), &rates.as_array().to_vec()).map_err(invalid)
 }
 
+/// Returns the name of a measure in the columns of tables, as `Sa(0.5 s)` for `sa(0.5)`; other names stay.
+#[pyfunction]
+pub fn measure_name(im: &str) -> String {
+    risk::canonical(im)
+}
+
 /// Returns the measure of the record behind a measure relative to a block, and the factor between them.
 #[pyfunction]
 pub fn measure_scale(im: &str, alpha: Option<f64>, p: Option<f64>, g: f64) -> PyResult<(String, f64)> {

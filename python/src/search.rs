@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_block::block::{self as engine, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
@@ -88,15 +88,11 @@ pub fn search_damping<'py>(
         return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
     }
     finite("rate", rate, |_| true, "a finite number")?;
-    let dimensionless = Dimensionless { alpha: block.alpha, p: block.p, eta: block.eta(), xi_v: block.xi_v };
-    let common = Common {
-        mass: block.mass,
-        gamma: block.gamma,
-        epsilon: block.epsilon,
-        gravity: block.gravity,
-        eccentricity: block.eccentricity,
-        friction: block.friction,
-        ..Common::default()
+    let engine::Block { alpha, p, .. } = block;
+    let block_with = move |xi_v| {
+        let supports = Supports::Viscoelastic(Ratios { eta: block.eta(), xi_v });
+        engine::Block::from_dimensionless(&Dimensionless { alpha, p, supports }, &block.common())?
+            .with_ties(block.ties())
     };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan([0.0, 1.0])?;
@@ -106,8 +102,8 @@ pub fn search_damping<'py>(
             progress.end_if_abandoned();
         };
         let search = || {
-            let (ties, width) = (block.ties(), VectorWidth::widest());
-            search::damping_against_separation(&dimensionless, &common, ties, rate, settings, &scan, width, show)
+            let width = VectorWidth::widest();
+            search::damping_against_separation(block_with, rate, settings, &scan, width, show)
         };
         pool.install(search)
     })?;

@@ -2,63 +2,69 @@
 
 use std::convert::Infallible;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
-use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::PyBytes;
 use rayon::ThreadPool;
-use rocking_block::ground::Ground;
+use rocking_block::block::Block;
+use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::unit::variables::Variable;
+use rocking_studies::doubts;
 use rocking_studies::input::study_file::StudyFileError;
 use rocking_studies::intensity::Measure;
-use rocking_studies::output::runner::{self, Study, StudyRow};
+use rocking_studies::output::csv;
+use rocking_studies::output::parts::{self, Part, PartNumber, PartState};
+use rocking_studies::output::resumable::{TableHeader, TableOptions, TableWriteError};
+use rocking_studies::output::runner::{self, Study as _, StudyRows};
+use rocking_studies::output::table;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch;
-use rocking_studies::run::outcome::{Holds, Outcome};
+use rocking_studies::run::outcome::{self, Holds, Outcome, OutcomeRow};
 use rocking_studies::run::sliding;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::blocks::Blocks;
-use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool};
+use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, warn};
 use crate::record::{Record, ground, measures};
+use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
 
 /// A horizontal and a vertical record; each may be missing.
 type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 
-/// Columns, their units, and the reason of the first failed run.
-type Outcomes<'py> = (Bound<'py, PyDict>, Vec<(String, &'static str)>, Option<String>);
+/// The columns of a table, and the reason of the first failed run.
+type Columns<'py> = (Vec<Column<'py>>, Option<String>);
 
-/// Headings, columns, and the reason of the first failed run.
-type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
-
-/// Yields rows of several runs each, in order; the thread unwinds once they are abandoned.
-fn rows<T: Send>(
+/// Makes rows of several runs each in batches, in order; the thread unwinds once they are abandoned.
+fn batches<T: Send>(
     pool: &ThreadPool,
     count: u64,
     runs_in_a_row: u64,
     progress: &Progress,
-    make: impl Fn(Range<u64>) -> Vec<T> + Sync,
-) -> Vec<T> {
-    let mut rows = Vec::new();
+    make: impl Fn(Range<u64>) -> T + Sync,
+    mut take: impl FnMut(T),
+) {
+    let mut done = 0;
     // The first rows arrive when their batch is done.
     progress.show(0, count);
-    let make = |numbers| {
+    let make = |numbers: Range<u64>| {
         progress.end_if_abandoned();
-        make(numbers)
+        (numbers.end - numbers.start, make(numbers))
     };
-    let done = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |batch| {
-        rows.extend(batch);
-        progress.show(rows.len() as u64, count);
+    let completed = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |(rows, batch)| {
+        take(batch);
+        done += rows;
+        progress.show(done, count);
         Ok::<(), Infallible>(())
     });
-    done.map_or_else(|never| match never {}, |()| rows)
+    completed.unwrap_or_else(|never| match never {});
 }
 
 /// Computes the outcome of each block under each ground motion: columns with rows ordered block by block, then scale by
@@ -77,7 +83,7 @@ pub fn outcomes<'py>(
     options: RunOptions,
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
-) -> PyResult<Outcomes<'py>> {
+) -> PyResult<Columns<'py>> {
     if let Some(demand) = friction_demand {
         finite("friction_demand", demand, |x| x > 0.0, "a coefficient of friction > 0")?;
     }
@@ -87,6 +93,7 @@ pub fn outcomes<'py>(
     options.check_times()?;
     let of_record = measures(&periods)?;
     let has_record = pairs.iter().any(|(along, _)| along.is_some());
+    warn(py, doubts::of_end(&pulse, has_record), 3)?;
     let shown: Vec<Measure> = match has_record {
         true => of_record.iter().copied().chain(Measure::OF_BLOCK).collect(),
         false => Vec::new(),
@@ -98,12 +105,12 @@ pub fn outcomes<'py>(
     let holds = blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or);
     let RunOptions { duration, step, .. } = options;
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
-    let measures = shown.clone();
-    let outcomes = wait(py, tick, move |progress| {
+    let made = wait(py, tick, move |progress| {
         let motion =
             |number: u64| GroundMotion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
-        let motions =
-            rows(&pool, grounds.len() as u64, 1, &Progress::default(), |numbers| numbers.map(motion).collect());
+        let mut motions = Vec::new();
+        let make = |numbers: Range<u64>| numbers.map(motion).collect::<Vec<_>>();
+        batches(&pool, grounds.len() as u64, 1, &Progress::default(), make, |batch| motions.extend(batch));
         let case = |number: u64| {
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
             (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block])
@@ -121,117 +128,219 @@ pub fn outcomes<'py>(
                 output_step: step.unwrap_or(f64::INFINITY),
             }
         };
-        let row = |(number, outcome): (u64, Outcome)| {
-            let (motion, scale, block) = case(number);
-            let evaluate = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
-            let above = friction_demand.map(|demand| run(number).longest_above(demand));
-            (outcome, block.alpha, shown.iter().map(evaluate).chain(above).collect())
+        let of_records = shown.iter().map(|&measure| {
+            table::Column::optional(measure.to_string(), measure.unit(), move |row: &Row| {
+                let (motion, scale, block) = &row.case;
+                motion.intensity(measure, *scale, block)
+            })
+        });
+        let above = friction_demand.map(|demand| sliding::column(demand, |row: &Row| run(row.number)));
+        let columns: Vec<_> = of_records.chain(outcome::columns(holds)).chain(above).collect();
+        let row = |(number, outcome)| Row { number, case: case(number), outcome };
+        let make = |numbers: Range<u64>| {
+            let outcomes = batch::outcomes(VectorWidth::widest(), numbers.clone().map(run), || ());
+            let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
+            let rows: Vec<Row> = numbers.zip(outcomes).map(row).collect();
+            StudyRows { table: table::Table::of(&columns, &rows), failure }
         };
-        let width = VectorWidth::widest();
-        rows(&pool, count, 1, progress, |numbers| {
-            let outcomes = batch::outcomes(width, numbers.clone().map(run), || ());
-            numbers.zip(outcomes).map(row).collect()
-        })
+        let mut made = StudyRows::default();
+        batches(&pool, count, 1, progress, make, |batch| made.append(batch));
+        made
     })?;
-    let outcomes: Vec<(Outcome, f64, Vec<f64>)> = outcomes;
-    let failure = outcomes.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
-    let columns = columns(py, &outcomes, holds)?;
-    for (i, measure) in measures.iter().enumerate() {
-        columns.set_item(measure.to_string(), PyArray1::from_iter(py, outcomes.iter().map(|row| row.2[i])))?;
-    }
-    if let Some(demand) = friction_demand {
-        let above = PyArray1::from_iter(py, outcomes.iter().map(|row| row.2[measures.len()]));
-        columns.set_item(sliding::name(demand), above)?;
-    }
-    let units = measures.iter().map(|measure| (measure.to_string(), measure.unit()));
-    Ok((columns, units.collect(), failure))
+    Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
 }
 
-/// Returns the columns of outcomes, each with the slenderness of its block (rad).
-fn columns<'py>(py: Python<'py>, outcomes: &[(Outcome, f64, Vec<f64>)], holds: Holds) -> PyResult<Bound<'py, PyDict>> {
-    let columns = PyDict::new(py);
-    columns.set_item("outcome", outcomes.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
-    type Number = fn(&Outcome, f64) -> f64;
-    let numbers: [(&str, Number); 7] = [
-        ("end_time", |outcome, _| outcome.end_time),
-        ("peak.theta/alpha", |outcome, alpha| outcome.peaks.theta / alpha),
-        ("peak.uplift", |outcome, _| outcome.peaks.uplift),
-        ("peak.N", |outcome, _| outcome.peaks.reaction),
-        ("peak.H", |outcome, _| outcome.peaks.horizontal),
-        ("peak.friction_demand", |outcome, _| outcome.peaks.friction_demand),
-        ("first_separation", |outcome, _| outcome.flights.first.unwrap_or(f64::NAN)),
-    ];
-    for (name, value) in numbers {
-        columns.set_item(
-            name,
-            PyArray1::from_iter(py, outcomes.iter().map(|(outcome, alpha, _)| value(outcome, *alpha))),
-        )?;
-    }
-    if holds.friction {
-        columns
-            .set_item("peak.slip", PyArray1::from_iter(py, outcomes.iter().map(|(outcome, ..)| outcome.peaks.slip)))?;
-    }
-    for tie in 0..holds.ties {
-        let tensions = outcomes.iter().map(|(outcome, ..)| outcome.peaks.pull[tie]);
-        columns.set_item(format!("peak.tie_{}.tension", tie + 1), PyArray1::from_iter(py, tensions))?;
-    }
-    type Count = fn(&Outcome) -> u32;
-    let counts: [(&str, Count); 3] = [
-        ("flights", |outcome| outcome.flights.count),
-        ("events.impacts", |outcome| outcome.counts.impacts),
-        ("events.liftoffs", |outcome| outcome.counts.liftoffs),
-    ];
-    for (name, value) in counts {
-        columns
-            .set_item(name, PyArray1::from_iter(py, outcomes.iter().map(|(outcome, ..)| i64::from(value(outcome)))))?;
-    }
-    Ok(columns)
+/// A block under a ground motion times a factor.
+struct Row<'a> {
+    number: u64,
+    case: (&'a GroundMotion, f64, Block),
+    outcome: Outcome,
 }
 
-/// Returns the table of a study file; columns with a unit are numeric, except for overturning ranges.
-#[pyfunction]
-#[allow(clippy::too_many_arguments)]
-pub fn sweep<'py>(
-    py: Python<'py>,
-    name: Option<&str>,
-    text: &str,
-    folder: PathBuf,
-    on_separation: Option<&str>,
-    threads: Option<i64>,
-    tick: &Bound<'py, PyAny>,
-) -> PyResult<Table<'py>> {
-    // Line numbers are useful only for files: the text of a dictionary is never shown.
-    let without_line = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
-    let name_shown = name.unwrap_or("the study");
-    let (file, content) = (name_shown.to_string(), text.to_string());
-    // Checking that many combinations make valid blocks takes time.
-    let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
-    if let Some(on_separation) = on_separation {
-        let choices = [OnSeparation::Terminate, OnSeparation::Fly];
-        if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {
-            let message = format!("on_separation: {name_shown} names it as well; expected one of the two");
-            return Err(PyValueError::new_err(message));
-        }
-        study.on_separation = choice("on_separation", on_separation, &choices)?;
+impl OutcomeRow for Row<'_> {
+    fn outcome(&self) -> &Outcome {
+        &self.outcome
     }
-    let pool = pool(threads)?;
-    let headings = study.header().columns;
-    let count = study.rows();
-    let study_rows: Vec<StudyRow> = wait(py, tick, move |progress| {
-        let width = VectorWidth::widest();
-        rows(&pool, count, study.runs_in_a_row(), progress, |numbers| study.make(numbers, width))
-    })?;
-    let failure = study_rows.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
-    let column = |(number, heading): (usize, &String)| {
-        let fields = study_rows.iter().map(|row| row.fields.get(number).unwrap_or_default());
-        if !Sweep::is_numeric(heading) {
-            return Ok(fields.collect::<Vec<_>>().into_pyobject(py)?.into_any());
-        }
-        // A missing number is an empty cell.
-        let numbers = fields.map(|field| if field.is_empty() { Ok(f64::NAN) } else { field.parse::<f64>() });
-        let numbers = numbers.collect::<Result<Vec<f64>, _>>().map_err(invalid)?;
-        Ok(PyArray1::from_vec(py, numbers).into_any())
+
+    fn alpha(&self) -> f64 {
+        self.case.2.alpha
+    }
+}
+
+/// A study that ends once its caller has stopped waiting for it.
+struct Abandonable<'a> {
+    study: &'a Sweep,
+    progress: &'a Progress,
+}
+
+impl runner::Study for Abandonable<'_> {
+    fn header(&self) -> TableHeader {
+        self.study.header()
+    }
+
+    fn rows(&self) -> u64 {
+        self.study.rows()
+    }
+
+    fn runs_in_a_row(&self) -> u64 {
+        self.study.runs_in_a_row()
+    }
+
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        self.progress.end_if_abandoned();
+        self.study.make(numbers, width)
+    }
+}
+
+/// Writes the missing rows of a study to its file, and returns the whole table and the reason of the first failed run.
+fn written(
+    study: &Sweep,
+    pool: &ThreadPool,
+    out: &Path,
+    progress: &Progress,
+) -> Result<(table::Table, Option<String>), TableWriteError> {
+    let mut file = study.open(out, TableOptions { resume: true, ..TableOptions::default() })?;
+    let abandonable = Abandonable { study, progress };
+    let mut table = table::Table::default();
+    let mut follow = |rows| {
+        table.append(rows);
+        Ok(())
     };
-    let columns = headings.iter().enumerate().map(column).collect::<PyResult<Vec<_>>>()?;
-    Ok((headings, columns, failure))
+    let show = |_, done| progress.show(done, study.rows());
+    let summary = runner::run(&abandonable, pool, VectorWidth::widest(), &mut file, Some(&mut follow), show)?;
+    let earlier = || (summary.failures.count > 0).then(|| "an earlier call has said why".into());
+    Ok((table, summary.reason.as_ref().map(ToString::to_string).or_else(earlier)))
+}
+
+/// The study of a file or a dictionary.
+#[pyclass(frozen, module = "rocking_block._engine")]
+pub struct Study {
+    study: Arc<Sweep>,
+}
+
+/// A part of a study by its number, from 1, and the number of parts.
+fn part_of(number: u64, count: u64) -> PyResult<PartNumber> {
+    let message = || PyValueError::new_err(format!("part {number} of {count}; expected a number from 1 to {count}"));
+    PartNumber::new(number, count).ok_or_else(message)
+}
+
+/// Makes the rows of a study; `progress` learns of them.
+fn made(study: &impl runner::Study, pool: &ThreadPool, progress: &Progress) -> StudyRows {
+    let mut made = StudyRows::default();
+    let make = |numbers| study.make_range(numbers, VectorWidth::widest());
+    batches(pool, study.rows(), study.runs_in_a_row(), progress, make, |batch| made.append(batch));
+    made
+}
+
+#[pymethods]
+impl Study {
+    #[new]
+    fn new(
+        py: Python,
+        name: Option<&str>,
+        text: &str,
+        folder: PathBuf,
+        on_separation: Option<&str>,
+        tick: &Bound<PyAny>,
+    ) -> PyResult<Study> {
+        // Line numbers are useful only for files: the text of a dictionary is never shown.
+        let without_line = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
+        let name_shown = name.unwrap_or("the study");
+        let (file, content) = (name_shown.to_string(), text.to_string());
+        // Checking that many combinations make valid blocks takes time.
+        let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
+        if let Some(on_separation) = on_separation {
+            let choices = [OnSeparation::Terminate, OnSeparation::Fly];
+            if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {
+                let message = format!("on_separation: {name_shown} names it as well; expected one of the two");
+                return Err(PyValueError::new_err(message));
+            }
+            study.on_separation = choice("on_separation", on_separation, &choices)?;
+        }
+        warn(py, study.remarks.clone(), 4)?;
+        Ok(Study { study: Arc::new(study) })
+    }
+
+    /// Number of rows.
+    #[getter]
+    fn rows(&self) -> u64 {
+        self.study.rows()
+    }
+
+    /// The measure whose levels the study names.
+    #[getter]
+    fn measure(&self) -> Option<String> {
+        self.study.strengths.measure().map(|measure| measure.to_string())
+    }
+
+    /// Returns the table. With `out` its rows are those of this file, which is written as they come; an interruption waits for its end,
+    /// so that the next call can resume it.
+    fn table<'py>(
+        &self,
+        py: Python<'py>,
+        threads: Option<i64>,
+        out: Option<PathBuf>,
+        tick: &Bound<'py, PyAny>,
+    ) -> PyResult<Columns<'py>> {
+        let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
+        let Some(out) = out else {
+            let made = wait(py, tick, move |progress| made(&*study, &pool, progress))?;
+            return Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())));
+        };
+        let busy = Arc::new(Mutex::new(()));
+        let writing = Arc::clone(&busy);
+        let written = wait(py, tick, move |progress| {
+            let _writing = writing.lock();
+            written(&study, &pool, &out, progress)
+        });
+        py.detach(|| drop(busy.lock()));
+        let (table, failure) = written?.map_err(invalid)?;
+        Ok((columns(py, table)?, failure))
+    }
+
+    /// Returns the rows of a part.
+    fn part<'py>(
+        &self,
+        py: Python<'py>,
+        number: u64,
+        count: u64,
+        threads: Option<i64>,
+        tick: &Bound<'py, PyAny>,
+    ) -> PyResult<Columns<'py>> {
+        let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
+        let made = wait(py, tick, move |progress| made(&Part::new(&*study, number), &pool, progress))?;
+        Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
+    }
+
+    /// Returns the content of a part's file in CSV, the number of its rows, and the reason of the first failed run.
+    fn part_file<'py>(
+        &self,
+        py: Python<'py>,
+        number: u64,
+        count: u64,
+        threads: Option<i64>,
+        tick: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyBytes>, u64, Option<String>)> {
+        let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
+        let (text, rows, failure) = wait(py, tick, move |progress| {
+            let part = Part::new(&*study, number);
+            let made = made(&part, &pool, progress);
+            let text = part.header().text().and_then(|header| Ok(header + &csv::lines(&made.table)?));
+            (text, part.rows(), made.failure.map(|failure| failure.to_string()))
+        })?;
+        Ok((PyBytes::new(py, text?.as_bytes()), rows, failure))
+    }
+
+    /// Whether a file has all rows of a part; refuses the part of another study.
+    fn is_complete(&self, file: PathBuf, number: u64, count: u64) -> PyResult<bool> {
+        let part = Part::new(&*self.study, part_of(number, count)?);
+        let state = parts::state(&file, &part.header(), part.rows()).map_err(invalid)?;
+        Ok(state == PartState::Complete)
+    }
+}
+
+/// Returns the name of a part's file.
+#[pyfunction]
+pub fn part_file_name(number: u64, count: u64) -> PyResult<String> {
+    Ok(part_of(number, count)?.file_name("csv"))
 }

@@ -14,7 +14,7 @@ import rocking_block as rb
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/python"))
-RECORDS = {name: ROOT / "records" / name for name in ("np01002p_4225a_a.smc", "0111a.smc")}
+RECORDS = {name: ROOT / "examples/records" / name for name in ("np01002p_4225a_a.smc", "0111a.smc")}
 
 
 def pytest_configure(config):

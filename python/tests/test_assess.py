@@ -6,7 +6,7 @@ import pytest
 
 import rocking_block as rb
 
-RECORDS = Path(__file__).resolve().parents[2] / "records"
+RECORDS = Path(__file__).resolve().parents[2] / "examples/records"
 STUDY = f"""
 [study]
 design = "grid"
@@ -45,3 +45,17 @@ def test_an_error_has_its_line(tmp_path):
     study.write_text(STUDY + "years = 0\n")
     with pytest.raises(ValueError, match=r"study.toml:16: years = 0; expected a number of years above 0"):
         rb.assess(study)
+
+
+def test_kept_rows_are_not_made_again(tmp_path):
+    study, keep = tmp_path / "study.toml", tmp_path / "kept"
+    study.write_text(STUDY)
+    first = rb.assess(study, keep=keep)
+    assert first.numbers == rb.assess(study).numbers
+    study.write_text(STUDY.replace("A block", "Another title"))
+    assert rb.assess(study, keep=keep).numbers["states"] == first.numbers["states"]
+    # Rows that the engine would not have made come back.
+    for table in keep.iterdir():
+        table.write_text(table.read_text().replace(",completed,", ",overturned,"))
+    runs = rb.assess(study, keep=keep).numbers["states"][-1]["runs"]
+    assert runs["exceeded"] == runs["known"] > first.numbers["states"][-1]["runs"]["exceeded"]

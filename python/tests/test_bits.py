@@ -73,7 +73,8 @@ def test_the_summary_is_that_of_the_program(rocking, record, path, tmp_path):
     assert summary["end_time"] == run.end_time
     assert summary["has_come_down"] == run.has_come_down
     peak = run.peak
-    assert summary["peak"] == {"theta": peak.theta, "theta/alpha": peak.theta / block.alpha, "uplift": peak.uplift,
+    assert summary["peak"] == {"theta": peak.theta, "theta/alpha": peak.theta / block.alpha,
+                               "theta/balance": peak.theta / block.alpha, "uplift": peak.uplift,
                                "N": peak.N, "H": peak.H, "friction_demand": peak.friction_demand}
     assert [tuple(event.values()) for event in summary["events"]["list"]] == [
         (event.t, event.event, event.corner, event.before, event.after) for event in run.events]

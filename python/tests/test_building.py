@@ -1,5 +1,8 @@
 """Floor motions against SciPy's state-space simulation, and blocks on floors through study files."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from conftest import RECORDS
@@ -97,3 +100,17 @@ def test_invalid_buildings_are_refused():
         rb.Building(floor_masses=[1.0], storey_stiffnesses=[1.0])
     with pytest.raises(ValueError, match="floors has 3; expected floors from 0"):
         rb.floor_motions(rb.Record([0.0, 1.0], 0.1), rb.Building(floor_masses=[1.0], storey_stiffnesses=[1.0], damping=0.1), [3])
+
+
+@pytest.mark.parametrize(
+    "building",
+    [
+        rb.Building(floor_masses=MASSES, storey_stiffnesses=STIFFNESSES, rayleigh=(0.04, (1, 3))),
+        rb.Building(frequencies=[1.0, 3.0], participation=[1.2, -0.2], shapes=[[0.5, 1.0], [1.0, -0.5]], damping=[0.02, 0.03]),
+    ],
+)
+def test_a_copy_of_a_building_moves_to_the_last_bit(building):
+    record = rb.Record([0.0, 3.0, -3.0, 1.0, 0.0], 0.1)
+    motions = [rb.floor_motions(record, one) for one in (building, pickle.loads(pickle.dumps(building)), copy.deepcopy(building))]
+    for other in motions[1:]:
+        assert all(np.array_equal(a.acceleration, b.acceleration) for a, b in zip(motions[0].records, other.records, strict=True))

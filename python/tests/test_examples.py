@@ -19,9 +19,11 @@ sys.path.insert(0, str(EXAMPLES))
 def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(codes) == 3
+    assert len(codes) == 4
     names = {}
-    for code in codes:
+    # scripts/check has what the last one imports.
+    is_complete = all(importlib.util.find_spec(package) for package in ("duckdb", "polars"))
+    for code in codes if is_complete else codes[:-1]:
         exec(compile(code, "python.md", "exec"), names)
     printed = re.search(r"print\(run\)  # (.*)", codes[0])[1]
     assert capsys.readouterr().out.startswith(f"{printed}\n")
@@ -67,7 +69,7 @@ def test_medians_of_fema_lie_between_lifting_and_overturning():
     import contents
 
     bookcase, cabinet = contents.runs(
-        [rb.read_record(ROOT / "records/0111a.smc")], [contents.COMPONENTS[i] for i in (2, 5)], (0.0, 0.3), contents.LEVELS[::2]
+        [rb.read_record(ROOT / "examples/records/0111a.smc")], [contents.COMPONENTS[i] for i in (2, 5)], (None, 0.3), contents.LEVELS[::2]
     )
     for tables, (_, _, depth, height, median) in zip((bookcase, cabinet), [contents.COMPONENTS[i] for i in (2, 5)]):
         lifts, overturns = (rb.fragility(tables[0], "PFV", limit).median for limit in (0.01, "overturned"))

@@ -6,6 +6,7 @@ import warnings
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 import rocking_block as rb
 
@@ -79,6 +80,63 @@ def test_a_frame_does_as_well():
     assert without.unit == "" and without.plot(ax=plt.figure().add_subplot()).get_xlabel() == "PGV"
 
 
+def test_a_table_of_the_program_goes_through_pandas_and_parquet(tmp_path):
+    """Tests headings with units, and rows without records, for which pandas has nan."""
+    pandas = pytest.importorskip("pandas")
+    table = planted()
+    fit = rb.fragility(table, "PGV")
+    headings = {name: f"{name} [{table.units[name]}]" if name in table.units else name for name in table}
+    file = tmp_path / "table.csv"
+    file.write_text("# a study\n" + table.to_frame().rename(columns=headings).to_csv(index=False))
+    frame = pandas.read_csv(file, comment="#")
+    assert "PGV [m/s]" in frame
+    for im in ("PGV", "PGV [m/s]"):
+        assert repr(rb.fragility(frame, im)) == repr(fit) and rb.fragility(frame, im).unit == "m/s"
+    assert repr(rb.fragility(file, "PGV [m/s]")) == repr(fit)
+    table.to_parquet(tmp_path / "own.parquet")
+    frame.to_parquet(tmp_path / "of_pandas.parquet")
+    for name in ("own", "of_pandas"):
+        assert repr(rb.fragility(tmp_path / f"{name}.parquet", "PGV")) == repr(fit)
+    for missing in (np.nan, None, pandas.NA):
+        independent = rb.fragility(frame.assign(record=missing, vertical=missing), "PGV")
+        assert independent.independence == rb.fragility({name: table[name] for name in table if name != "record"}, "PGV").independence
+    with pytest.raises(ValueError, match=r"found two columns 'PGV', one of them 'PGV \[m/s\]'; expected one"):
+        rb.fragility({"PGV": table["PGV"], "PGV [m/s]": table["PGV"], "outcome": table["outcome"]}, "PGV")
+    (tmp_path / "image.png").write_bytes(b"\x89PNG\r\n\x1a\n\xff")
+    with pytest.raises(ValueError, match="image.png: found no text; expected a table of `rocking sweep`, as CSV or Parquet"):
+        rb.fragility(tmp_path / "image.png", "PGV")
+
+
+def test_a_spectral_measure_is_found_without_its_unit_and_counts_are_whole():
+    counts = (1000, 2000, 3000, 4000)
+    outcome = np.concatenate([["overturned"] * count + ["completed"] * (5000 - count) for count in counts])
+    # Sorted: the round-off of long sums was taken for a missing maximum.
+    rows = {"Sa(0.5 s)": np.repeat([1.0, 2.0, 3.0, 4.0], 5000), "outcome": outcome}
+    found = [rb.fragility(rb.Table(rows, {"Sa(0.5 s)": "m/s2"}), im) for im in ("Sa(0.5 s)", "sa(0.5)")]
+    assert found[1].im == "Sa(0.5 s)" and found[0].median == found[1].median and found[1].unit == "m/s2"
+    assert "10000 of 20000 runs" in repr(found[0]) and "10000 of 20000 runs" in found[0]._repr_html_()
+    with pytest.raises(ValueError, match="there is no column 'Sa\\(0.6 s\\)'; expected one of Sa"):
+        rb.fragility(rows, "Sa(0.6)")
+
+
+def test_the_goodness_of_fit_is_the_deviance_of_the_levels():
+    levels, counts = np.array([0.2, 0.3, 0.45, 0.6, 0.8]), np.array([2, 9, 11, 25, 28])
+    outcome = np.concatenate([["overturned"] * count + ["completed"] * (30 - count) for count in counts])
+    fit = rb.fragility({"PGV": np.repeat(levels, 30), "outcome": outcome}, "PGV")
+    p = fit.curve(levels)
+    deviance = 2 * np.sum(counts * np.log(counts / (30 * p)) + (30 - counts) * np.log((30 - counts) / (30 * (1 - p))))
+    found = fit.goodness_of_fit
+    assert found.degrees_of_freedom == 3 and found.deviance == pytest.approx(deviance, rel=1e-9)
+    assert found.p == pytest.approx(chi2.sf(deviance, 3), rel=1e-9) and f"p = {found.p:.3g}" in fit._repr_html_()
+    assert rb.fragility({"PGV": np.repeat([0.2, 0.3], 5), "outcome": ["completed", "overturned"] * 5}, "PGV").goodness_of_fit is None
+
+
+def test_joined_tables_are_refused_with_that_reason(tmp_path):
+    (tmp_path / "t.csv").write_text("# a study\nrow,PGV [m/s],outcome\n0,1,completed\n1,2,overturned\n" * 2)
+    with pytest.raises(ValueError, match="t.csv: repeats its headings after 2 rows, as in tables joined by cat; expected one table"):
+        rb.fragility(tmp_path / "t.csv", "PGV")
+
+
 def test_a_measure_and_outcomes_are_enough():
     """Tests overturning; the peaks of a table affect only the efficiency."""
     table = planted()
@@ -140,11 +198,11 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     [
         ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
         ({"im": "outcome"}, "column 'outcome' has .*; expected numbers"),
-        ({"limit": -1}, 'limit = -1; expected "overturned", a rotation .* > 0, or a slip'),
-        ({"limit": float("nan")}, 'limit = nan; expected "overturned", a rotation'),
+        ({"limit": -1}, 'limit = -1; expected "overturned", "balance", a rotation .* > 0, or a slip'),
+        ({"limit": float("nan")}, 'limit = nan; expected "overturned", "balance", a rotation'),
         ({"limit": 0.5, "table": {"PGV": [1.0], "outcome": ["completed"]}}, "there is no column 'peak.theta/alpha'"),
         ({"table": {"PGV": [1.0, 2.0], "outcome": ["overturned", "fell"]}}, 'outcome = .*fell.* in row 1; expected one of "completed"'),
-        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", a rotation'),
+        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "balance", a rotation'),
         ({"intervals": "bootstrap", "samples": 1}, "samples = 1; expected a whole number from 2 to 1000000"),
         ({"ci": 95}, "ci = 95; expected a number above 0 and below 1"),
         ({"link": "cauchit"}, 'link = "cauchit"; expected one of "probit", "logit"'),
@@ -164,7 +222,7 @@ def test_what_has_no_curve_is_refused(options, message):
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"table": None}, TypeError, "table = None; expected a Table, a DataFrame, a mapping of columns, or the path of a CSV file"),
+        ({"table": None}, TypeError, "table = None; expected a Table, a DataFrame, a mapping of columns, or the path of a file"),
         ({"im": ["PGV", "PGA"]}, TypeError, "im = \\['PGV', 'PGA'\\]; expected the name of one column, such as 'PGV'"),
         ({"table": "missing.csv"}, FileNotFoundError, "missing.csv"),
         ({"table": "short.csv"}, ValueError, "short.csv: row 1 has 1 fields; expected 2, as in the heading"),

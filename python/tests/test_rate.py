@@ -124,3 +124,14 @@ def test_a_rate_becomes_a_picture(hazard, tmp_path):
     assert axes.get_xlabel() == "PGV [m/s]"
     axes.figure.savefig(tmp_path / "rate.png")
     assert "return period" in rb.annual_rate(hazard, (0.5, 0.4))._repr_html_()
+
+
+def test_a_site_is_a_name_or_a_pair_of_coordinates(tmp_path):
+    file = tmp_path / "sites.csv"
+    file.write_text("name,lon,lat,5,20,80\nRome,12.5,41.9,1e-2,1e-3,1e-4\nMilan,9.2,45,1e-3,1e-4,1e-5\n")
+    for sites in (["Rome", "12.5,41.9", (12.5, 41.9), [12.5, 41.9]], ["Milan", np.array([9.2, 45]), (9.2, 45)]):
+        curves = [rb.read_hazard(file, im="Sa(0.5)", site=site, investigation_time=50).rates.tolist() for site in sites]
+        assert all(curve == curves[0] for curve in curves)
+    assert rb.read_hazard(file, im="Sa(0.5)", site=(9.2, 45)).im == rb.Hazard(LEVELS, RATES, im="Sa(0.5)").im == "Sa(0.5 s)"
+    with pytest.raises(ValueError, match="found no site 12.5,41.0; expected one such as Rome; Milan"):
+        rb.read_hazard(file, im="PGV", site=(12.5, 41))

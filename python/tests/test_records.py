@@ -1,11 +1,13 @@
 """Units, processing, rotation and pulses of records."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
 
 import rocking_block as rb
+from conftest import ROOT
 
 TIMES = np.arange(0, 20, 0.01)
 A = rb.Record(np.sin(3 * TIMES) * np.sin(0.4 * TIMES) + 0.1, 0.01, "a")
@@ -22,6 +24,43 @@ def test_samples_may_be_in_any_unit():
         rb.Record(samples, 0.01, unit="ft")
     with pytest.raises(ValueError, match="the PGA is 245.2 m/s², 25 g, with unit = 'g'; expected at most 20 g"):
         rb.Record([0.0, 25.0], 0.01, unit="g")
+
+
+def test_masked_samples_are_refused():
+    """numpy drops the mask of an array in silence, so that gaps become samples."""
+    samples = np.ma.masked_array([0.0, 0.3, 9.0, 9.0, 0.1], mask=[0, 0, 1, 1, 0])
+    with pytest.raises(ValueError, match="made up: sample 2 is masked, the first of 2: a gap; expected a value for each sample"):
+        rb.Record(samples, 0.01, "made up")
+    with pytest.raises(ValueError, match="acceleration: sample 2 is masked"):
+        rb.Record(samples, 0.01)
+    assert rb.Record(samples.filled(0.0), 0.01).pga == 0.3
+    assert rb.Record(np.ma.masked_array([0.0, 0.3]), 0.01).pga == 0.3
+
+
+def test_a_network_file_has_channels_by_name():
+    file = ROOT / "fuzz/seeds/knet.csv"
+    with pytest.raises(ValueError, match=r"found 3 channels \(1: N-S, 2: E-W, 3: U-D\); expected channel 1 to 3 or a name"):
+        rb.read_record(file)
+    named = rb.read_record(file, channel="e-w")
+    assert named == rb.read_record(file, channel=2) and named.name == "XYZ001, 2001/02/03 04:05:00, E-W"
+    assert named.pga == pytest.approx(0.24, abs=1e-4)
+
+
+def test_a_peak_other_than_the_header_s_is_doubtful(tmp_path):
+    text = (ROOT / "fuzz/seeds/knet.ew").read_text()
+    (tmp_path / "a.ew").write_text(re.sub(r"(Max. Acc. \(gal\)   )\S+", r"\g<1>9.000", text))
+    with pytest.warns(UserWarning, match=r"a.ew: the peak of the values is 0.2\d* cm/s², and line 15 states 9 cm/s²"):
+        rb.read_record(tmp_path / "a.ew")
+
+
+def test_a_layout_reads_fixed_widths(tmp_path):
+    (tmp_path / "a.dat").write_text("TITLE\n   150 -1225 10000\n  -300    50\n")
+    record = rb.read_record(tmp_path / "a.dat", layout="3F6.2", skip=1, value_scale=0.1, unit="m/s2", dt=0.01)
+    assert np.allclose(record.acceleration, [0.15, -1.225, 10.0, -0.3, 0.05], rtol=1e-14) and record.name == "TITLE"
+    with pytest.raises(ValueError, match='found layout "3Q6", expected an edit descriptor of Fortran'):
+        rb.read_record(tmp_path / "a.dat", layout="3Q6")
+    with pytest.raises(ValueError, match="skip = -1; expected a whole number from 0"):
+        rb.read_record(tmp_path / "a.dat", layout="3F6.2", skip=-1)
 
 
 def test_records_are_processed_in_order():

@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import math
 import pickle
 import subprocess
 import sys
@@ -150,8 +151,8 @@ def test_a_sketch_shows_eccentricity_friction_and_ties(figure):
 
 def test_tables_and_records_are_drawn(record, figure):
     axes = rb.spectrum(p=[1.0, 1.5, 2.0], eta=[40, 80], pulse=PULSE).plot(linewidth=2)
-    assert axes.get_xlabel() == "2pi/p [s]" and axes.figure is figure
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["eta = 40", "eta = 80"]
+    assert axes.get_xlabel() == r"$2\pi/p$ [s]" and axes.figure is figure
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["eta = 40", "eta = 80", "overturned"]
     table = rb.outcomes(rb.blocks(alpha=0.15, p=[2.0, 3.0]), [record], scale=[1, 2, 4])
     points = table.plot("PGV", ax=figure.add_subplot())
     assert {line.get_marker() for line in points.lines} >= {"o"} and points.get_xlabel() == "PGV [m/s]"
@@ -163,11 +164,100 @@ def test_tables_and_records_are_drawn(record, figure):
         table.plot("outcome")
 
 
+def test_curves_are_blank_for_overturned_blocks_and_lanes_mark_these():
+    table = rb.Table(
+        {
+            "p": [1.0, 2.0, 3.0, 4.0] * 2,
+            "eta": [40.0] * 4 + [80.0] * 4,
+            "outcome": ["completed", "completed", "overturned", "overturned"] + ["completed", "overturned", "failed", "completed"],
+            "peak.theta/alpha": [0.3, 0.8, 6.3, 6.3, 0.2, 6.3, 0.4, 0.5],
+            "flights": [0, 1, 0, 0, 0, 1, 0, 0],
+        }
+    )
+    axes = table.plot(ax=plt.figure().add_subplot())
+    curves = [line.get_ydata() for line in axes.lines if line.get_label().startswith("eta")]
+    assert np.array_equal(curves, [[0.3, 0.8, np.nan, np.nan], [0.2, np.nan, np.nan, 0.5]], equal_nan=True)
+    assert axes.get_ylim()[1] < 1.5 and not axes.texts, "no rotation is cut"
+    assert axes.get_xlim()[0] < 1.0 and axes.get_xlim()[1] > 4.0
+    names = ["eta = 40", "eta = 80", "complete separation", "overturned", "run failed"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == names
+    black = [lane for lane in axes.collections if lane.get_linewidth() == 6 and np.all(lane.get_color()[0][:3] == 64 / 255)]
+    parts = [[segment[:, 0].tolist() for segment in lane.get_segments()] for lane in black]
+    assert parts == [[[2.5, 4.0]], [[1.5, 2.5]]], "neighbours are one part, without a seam"
+    # A curve without a value is not in the legend.
+    missing = rb.Table({**table, "peak.uplift": [np.nan] * 4 + [0.1] * 4})
+    texts = missing.plot("p", "peak.uplift", ax=plt.figure().add_subplot()).get_legend().get_texts()
+    assert [text.get_text() for text in texts] == ["eta = 80"]
+
+
+def test_points_of_overturned_blocks_are_on_the_edge():
+    table = rb.Table({"PGV": [0.1, 0.2, 0.2], "outcome": ["completed", "completed", "overturned"], "peak.theta/alpha": [0.3, 0.6, 6.3]})
+    axes = table.plot("PGV", ax=plt.figure().add_subplot())
+    assert [line.get_ydata().tolist() for line in axes.lines[:2]] == [[0.3, 0.6], [1.5]] and axes.get_ylim() == (0.0, 1.5)
+    assert not axes.texts, "the rotation of an overturned block is no peak"
+
+
+def test_outcomes_have_all_parameters_that_vary():
+    pulse = rb.Pulse("one-sine", 4.0, 0.8)
+    ties = [rb.Tie(block_z=3.0, ground_x=4.0, stiffness=2e5)]
+    rigid = rb.blocks(alpha=0.2, p=2.0, foundation="rigid", friction=[0.1, 0.3])
+    others = [rb.Block(alpha=0.2, p=2.0, mass=900, eccentricity=0.05, foundation="rigid", friction=0.3, ties=ties)]
+    table = rb.outcomes([*rigid, *others], pulse=pulse)
+    assert table["friction"].tolist() == [0.1, 0.3, 0.3] and table["mass"].tolist() == [1000, 1000, 900]
+    assert table["eccentricity"].tolist() == [0, 0, 0.05] and table.units["eccentricity"] == "m"
+    assert np.array_equal(table["tie_1.stiffness"], [np.nan, np.nan, 2e5], equal_nan=True) and table.units["tie_1.stiffness"] == "N/m"
+    assert len({tuple(map(str, row)) for row in zip(*(table[name] for name in list(table)[:10]))}) == 3
+    wide = [rb.Block(width=width, height=3.2, K=1e7, C=4e4, mass=4000) for width in (0.8, 0.9)]
+    table = rb.outcomes(wide, pulse=pulse)
+    assert table["width"].tolist() == [0.8, 0.9] and not {"height", "mass", "friction", "width"} & set(rb.outcomes(rigid[:1], pulse=pulse))
+    scale = rb.outcomes(rigid, rb.Record([0.0, 1.0, -1.0, 0.0], 0.2), scale=[1.0, 2.0])
+    assert scale["friction"].tolist() == [0.1, 0.3, 0.1, 0.3]
+    curves = scale.plot("scale", ax=plt.figure().add_subplot()).get_legend().get_texts()
+    assert [text.get_text() for text in curves] == ["friction = 0.1", "friction = 0.3"]
+
+
+def test_no_limit_of_friction_is_none_and_sorts_last(rocking):
+    free, low, high = blocks = rb.blocks(friction=[None, 0.05, 0.1])
+    assert free == rb.Block() == rb.Block(friction=math.inf) and free.friction == math.inf and "friction" not in repr(free)
+    assert pickle.loads(pickle.dumps(blocks)) == blocks and high.replace(friction=None) == free
+    pulse = rb.Pulse("one-sine", 5.0, 1.0)
+    table = rb.outcomes(blocks, pulse=pulse, progress=False)
+    study = {"study": {"design": "grid"}, "parameters": {"friction": ["none", 0.05, 0.1], "pulse": {"shape": "one-sine", "amplitude": 5.0}}}
+    for found in (table, rb.sweep(study, progress=False)):
+        assert found["friction"].tolist() == [math.inf, 0.05, 0.1] and found["peak.slip"].tolist() == table["peak.slip"].tolist()
+    assert table["peak.slip"][0] == 0 and table["peak.slip"][1] > table["peak.slip"][2] > 0
+    assert not hasattr(free.run(pulse=pulse, duration=0.1), "slip") and hasattr(low.run(pulse=pulse, duration=0.1), "slip")
+    spectra = [rb.spectrum(p=[1, 2], pulse=pulse, friction=friction, progress=False) for friction in (None, math.inf, 0.05)]
+    assert spectra[0] == spectra[1] and "peak.slip" not in spectra[0] and "peak.slip" in spectra[2]
+    for make in (rb.Block, rb.blocks, lambda friction: rb.spectrum(p=1, pulse=pulse, friction=friction)):
+        for wrong in (0, -0.1, math.nan):
+            with pytest.raises(ValueError, match="friction = .*; expected a number > 0, or None for no limit"):
+                make(friction=wrong)
+
+
 def test_notebooks_show_results_as_tables(record):
     run = rb.Block(alpha=0.15).run(theta=0.1, duration=0.5)
     table = rb.Table({"a<b": np.arange(12.0), "outcome": ["completed"] * 12}, {"a<b": "m"})
     assert "<th>a&lt;b [m]</th>" in table._repr_html_() and table._repr_html_().count("<tr>") == 11
     assert "0.6667" in run._repr_html_() and "PGA" in record._repr_html_()
+    names = ["../records/" + name for name in ("a.smc", "a_name_of_a_file_that_is_too_long.AT2 (channel 2)")]
+    shown = rb.Table({"record": names, "note": names})._repr_html_()
+    assert '<td title="../records/a.smc">a.smc</td>' in shown and "<td>../records/a.smc</td>" in shown
+    assert f'<td title="{names[1]}">…{names[1][-27:]}</td>' in shown
+    shown = CABINET._repr_html_()
+    assert "<td>friction</td><td>0.4</td>" in shown and "<td>α left</td><td>0.3" in shown and "<td>tie 1</td><td>Tie(block_x=-0.4" in shown
+    assert "<td>K, C of a support</td>" in rb.Block()._repr_html_() and "friction" not in rb.Block()._repr_html_()
+    hazard = rb.Hazard(np.geomspace(0.1, 2, 12), np.geomspace(1e-2, 1e-4, 12), im="PGV", unit="m/s")._repr_html_()
+    assert "<th>PGV [m/s]</th>" in hazard and hazard.count("<tr>") == 11 and "<td>0.01</td><td>100</td>" in hazard
+
+
+def test_signatures_in_help_are_short():
+    """`Union[numpy._typing…]` of expanded aliases filled screens."""
+    for name, value in public():
+        if callable(value):
+            text = str(inspect.signature(value))
+            assert len(text) < 1000 and "numpy._typing" not in text and "Union[" not in text, (name, text)
+    assert "p: 'npt.ArrayLike'" in str(inspect.signature(rb.spectrum))
 
 
 def test_what_is_not_installed_is_named(monkeypatch):
@@ -304,6 +394,53 @@ def test_outcomes_have_slip_and_limits_on_it():
         rb.fragility(rows, im="PGV", limit="slip:no")
 
 
+def test_a_block_on_ties_says_what_happened_to_it():
+    ties = [rb.Tie(block_z=1.8, ground_x=x, ground_z=1.8, stiffness=6e4, slack=0.6, damping=2e4) for x in (-1.5, 1.5)]
+    block = rb.Block(alpha=0.2, p=2.0, mass=1000.0, foundation="rigid", ties=ties)
+    pulse = rb.Pulse("one-sine", amplitude=4.0, period=1.5)
+    run = block.run(pulse=pulse, progress=False)
+    assert run.passed_balance and run.ends_tilted and run.outcome == "completed"
+    table = rb.outcomes(block, pulse=pulse, progress=False)
+    assert np.isclose(table["peak.theta/balance"][0], run.peak.theta / 0.2, rtol=1e-5)
+    assert np.isclose(table["end.theta/alpha"][0], run.theta[-1] / 0.2, rtol=1e-3)
+    assert table["ties.broken"][0] == 0 and np.isnan(table["first_break"][0]) and table.units["first_break"] == "s"
+    calm = rb.Block(alpha=0.2, p=2.0, foundation="rigid").run(theta=0.1, progress=False)
+    assert not calm.passed_balance and not calm.ends_tilted
+
+
+def test_undecided_blocks_on_ties_count_by_their_balance_or_give_a_range():
+    rows = {
+        "PGV": np.arange(2, 10) / 10,
+        "outcome": ["completed"] * 4 + ["undecided", "completed", "undecided", "undecided"],
+        "peak.theta/alpha": [0.1, 0.2, 1.1, 0.4, 1.4, 0.6, 1.3, 1.8],
+    }
+    rows["peak.theta/balance"] = rows["peak.theta/alpha"]
+    fit = rb.fragility(rows, im="PGV", progress=False)
+    assert fit.limit == "balance" and fit.exceeded == (0.5, 0.5)
+    rows["peak.theta/alpha"] = [0.1, 1.5, 1.1, 0.4, 1.2, 0.6, 1.3, 1.3]
+    with pytest.warns(UserWarning, match=r"1 undecided rows may exceed the limit.* 37\.5 % to 50\.0 %"):
+        higher = rb.fragility(rows, im="PGV", limit=1.25, progress=False)
+    assert higher.exceeded == (0.375, 0.5)
+
+
+def test_unknown_samples_of_ensembles_give_a_range():
+    exceeded, unknown = np.array([0, 1, 3, 0, 4, 7]), np.array([0, 4, 0, 8, 2, 0])
+    known = 8 - unknown
+    rows = {
+        "PGV": np.arange(1, 7) / 10,
+        "outcome": ["completed"] * 3 + ["undecided"] + ["completed"] * 2,
+        "peak.theta/alpha": [0.5] * 6,
+        "ensemble.samples": [8] * 6,
+        "ensemble.unknown(overturned)": unknown,
+        "P(overturned)": np.where(known > 0, exceeded / np.maximum(known, 1), np.nan),
+    }
+    words = r"1 undecided rows .*; in 2 rows, samples without a known outcome .* 31\.2 % to 60\.4 %"
+    with pytest.warns(UserWarning, match=words):
+        fit = rb.fragility(rows, im="PGV", progress=False)
+    assert fit.exceeded == (15 / 48, 29 / 48) and fit.undecided == 1
+    assert pickle.loads(pickle.dumps(fit)).exceeded == fit.exceeded
+
+
 @pytest.mark.parametrize(
     "wrong, words",
     [
@@ -313,6 +450,7 @@ def test_outcomes_have_slip_and_limits_on_it():
         ({"inertia": 9.0}, "inertia has no effect without width"),
         ({"width": 1, "height": 4, "center_height": 2, "foundation": "rigid"}, "height has no effect with center_height"),
         ({"width": 1, "height": 4, "inertia": 3, "mass": 2, "gamma": 2, "foundation": "rigid"}, "gamma has no effect"),
+        ({"width": 1, "height": 4, "inertia": 3, "mass": 2, "gamma": 3, "foundation": "rigid"}, "gamma has no effect"),
     ],
 )
 def test_what_makes_no_block_is_refused(wrong, words):

@@ -134,7 +134,7 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
          "amplitude is missing; expected that of the pulse, a_p [m/s2]"),
         (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", '
          '"symmetric-ricker", "antisymmetric-ricker", "gabor"'),
-        (lambda: rb.Pulse("c1", 1.0, phase=0.5), 'phase = 0.5 has no effect on a c1 pulse; expected it with "gabor"'),
+        (lambda: rb.Pulse("c1", 1.0, phase=0.5), 'phase has no effect without shape = "gabor"'),
         (lambda: rb.Pulse("gabor", 1.0, cycles=0.5), "cycles = 0.5; expected a number of at least 1"),
         (lambda: rb.Pulse("c1", 1.0, period=0.0), "period = 0; expected a time > 0 s"),
         (lambda: rb.Record([1.0], 0.01), "acceleration has 1 samples; expected at least two"),
@@ -255,10 +255,31 @@ def test_supports_that_let_the_block_fall_over_are_warned_of():
 def test_accelerations_of_no_earthquake_are_warned_of():
     with pytest.warns(UserWarning, match=r"made up: the PGA is 150 m/s², 15.3 g; expected samples in m/s²"):
         rb.Record([0.0, 150.0, 0.0], 0.01, "made up")
+    with pytest.warns(UserWarning, match=r"made up: the PGA is 135 m/s², 15 g; expected samples in m/s²"):
+        rb.Record([0.0, 15.0, 0.0], 0.01, "made up", unit="g", g=9.0)
+    with pytest.warns(UserWarning, match=r"made up: the PGA is 50 m/s²"):
+        rb.Record([0.0, 50.0, 0.0], 0.01, "made up")
     with pytest.raises(ValueError, match=r"made up: the PGA is 250 m/s², 25.5 g, with unit = 'm/s2'; expected at most 20 g"):
         rb.Record([0.0, 250.0, 0.0], 0.01, "made up")
     with pytest.warns(UserWarning, match=r"amplitude = 200 m/s² is 20.4 g; expected m/s²"):
         rb.Pulse("c1", 200.0)
+
+
+def test_a_pulse_before_the_start_is_warned_of_where_nothing_else_moves_the_ground():
+    early = rb.Pulse("one-sine", 6.0, period=0.5, start=-2.0)
+    with pytest.warns(UserWarning, match=r"the pulse ends at -1.5 s, before the run starts at 0 s") as found:
+        BLOCK.run(pulse=early, theta=0.1, duration=1.0)
+    assert found[0].filename == __file__
+    with pytest.warns(UserWarning, match=r"the pulse ends at -1.5 s, before the run starts at 0 s") as found:
+        rb.outcomes(BLOCK, pulse=early)
+    assert found[0].filename == __file__
+    # A record begins with it.
+    assert BLOCK.run(RECORD, pulse=early, duration=1.0)["t"][0] == -2.0
+
+
+def test_a_block_beyond_reason_is_warned_of():
+    with pytest.warns(UserWarning, match=r"the block is 600 m wide and 2400 m high .* expected 0.001 to 200 m"):
+        rb.Block(width=600.0, height=2400.0, foundation="rigid")
 
 
 def test_records_may_be_files_and_come_one_by_one(path):
@@ -282,7 +303,7 @@ def test_files_that_cannot_be_read(tmp_path):
         rb.read_record(file, dt=0.01, unit="furlong")
     with pytest.raises(ValueError, match="channel = -1; expected a whole number from 1"):
         rb.read_record(file, dt=0.01, unit="g", channel=-1)
-    with pytest.raises(ValueError, match="channel has no effect without a COSMOS or CSMIP file"):
+    with pytest.raises(ValueError, match="channel has no effect without a file of several channels"):
         rb.read_record(file, dt=0.01, unit="g", channel=1)
     read = rb.read_record(file, dt=0.01, unit="g", g=10.0)
     assert np.array_equal(read.acceleration, 10.0 * np.array([0.1, 0.2, 0.3])) and read.dt == 0.01
@@ -305,8 +326,32 @@ def test_arguments_broadcast():
 def test_records_are_distinguished():
     named = rb.Record(RECORD.acceleration, RECORD.dt, "quake")
     table = rb.outcomes(BLOCK, [RECORD, named, RECORD, named], scale=[1, 2])
-    assert table["record"].tolist() == ["0", "0", "quake", "quake", "2", "2", "quake (3)", "quake (3)"]
+    unnamed = table["record"][0]
+    # Equal contents are one record, in this table and in others.
+    assert unnamed.startswith("record ") and table["record"].tolist() == [unnamed, unnamed, "quake", "quake"] * 2
     assert table["scale"].tolist() == [1, 2] * 4
+    other = rb.Record(2 * RECORD.acceleration, RECORD.dt, "quake")
+    names = rb.outcomes(BLOCK, [rb.Record(other.acceleration, RECORD.dt), RECORD, named, other])["record"].tolist()
+    assert len(set(names)) == 4 and names[1] == unnamed and names[0] != unnamed
+    assert all(name.startswith("quake (") for name in names[2:])
+
+
+def test_equal_records_and_great_scales_are_warned_of():
+    twins = [rb.Record(RECORD.acceleration, RECORD.dt, name) for name in ("a", "b")]
+    with pytest.warns(UserWarning, match="a and b hold the same samples: intervals count them as two records"):
+        rb.outcomes(BLOCK, twins)
+    with pytest.warns(UserWarning, match="scale = 30; expected at most 20, beyond which noise is amplified"):
+        rb.outcomes(BLOCK, RECORD, scale=[1, -30])
+
+
+def test_files_of_velocities_are_warned_of(tmp_path):
+    velocities = tmp_path / "v.txt"
+    velocities.write_text("".join(f"{np.sin(0.02 * i):.4f}\n" for i in range(1000)))
+    with pytest.warns(UserWarning, match=r"v.txt: its columns have no names, and the mean frequency is 0.32 Hz"):
+        rb.read_record(velocities, dt=0.01, unit="m/s2")
+    (tmp_path / "study.toml").write_text('[study]\ndesign = "grid"\n[[records]]\nhorizontal = "v.txt"\ndt = 0.01\nunit = "m/s2"\n')
+    with pytest.warns(UserWarning, match=r"v.txt: its columns have no names, and the mean frequency is 0.32 Hz"):
+        rb.sweep(tmp_path / "study.toml")
 
 
 def test_a_run_that_fails_is_named():

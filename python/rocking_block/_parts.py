@@ -1,0 +1,157 @@
+"""Studies in parts, on the executors of `concurrent.futures`, Dask, mpi4py, loky and others."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import warnings
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rocking_block import _engine
+from rocking_block._table import Table, of_columns
+from rocking_block._words import optional, ticking
+
+_ROWS = 10_000
+"""Rows of a part by default, some ten seconds of work."""
+
+_PARTS = 32
+"""Least number of parts by default, so that workers end at about the same time."""
+
+
+class Source(NamedTuple):
+    """The file or the content of a study, as workers need it: small, since they read the records themselves."""
+
+    name: str | None
+    text: str
+    folder: str
+    on_separation: str | None
+
+
+def _idle(done: int, total: int) -> None:
+    pass
+
+
+@lru_cache(maxsize=2)
+def _study(source: Source) -> _engine.Study:
+    """Returns the study, which a worker reads once for all parts."""
+    with warnings.catch_warnings():
+        # The caller has been warned.
+        warnings.simplefilter("ignore")
+        return _engine.Study(*source, _idle)
+
+
+def _rows(source: Source, number: int, count: int, threads: int, out: str | None) -> tuple[Any, str | None]:
+    """Returns the columns of a part, and the reason of the first failed run."""
+    return _study(source).part(number, count, threads, _idle)
+
+
+def _file(source: Source, number: int, count: int, threads: int, out: str) -> tuple[int, str | None]:
+    """Writes a part unless it is complete; returns the number of its rows, and the reason of the first failed run."""
+    study, name = _study(source), _engine.part_file_name(number, count)
+    is_local = "://" not in out
+    folder: Any = Folder(out) if is_local else Store(out)
+    if folder.is_complete(name, lambda file: study.is_complete(file, number, count)):
+        return 0, None
+    content, rows, failure = study.part_file(number, count, threads, _idle)
+    folder.write(name, content)
+    return rows, failure
+
+
+class Folder:
+    """A folder of this machine, or one that all machines share."""
+
+    def __init__(self, path: str) -> None:
+        self.path = Path(path)
+        self.path.mkdir(parents=True, exist_ok=True)
+
+    def is_complete(self, name: str, check: Callable[[Path], bool]) -> bool:
+        return (self.path / name).exists() and check(self.path / name)
+
+    def write(self, name: str, content: bytes) -> None:
+        """Writes a file under a temporary name, and renames it once it is on disk."""
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{name}.", suffix=".tmp", dir=self.path)
+        try:
+            with open(descriptor, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(temporary, 0o666 & ~umask)
+            os.replace(temporary, self.path / name)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+
+
+class Store:
+    """A folder by its URL, such as s3://bucket/runs, of any storage that fsspec knows."""
+
+    def __init__(self, url: str) -> None:
+        with optional(f"out = {url}", "fsspec"):
+            import fsspec.core
+        self.files, self.path = fsspec.core.url_to_fs(url)
+        self.files.makedirs(self.path, exist_ok=True)
+
+    def is_complete(self, name: str, check: Callable[[Path], bool]) -> bool:
+        if not self.files.exists(f"{self.path}/{name}"):
+            return False
+        with tempfile.TemporaryDirectory() as folder:
+            self.files.get(f"{self.path}/{name}", f"{folder}/{name}")
+            return check(Path(folder) / name)
+
+    def write(self, name: str, content: bytes) -> None:
+        with self.files.transaction, self.files.open(f"{self.path}/{name}", "wb") as file:
+            file.write(content)
+
+
+def made(
+    source: Source,
+    study: _engine.Study,
+    out: str | None,
+    parts: int | None,
+    executor: Executor,
+    threads: int | None,
+    progress: bool | None,
+) -> tuple[Table | None, str | None]:
+    """Makes the parts of a study on an executor; returns their table unless they are files, and the reason of a failed run."""
+    rows = study.rows
+    count = parts if parts is not None else min(max(_PARTS, -(-rows // _ROWS)), max(rows, 1))
+    if count < 1:
+        raise ValueError(f"parts = {parts}; expected at least 1")
+    task: Callable[..., tuple[Any, str | None]] = _rows if out is None else _file
+    failures, tables, done = [], [], 0
+    futures: dict[Any, int] = {}
+    with ticking(progress) as tick:
+        try:
+            for number in range(1, count + 1):
+                futures[executor.submit(task, source, number, count, threads or 1, out)] = number
+            for future in as_completed(futures):
+                try:
+                    result, failure = future.result()
+                except Exception as error:
+                    kept = "" if out is None else "; the same call makes the missing parts"
+                    raise RuntimeError(f"part {futures[future]} of {count}: {error}{kept}") from error
+                failures.extend([failure] if failure else [])
+                if out is None:
+                    tables.append(result)
+                done += 1
+                tick(done * rows // count, rows)
+        finally:
+            for future in futures:
+                future.cancel()
+    failure = failures[0] if failures else None
+    if out is not None:
+        return None, failure
+    # A part without rows has no columns.
+    filled = [of_columns(table) for table in tables if table]
+    rows_of_parts = Table.concat(filled)
+    ordered = rows_of_parts[np.argsort(rows_of_parts["row"], kind="stable")]
+    # The numbers of the rows are those of the arrays.
+    return of_columns((name, ordered.units.get(name), ordered[name]) for name in ordered if name != "row"), failure

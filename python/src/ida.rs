@@ -1,0 +1,76 @@
+//! Rows of a table at levels of a measure → curves of incremental dynamic analysis.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use rocking_studies::fragility::{self as engine, Response};
+use rocking_studies::run::outcome::End;
+
+use crate::options::invalid;
+
+/// Curves with their fractiles; the Python class of the same name has the documentation. Overturning is an infinite peak, and an unknown one
+/// nan.
+#[pyclass(frozen, subclass, module = "rocking_block._engine")]
+pub struct Ida(engine::Ida);
+
+/// A curve: its name, its levels and the peaks at them.
+type Curve<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+#[pymethods]
+impl Ida {
+    /// Sorts rows into curves: names of block and ground motion, levels, peaks |θ|/α and outcomes.
+    #[new]
+    fn new(
+        names: Vec<String>,
+        levels: PyReadonlyArray1<f64>,
+        peaks: PyReadonlyArray1<f64>,
+        outcomes: Vec<String>,
+    ) -> PyResult<Ida> {
+        let ends = outcomes.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
+        let numbers = levels.as_array().into_iter().copied().zip(peaks.as_array().into_iter().copied());
+        let rows = names.into_iter().zip(numbers).zip(ends);
+        Ok(Ida(engine::Ida::of(
+            rows.map(|((name, (level, peak)), end)| (name, level, Some(peak).filter(|peak| !peak.is_nan()), end)),
+        )))
+    }
+
+    /// Returns the levels of the fractiles.
+    #[getter]
+    fn levels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.0.levels)
+    }
+
+    fn all<'py>(&self, py: Python<'py>) -> Vec<Curve<'py>> {
+        let curve = |curve: &engine::IdaCurve| {
+            let peaks = curve.responses.iter().map(|response| peak(*response));
+            (curve.name.clone(), PyArray1::from_slice(py, &curve.levels), PyArray1::from_iter(py, peaks))
+        };
+        self.0.curves.iter().map(curve).collect()
+    }
+
+    /// Returns the least level that overturns each curve, and the greatest below that does not; nan for both where none overturns.
+    fn brackets(&self) -> Vec<(f64, f64)> {
+        let bracket =
+            |curve: &engine::IdaCurve| curve.overturning().map_or((f64::NAN, f64::NAN), |[low, high]| (low, high));
+        self.0.curves.iter().map(bracket).collect()
+    }
+
+    fn peaks<'py>(&self, py: Python<'py>, fraction: f64) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.0.fractile(fraction).into_iter().map(peak))
+    }
+
+    fn overturning_level(&self, fraction: f64) -> Option<f64> {
+        self.0.overturning(fraction)
+    }
+
+    fn reaching_level(&self, fraction: f64, peak: f64) -> Option<f64> {
+        self.0.reaching(fraction, peak)
+    }
+}
+
+fn peak(response: Response) -> f64 {
+    match response {
+        Response::Stands(peak) => peak,
+        Response::Overturns => f64::INFINITY,
+        Response::Unknown => f64::NAN,
+    }
+}

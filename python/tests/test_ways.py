@@ -1,0 +1,168 @@
+"""Incremental dynamic analysis, clouds and stripes, compared with sweeps, SciPy, statsmodels and planted data."""
+
+import pickle
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy import stats
+from test_assess import RECORDS
+
+import rocking_block as rb
+
+HUNT = {
+    "study": {"design": "grid", "hunt": {"im": "PGV", "first": 0.1, "runs": 10}},
+    "parameters": {"foundation": "rigid", "alpha": 0.15, "p": [1.5, 2.2]},
+    "records": [{"horizontal": f"{RECORDS}/*.smc"}],
+}
+
+
+def test_an_analysis_has_the_runs_of_its_study():
+    analysis = rb.ida(HUNT)
+    assert (analysis.im, analysis.unit, len(analysis.curves)) == ("PGV", "m/s", 4)
+    assert analysis.table == rb.sweep(HUNT)
+    for number, (curve, (stands, overturns)) in enumerate(zip(analysis.curves, analysis.capacities, strict=True)):
+        rows = analysis.table[10 * number : 10 * number + 10]
+        order = np.argsort(rows["PGV"])
+        assert np.array_equal(curve.levels, rows["PGV"][order])
+        expected = np.where(rows["outcome"] == "overturned", np.inf, rows["peak.theta/alpha"])[order]
+        assert np.array_equal(curve.peaks, expected)
+        assert overturns == rows["PGV"][rows["outcome"] == "overturned"].min() and 0.85 * overturns < stands < overturns
+    assert repr(pickle.loads(pickle.dumps(analysis))) == repr(analysis)
+    middle = np.sort(analysis.capacities.mean(axis=1))
+    assert [analysis.level(fraction) for fraction in (0.16, 0.5, 0.84)] == [middle[0], middle[1], middle[3]]
+    # All curves cross the peak before they overturn.
+    assert analysis.level(0.84, peak=0.1) < analysis.level(0.84)
+    assert analysis.plot().get_xlabel() == "peak |θ|/α"
+    plt.close("all")
+
+
+def test_given_levels_are_those_of_all_curves():
+    study = HUNT | {"study": {"design": "grid", "levels": {"im": "PGV", "values": [0.2, 0.4, 0.8]}}}
+    analysis = rb.ida(study)
+    assert analysis.levels.tolist() == [0.2, 0.4, 0.8]
+    peaks = np.array([curve.peaks for curve in analysis.curves])
+    assert np.array_equal(analysis.fractile(0.5), np.sort(peaks, axis=0)[1])
+    assert rb.ida(rb.sweep(study), "PGV").fractile(0.84).tolist() == analysis.fractile(0.84).tolist()
+    table = analysis.table.to_frame()
+    assert np.array_equal(rb.ida(table, "PGV [m/s]").fractile(0.5), analysis.fractile(0.5))
+
+
+@pytest.mark.parametrize(
+    "study, options, message",
+    [
+        (HUNT | {"study": {"design": "grid"}}, {}, "the study has no levels; expected levels or hunt"),
+        (rb.Table({"PGV": [0.1], "outcome": ["completed"], "peak.theta/alpha": [0.1]}), {}, "im is missing"),
+        (rb.Table({"PGV": [0.1], "outcome": ["completed"], "peak.theta/alpha": [0.1]}), {"im": "PGV"}, "the table names no records"),
+        (rb.Table({"record": ["a"], "scale": [1.0]}), {"im": "PGV", "threads": 1}, "threads has no effect on a table"),
+    ],
+)
+def test_what_is_no_analysis_is_refused(study, options, message):
+    with pytest.raises(ValueError, match=message):
+        rb.ida(study, **options)
+
+
+def planted(rows=400, seed=3):
+    """Rotations about a line, with overturning by a logistic curve, records that do not rock, and a magnitude that adds to the measure."""
+    random = np.random.default_rng(seed)
+    pgv = np.exp(random.normal(-1.0, 0.6, rows))
+    magnitude = random.uniform(5.5, 7.5, rows)
+    peak = np.exp(0.3 + 1.2 * np.log(pgv) + 0.1 * (magnitude - 6.5) + 0.35 * random.normal(size=rows))
+    overturns = random.uniform(size=rows) < 1.0 / (1.0 + np.exp(-(0.5 + 4.0 * np.log(pgv / 0.9))))
+    rocks = random.uniform(size=rows) < 1.0 / (1.0 + np.exp(-5.0 * np.log(pgv / 0.15)))
+    outcome = np.where(overturns, "overturned", "completed")
+    peak = np.where(overturns, 10.0, np.where(rocks, peak, 0.0))
+    return rb.Table({"PGV": pgv, "magnitude": magnitude, "outcome": outcome, "peak.theta/alpha": peak}, {"PGV": "m/s"})
+
+
+def test_a_cloud_is_that_of_independent_programs():
+    models = pytest.importorskip("statsmodels.discrete.discrete_model")
+    table = planted()
+    found = rb.cloud(table, "PGV", beside="magnitude")
+    stands = (table["outcome"] == "completed") & (table["peak.theta/alpha"] > 0.0)
+    x, y = np.log(table["PGV"][stands]), np.log(table["peak.theta/alpha"][stands])
+    line = stats.linregress(x, y)
+    assert np.allclose([found.a, found.b], [line.intercept, line.slope], rtol=1e-12)
+    assert np.allclose(found.standard_errors, [line.intercept_stderr, line.stderr], rtol=1e-10)
+    assert np.isclose(found.r_squared, line.rvalue**2, rtol=1e-12)
+    residuals = y - line.intercept - line.slope * x
+    assert np.isclose(found.beta, np.sqrt(np.sum(residuals**2) / (len(x) - 2)), rtol=1e-12) and found.efficiency == found.beta
+    assert np.isclose(found.proficiency, found.beta / line.slope, rtol=1e-12)
+    beside = stats.linregress(table["magnitude"][stands], residuals)
+    assert np.isclose(found.sufficiency["magnitude"].slope, beside.slope, rtol=1e-10)
+    assert np.isclose(found.sufficiency["magnitude"].p, beside.pvalue, rtol=1e-6, atol=1e-13)
+    at = np.array([[0.1, 0.3], [0.6, 1.5]])
+
+    def logistic(rows, does):
+        design = np.column_stack([np.ones(rows.sum()), np.log(table["PGV"][rows])])
+        fit = models.Logit(does[rows].astype(float), design).fit(disp=0, tol=1e-12, maxiter=200)
+        return fit.predict(np.column_stack([np.ones(at.size), np.log(at.ravel())])).reshape(at.shape)
+
+    overturned = table["outcome"] == "overturned"
+    collapse, rocks = logistic(np.ones(table.rows, dtype=bool), overturned), logistic(~overturned, stands)
+    assert np.allclose(found.curve(at), collapse, rtol=1e-6)
+    exceeds = stats.norm.sf((np.log(0.5) - found.a - found.b * np.log(at)) / found.beta)
+    assert np.allclose(found.curve(at, limit=0.5), collapse + (1.0 - collapse) * rocks * exceeds, rtol=1e-6)
+    # The share of rows that exceed the limit is that of the curve on average.
+    exceeded = overturned | (table["peak.theta/alpha"] > 0.5)
+    assert abs(found.curve(table["PGV"], limit=0.5).mean() - exceeded.mean()) < 0.02
+    assert found.plot().get_ylabel() == "peak |θ|/α"
+    plt.close("all")
+
+
+def test_students_distribution_is_that_of_scipy():
+    from rocking_block._cloud import _exceedance
+
+    for freedom in (1, 2, 3, 4, 7, 30, 101):
+        for t in (0.0, 0.3, 1.0, 2.5, 6.0):
+            assert np.isclose(_exceedance(t, freedom), 2.0 * stats.t.sf(t, freedom), rtol=1e-9, atol=1e-14), (t, freedom)
+
+
+def test_a_cloud_without_overturning_or_with_a_clear_threshold():
+    rows = {"PGV": [0.1, 0.2, 0.3, 0.5, 0.8], "peak.theta/alpha": [0.0, 0.1, 0.2, 0.3, 0.6], "outcome": ["completed"] * 5}
+    found = rb.cloud(rb.Table(rows), "PGV")
+    assert found.curve([0.5, 5.0]).tolist() == [0.0, 0.0] and found.overturning.fit is None
+    # Between 0.1 and 0.2 blocks begin to rock.
+    threshold = np.sqrt(0.02)
+    assert found.rocking.curve([0.99 * threshold, 1.01 * threshold]).tolist() == [0.0, 1.0]
+    with pytest.raises(ValueError, match="found 2 rows that rock and stand; expected three or more"):
+        rb.cloud(rb.Table(rows)[:3], "PGV")
+    with pytest.raises(ValueError, match='limit = 0.0; expected "overturned" or a rotation'):
+        found.curve(0.5, limit=0.0)
+    with pytest.raises(ValueError, match="T_m does not vary"):
+        rb.cloud(rb.Table({**rows, "T_m": [1.0] * 5}), "PGV", beside="T_m")
+
+
+def test_stripes_are_the_binomial_fit_of_their_counts():
+    counts = {0.2: (1, 20), 0.4: (5, 20), 0.6: (11, 20), 0.9: (16, 25)}
+    rows = [(level * (1.0 + 1e-15 * i), i < exceeded) for level, (exceeded, runs) in counts.items() for i in range(runs)]
+    levels, words = zip(*((level, "overturned" if does else "completed") for level, does in rows), strict=True)
+    found = rb.stripes(rb.Table({"PGV": levels, "outcome": words}, {"PGV": "m/s"}), "PGV")
+    assert found.runs.tolist() == [20, 20, 20, 25] and found.exceeded.tolist() == [1, 5, 11, 16]
+    regression = pytest.importorskip("statsmodels.genmod.generalized_linear_model")
+    families = pytest.importorskip("statsmodels.genmod.families")
+    stands = found.runs - found.exceeded
+    family = families.Binomial(link=families.links.Probit())
+    design = np.column_stack([np.ones(4), np.log(found.levels)])
+    peer = regression.GLM(np.column_stack([found.exceeded, stands]), design, family=family).fit(tol=1e-14, maxiter=200)
+    assert np.allclose(found.fit.coefficients, peer.params, rtol=1e-7)
+    assert len(found.plot().lines) > 1
+    plt.close("all")
+    with pytest.raises(ValueError, match="expected stripes of several runs"):
+        rb.stripes(planted(), "PGV")
+
+
+def test_stripes_of_a_published_example():
+    """The example that J. W. Baker published beside Earthquake Spectra 31 (2015) 579-599, 40 motions at each of eight levels."""
+    optimize = pytest.importorskip("scipy.optimize")
+    stats = pytest.importorskip("scipy.stats")
+    levels, collapses = np.array([0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0]), np.array([0, 0, 0, 4, 6, 13, 12, 16])
+    words = [["overturned"] * n + ["completed"] * (40 - n) for n in collapses]
+    found = rb.stripes({"IM": np.repeat(levels, 40), "outcome": sum(words, [])}, "IM")
+
+    def cost(x):
+        return -stats.binom.logpmf(collapses, 40, stats.norm.cdf((np.log(levels) - x[0]) / np.exp(x[1]))).sum()
+
+    peer = np.exp(optimize.minimize(cost, [0.0, -1.0], method="Nelder-Mead", options={"xatol": 1e-12, "fatol": 1e-14}).x)
+    assert np.allclose([found.fit.median, found.fit.beta], peer, rtol=1e-6)
+    assert found.fractions.tolist() == (collapses / 40).tolist()
