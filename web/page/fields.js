@@ -17,8 +17,9 @@ const settings = (prefix, slot, when) => [
   { id: `${prefix}dt`, label: "Time step", unit: "s", value: "", hint: "as the file says", group: slot, when },
   { id: `${prefix}format`, label: "Format", kind: "choice", value: "", group: slot, when, options: [
     ["", "by its content"], ["peer", "PEER AT2"], ["smc", "USGS SMC"], ["columns", "table (CSV)"], ["cosmos", "COSMOS"],
-    ["csmip", "CSMIP"], ["esm", "ESM"]] },
-  { id: `${prefix}channel`, label: "Channel", value: "", hint: "from 1", group: slot, when },
+    ["csmip", "CSMIP"], ["esm", "ESM, AFAD"], ["knet", "K-NET, KiK-net"], ["geonet", "GeoNet"], ["nsmn", "NSMN (Turkey)"],
+    ["unam", "UNAM"], ["renadic", "RENADIC"], ["bhrc", "BHRC"], ["usc", "USC"], ["jma", "JMA"], ["cwb", "CWB"]] },
+  { id: `${prefix}channel`, label: "Channel", value: "", hint: "name or number", group: slot, when },
   { id: `${prefix}acceleration_column`, label: "Column of accelerations", value: "", hint: "name or number", group: slot, when },
   { id: `${prefix}time_column`, label: "Column of times", value: "", hint: "name or number", group: slot, when },
 ];
@@ -56,8 +57,10 @@ export const FIELDS = [
   { id: "damping", label: "Damping of a support", symbol: "C", unit: "N·s/m", value: "4000", slider: [1e2, 1e8, "log"], group: "foundation", when: all(supports, inStiffness) },
   { id: "epsilon", label: "Restitution of a corner", symbol: "ε", unit: "1", value: "0", slider: [0, 1], group: "foundation" },
   { id: "restitution_factor", label: "Factor on Housner’s e", unit: "1", value: "1", slider: [0.8, 1.1], group: "foundation", when: on("foundation", "rigid") },
-  { id: "friction", label: "Friction", symbol: "μ", unit: "1", value: "0", slider: [0, 1], group: "foundation", title: "0: no limit, the feet do not slide" },
-  { id: "surfaces_friction", label: "Friction of", kind: "choice", value: "", group: "foundation", surfaces: "friction", options: [["", "choose surfaces"]] },
+  { id: "sliding", label: "The feet", kind: "segments", value: "none", group: "foundation",
+    options: [["none", "do not slide"], ["friction", "slide with friction"]] },
+  { id: "friction", label: "Friction", symbol: "μ", unit: "1", value: "0.4", slider: [0.01, 1, "log"], group: "foundation", when: on("sliding", "friction") },
+  { id: "surfaces_friction", label: "Friction of", kind: "choice", value: "", group: "foundation", when: on("sliding", "friction"), surfaces: "friction", options: [["", "choose surfaces"]] },
   { id: "surfaces_restitution", label: "Restitution of", kind: "choice", value: "", group: "foundation", surfaces: "restitution_factor",
     when: on("foundation", "rigid"), options: [["", "choose surfaces"]] },
 
@@ -76,7 +79,7 @@ export const FIELDS = [
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
-  { id: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
+  { id: "record", slot: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
   { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
     options: [["one-sine", "one sine (type A)"], ["one-cosine", "one cosine (type B)"], ["c1", "type C1"], ["c2", "type C2"], ["half-sine", "half sine"],
@@ -91,7 +94,7 @@ export const FIELDS = [
   ...settings("", "file", on("excitation", "file")),
   { id: "vertical", label: "Vertical motion", kind: "segments", value: "none", group: "vertical", when: record,
     options: [["none", "none"], ["file", "from a file"]] },
-  { id: "vertical_file", errors: "vertical", label: "Vertical accelerogram", kind: "file", group: "vertical", when: hasVertical },
+  { id: "vertical_file", slot: "vertical", errors: "vertical", label: "Vertical accelerogram", kind: "file", group: "vertical", when: hasVertical },
   ...settings("vertical_", "vertical", hasVertical),
 
   { id: "on_separation", label: "When the block leaves the ground", kind: "segments", value: "fly", group: "run",
@@ -118,13 +121,25 @@ export const STATE = FIELDS.filter((field) => field.kind !== "file" && !field.pr
 
 export const DEFAULTS = Object.fromEntries(STATE.map(({ id, value }) => [id, value]));
 
-/** The state in the address, with defaults for the rest. Names of files are kept as a reminder. */
+const inHash = (hash) => new URLSearchParams(hash.replace(/^#/, ""));
+
+/** Names of files are kept in the address as a reminder. */
+const isKnown = (id) => Object.hasOwn(DEFAULTS, id) || id === "record_name" || id === "vertical_name";
+
+/** The state in the address, with defaults for the rest. */
 export function fromHash(hash) {
   const state = { ...DEFAULTS };
-  for (const [id, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
-    if (id in DEFAULTS || id === "record_name" || id === "vertical_name") state[id] = value;
-  }
+  const given = inHash(hash);
+  for (const [id, value] of given) if (isKnown(id)) state[id] = value;
+  // Links of earlier versions have no switch: a coefficient above 0 was the limit.
+  if (!given.has("sliding") && Number(given.get("friction")) > 0) state.sliding = "friction";
   return state;
+}
+
+/** A message for each name in the address that is no field's. */
+export function unknownIn(hash) {
+  const names = [...inHash(hash).keys()].filter((id) => !isKnown(id));
+  return names.map((id) => ({ field: "link", message: `found ${id.slice(0, 40)}; expected the name of a field, as eta` }));
 }
 
 /** The address of a state: only the values that differ from the defaults and are in use. */

@@ -4,6 +4,9 @@ import uPlot from "uplot";
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+/** Lengths of text (px) at the size of text that the user has chosen. */
+const scaled = (length) => (length / 16) * parseFloat(getComputedStyle(document.documentElement).fontSize);
+
 /** Greatest |θ|/α that is drawn. */
 const MAX_ROTATION = 1.6;
 
@@ -14,13 +17,13 @@ function axes(xLabel, yLabel, x = true) {
     stroke: () => colour("--ink-soft"),
     grid: { stroke: () => colour("--grid"), width: 1 },
     ticks: { stroke: () => colour("--grid"), width: 1, size: 4 },
-    font: "12px system-ui, sans-serif",
-    labelFont: "12px system-ui, sans-serif",
+    font: `${scaled(12)}px system-ui, sans-serif`,
+    labelFont: `${scaled(12)}px system-ui, sans-serif`,
     labelGap: 0,
   });
   return [
-    { ...common(), label: x ? xLabel : null, labelSize: 18, size: x ? 24 : 8, values: x ? undefined : (u, splits) => splits.map(() => "") },
-    { ...common(), label: yLabel, labelSize: 20, size: 52, space: 22, values: (u, splits) => splits.map((value) => String(Number(value.toPrecision(6))).replace("-", "−")) },
+    { ...common(), label: x ? xLabel : null, labelSize: scaled(18), size: x ? scaled(24) : 8, values: x ? undefined : (u, splits) => splits.map(() => "") },
+    { ...common(), label: yLabel, labelSize: scaled(20), size: scaled(52), space: scaled(22), values: (u, splits) => splits.map((value) => String(Number(value.toPrecision(6))).replace("-", "−")) },
   ];
 }
 
@@ -107,7 +110,7 @@ export class Histories {
     const sync = { key: "time" };
     const base = (label, height, aria) => ({
       width: this.root.clientWidth,
-      height,
+      height: scaled(height),
       padding: [8, 12, 0, 0],
       cursor: { sync, drag: { x: true, y: false }, points: { size: 6 } },
       legend: { show: false },
@@ -127,7 +130,7 @@ export class Histories {
     regimes.scales.y = { range: () => [-1.5, rows.length - 1.5] };
     regimes.series = [{}, { label: "touching", stroke: "transparent", points: { show: false }, paths: () => null,
       value: (u, value) => rows.find(([regime]) => regime === value)?.[1] ?? "–" }];
-    regimes.axes[1] = { ...regimes.axes[1], label: null, size: 72, splits: () => rows.map(([regime]) => regime),
+    regimes.axes[1] = { ...regimes.axes[1], label: null, size: scaled(72), splits: () => rows.map(([regime]) => regime),
       values: (u, splits) => splits.map((value) => rows.find(([regime]) => regime === value)?.[1] ?? ""), grid: { show: false }, ticks: { show: false } };
     regimes.hooks = { draw: [(u) => this.#drawRegimes(u)] };
     const slip = base("slip (mm)", 130, "Displacement of the foot from its position at the start, over time");
@@ -205,13 +208,13 @@ export class Histories {
 export class StudyPlot {
   constructor(root, { xLabel, yLabel, series, x, range, log, alarm, aria }) {
     this.root = root;
-    root.replaceChildren();
+    const height = scaled(260);
     this.data = [x, ...series.map(() => new Array(x.length).fill(null))];
     const plotAxes = axes(xLabel, yLabel);
     this.plot = new uPlot(
       {
         width: root.clientWidth,
-        height: 260,
+        height,
         padding: [10, 14, 0, 0],
         legend: { show: true, live: true },
         scales: { x: { time: false, distr: log ? 3 : 1 }, y: { range: () => range } },
@@ -224,7 +227,7 @@ export class StudyPlot {
     );
     this.plot.root.setAttribute("role", "img");
     this.plot.root.setAttribute("aria-label", aria);
-    this.observer = new ResizeObserver(() => root.clientWidth > 0 && this.plot.setSize({ width: root.clientWidth, height: 260 }));
+    this.observer = new ResizeObserver(() => root.clientWidth > 0 && this.plot.setSize({ width: root.clientWidth, height }));
     this.observer.observe(root);
   }
 
@@ -238,5 +241,10 @@ export class StudyPlot {
 
   redraw() {
     this.plot.redraw(false);
+  }
+
+  destroy() {
+    this.observer.disconnect();
+    this.plot.destroy();
   }
 }

@@ -4,6 +4,7 @@ Skipped without Chromium; ROCKING_BLOCK_SKIPPED then names the file of skipped t
 target/web/screenshots.
 """
 
+import csv
 import os
 import re
 import shutil
@@ -18,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PAGE = ROOT / "target/web/rocking.html"
 SCREENSHOTS = ROOT / "target/web/screenshots"
+AXE = ROOT / "web/node_modules/axe-core/axe.min.js"
 PROGRAM = TARGET / "release/rocking"
 FLAGS = [
     "--no-sandbox",
@@ -30,9 +32,13 @@ FLAGS = [
 ]
 
 
+def chromium() -> str | None:
+    return shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
 @pytest.fixture(scope="module")
 def browser():
-    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    path = chromium()
     if path is None:
         if skipped := os.environ.get("ROCKING_BLOCK_SKIPPED"):
             with open(skipped, "a") as file:
@@ -44,14 +50,24 @@ def browser():
         browser.close()
 
 
+@pytest.fixture(scope="module")
+def large_text(browser: Browser):
+    """A browser whose user has doubled the size of text."""
+    flags = [*FLAGS, "--blink-settings=defaultFontSize=32"]
+    browser = browser.browser_type.launch(executable_path=chromium(), args=flags)
+    yield browser
+    browser.close()
+
+
 @pytest.fixture
 def visit(browser: Browser):
     """Opens the page in a context of its own; any error of a script, and any request to a network, fails the test."""
     contexts, faults = [], []
 
-    def open_page(fragment: str = "", **options) -> Page:
+    def open_page(fragment: str = "", script: str = "", browser: Browser = browser, **options) -> Page:
         context = browser.new_context(**{"viewport": {"width": 1360, "height": 900}, **options})
         contexts.append(context)
+        context.add_init_script(script)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("request", lambda request: None if local(request.url) else faults.append(request.url))
@@ -64,12 +80,19 @@ def visit(browser: Browser):
     assert faults == []
 
 
+# A block on supports with two ties.
+TIED = "tie=two&tie_1_stiffness=3e4&tie_2_strength=2000"
+
+
 def local(url: str) -> bool:
     return urlparse(url).scheme in ("file", "blob", "data")
 
 
 def ran(page: Page, runs: int = 1) -> None:
-    page.wait_for_function(f"Number(document.documentElement.dataset.runs ?? 0) >= {runs}")
+    """Waits until the page has shown so many runs, and has none under way."""
+    page.wait_for_function(
+        f"Number(document.documentElement.dataset.runs ?? 0) >= {runs} && !document.getElementById('result').hasAttribute('aria-busy')"
+    )
 
 
 def runs(page: Page) -> int:
@@ -122,10 +145,12 @@ def test_the_address_reproduces_a_run(visit):
     page.click("label:has-text('pulse') >> nth=0")
     expect(page.locator("#command")).to_contain_text("--pulse one-sine")
     fill(page, "amplitude", "5.5")
+    page.click("label:has-text('slide with friction')")
     fill(page, "friction", "0.35")
-    page.wait_for_function("location.hash.includes('friction')")
+    page.wait_for_function("location.hash.includes('friction=0.35')")
     state = parse_qs(urlparse(page.url).fragment)
-    assert state == {"foundation": ["rigid"], "friction": ["0.35"], "excitation": ["pulse"], "amplitude": ["5.5"]}
+    sliding = {"sliding": ["friction"], "friction": ["0.35"]}
+    assert state == sliding | {"foundation": ["rigid"], "excitation": ["pulse"], "amplitude": ["5.5"]}
     again = visit("#" + urlparse(page.url).fragment)
     ran(again)
     assert again.inner_text("#command") == page.inner_text("#command")
@@ -157,7 +182,7 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     ran(page)
     page.click("label:has-text('own record')")
     expect(page.locator("#record-error")).to_contain_text("no file yet")
-    path = ROOT / "records/0111a.smc"
+    path = ROOT / "examples/records/0111a.smc"
     # A drop as the browser makes it.
     transfer = page.evaluate_handle(
         "text => { const t = new DataTransfer(); t.items.add(new File([text], '0111a.smc')); return t; }",
@@ -166,7 +191,7 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     page.dispatch_event("#field-record .drop", "drop", {"dataTransfer": transfer})
     ran(page, 2)
     assert "--record 0111a.smc" in page.inner_text("#command")
-    command = page.inner_text("#command").replace("0111a.smc", "records/0111a.smc")
+    command = page.inner_text("#command").replace("0111a.smc", "examples/records/0111a.smc")
     assert downloaded(page, "#save-csv") == program(command, "history.csv")
     # Without a unit the message appears beside the unit, which is visible.
     table = tmp_path / "sway.csv"
@@ -183,11 +208,210 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     expect(page.locator("#record-error")).to_contain_text("sketch.png")
 
 
+def drop(page: Page, *paths: Path, on: str = "#scene") -> None:
+    """Drops files as the desktop does."""
+    page.locator(on).scroll_into_view_if_needed()
+    box = page.locator(on).bounding_box()
+    at = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+    session = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        session.send("Input.dispatchDragEvent", {"type": kind, "data": data, **at})
+
+
+def test_a_folder_and_several_files_are_taken_or_refused_with_a_message(visit, tmp_path):
+    page = visit()
+    ran(page)
+    message = page.locator("#file-error")
+    drop(page, ROOT / "examples/records")
+    expect(message).to_have_text("found the folder records; expected a file")
+    expect(message).to_be_in_viewport()
+    horizontal, vertical, other = (tmp_path / name for name in ("RSN1_A-090.smc", "RSN1_A-UP.smc", "RSN1_A-180.smc"))
+    for copy in (horizontal, vertical, other):
+        shutil.copy(ROOT / "examples/records/0111a.smc", copy)
+    drop(page, horizontal, other)
+    expect(message).to_contain_text("found 2 files, RSN1_A-090.smc, RSN1_A-180.smc; expected one, or a horizontal and")
+    drop(page, horizontal, vertical, other)
+    expect(message).to_contain_text("found 3 files")
+    assert "--record" not in page.inner_text("#command")
+    before = runs(page)
+    drop(page, vertical, horizontal)
+    ran(page, before + 1)
+    expect(message).to_be_hidden()
+    assert "--record RSN1_A-090.smc --vertical RSN1_A-UP.smc" in page.inner_text("#command")
+    page.click("summary:has-text('Vertical motion')")
+    drop(page, other, on="#field-vertical_file")
+    ran(page, before + 2)
+    assert "--record RSN1_A-090.smc --vertical RSN1_A-180.smc" in page.inner_text("#command")
+    # A file that is gone cannot be read.
+    other.unlink()
+    chooser = """const file = new File(['a'], 'gone.at2'); file.arrayBuffer = () => Promise.reject(new Error('it is gone'));
+      const input = document.getElementById('record');
+      Object.defineProperty(input, 'files', { value: [file] });
+      input.dispatchEvent(new Event('change'));"""
+    page.evaluate(chooser)
+    expect(message).to_have_text("gone.at2 cannot be read: it is gone")
+
+
+@pytest.mark.parametrize(
+    "link, place, found",
+    [
+        ("shape=sphere", "#shape-error", "found sphere; expected one of size, ratios"),
+        ("tie=three", "#tie-error", "found three; expected one of none, one, two"),
+        ("supports=sand", "#supports-error", "found sand; expected one of ratios, stiffness"),
+        ("sliding=ice", "#sliding-error", "found ice; expected one of none, friction"),
+        ("vertical=up", "#vertical-error", "found up; expected one of none, file"),
+        ("preset=soft", "#run-error", "link: found preset; expected the name of a field, as eta"),
+        ("heigth=3", "#run-error", "link: found heigth; expected the name of a field, as eta"),
+    ],
+)
+def test_a_link_that_is_not_understood_is_refused(visit, link, place, found):
+    page = visit(f"#{link}")
+    expect(page.locator(place)).to_have_text(found)
+    expect(page.locator(place)).to_be_visible()
+    expect(page.locator("#outcome")).to_contain_text("No run yet")
+    # It stands until the user decides.
+    page.click("#reset")
+    ran(page)
+    assert page.locator(".error:visible").count() == 0
+    page.wait_for_function("location.hash === ''")
+
+
+def test_the_link_to_the_result_keeps_the_block(visit):
+    page = visit("#scale=3")
+    ran(page)
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "result"
+    assert "--scale 3" in page.inner_text("#command")
+    assert urlparse(page.url).fragment == "scale=3"
+
+
+def test_a_table_of_a_million_rows_is_saved(visit):
+    # Only its ends are read: the whole is near a gigabyte.
+    keep = "const make = URL.createObjectURL; URL.createObjectURL = (blob) => ((window.saved = blob), make.call(URL, blob));"
+    page = visit("#step=2e-5", script=keep, accept_downloads=False)
+    page.set_default_timeout(180_000)
+    ran(page)
+    page.evaluate("window.saved = undefined")
+    page.click("#save-csv")
+    page.wait_for_function("window.saved || !document.getElementById('save-error').hidden")
+    expect(page.locator("#save-error")).to_be_hidden()
+    first, last = page.evaluate("Promise.all([saved.slice(0, 2000).text(), saved.slice(-2000).text()])")
+    assert first.startswith("t [s],theta [rad],")
+    rows = float(last.splitlines()[-1].split(",")[0]) / 2e-5
+    assert rows > 1.5e6
+    # A part that is missing or doubled would show in the size.
+    assert 300 * rows < page.evaluate("saved.size") < 900 * rows
+
+
+def test_a_failure_of_the_engine_is_said_and_mended(visit):
+    break_start = "const make = WebAssembly.compile; WebAssembly.compile = () => ((WebAssembly.compile = make), Promise.reject(new Error('no memory')));"
+    page = visit(script=break_start)
+    expect(page.locator("#run-error")).to_have_text("the engine does not start: no memory; the next change tries again")
+    expect(page.locator("#outcome")).to_contain_text("the engine does not start: no memory")
+    page.fill("#height", "2.5")
+    ran(page)
+    expect(page.locator("#run-error")).to_be_hidden()
+    expect(page.locator("#outcome")).to_contain_text("The block")
+    # A message that the worker cannot read is as a trap in the middle of a call, and as a worker that does not start.
+    for match, broken in [("request?.op === window.failing", "{ ...message, bytes: null }"), ("module && window.failing", "{ module: 1 }")]:
+        page = visit(
+            script=f"""const post = Worker.prototype.postMessage;
+            Worker.prototype.postMessage = function (message) {{ return post.call(this, message.{match} ? {broken} : message); }};
+            {'window.failing = true;' if 'module' in match else ''}"""
+        )
+        if "module" not in match:
+            ran(page)
+            page.evaluate("window.failing = 'run'")
+            page.fill("#height", "2.5")
+            expect(page.locator("#stale")).to_be_visible()
+        expect(page.locator("#run-error")).to_contain_text("the engine stopped: ")
+        before = int(page.evaluate("document.documentElement.dataset.runs ?? 0"))
+        page.evaluate("window.failing = undefined")
+        page.fill("#height", "2.6")
+        ran(page, before + 1)
+        expect(page.locator("#run-error")).to_be_hidden()
+
+
+def test_a_table_that_fails_says_so_and_the_next_is_saved(visit):
+    page = visit(
+        script="""const post = Worker.prototype.postMessage;
+        Worker.prototype.postMessage = function (message) { return post.call(this, message.request?.op === window.failing ? { ...message, bytes: null } : message); };"""
+    )
+    ran(page)
+    page.evaluate("window.failing = 'csv'")
+    page.click("#save-csv")
+    expect(page.locator("#save-error")).to_contain_text("history.csv cannot be made: the engine stopped")
+    ran(page, 2)
+    page.evaluate("window.failing = undefined")
+    assert downloaded(page, "#save-csv") == program(page.inner_text("#command"), "history.csv")
+    # A study says so, too, and runs when it is started again.
+    page.evaluate("window.failing = 'rows'")
+    page.fill("#points", "4")
+    page.click("#spectrum .start")
+    expect(page.locator("#spectrum .state")).to_contain_text("stopped: the engine stopped")
+    page.evaluate("window.failing = undefined")
+    page.click("#spectrum .start")
+    expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
+
+
+def test_studies_leave_no_plot_behind(visit):
+    count = """window.live = 0;
+      const { observe, disconnect } = ResizeObserver.prototype;
+      ResizeObserver.prototype.observe = function (...a) { window.live += 1; return observe.apply(this, a); };
+      ResizeObserver.prototype.disconnect = function () { window.live -= 1; return disconnect.call(this); };
+      window.plots = 0;
+      for (const [name, by] of [['addEventListener', 1], ['removeEventListener', -1]]) {
+        const original = window[name];
+        window[name] = function (type, ...a) { if (type === 'dppxchange') window.plots += by; return original.call(this, type, ...a); };
+      }"""
+    page = visit("#points=3&scale_count=2&samples=2", script=count)
+    ran(page)
+    before = page.evaluate("[live, plots]")
+    for _ in range(3):
+        for study in ("spectrum", "ensemble"):
+            page.click(f"#{study} .start")
+            expect(page.locator(f"#{study} .after")).to_be_visible(timeout=60_000)
+    assert page.evaluate("[live, plots]") == [before[0] + 2, before[1] + 2]
+    assert page.locator(".study .uplot").count() == 2
+
+
+STATES = {
+    "record": "",
+    "pulse": "#excitation=pulse",
+    "rigid": "#foundation=rigid&sliding=friction",
+    "tied": f"#{TIED}",
+    "file": "#excitation=file&record_name=lost.at2&vertical=file",
+    "error": "#height=tall",
+    "link": "#preset=soft",
+    "study": "#points=3",
+}
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("state", STATES)
+def test_axe_finds_no_violation(visit, state, scheme):
+    page = visit(STATES[state], color_scheme=scheme)
+    if state in ("file", "error", "link"):
+        expect(page.locator(".error:visible").first).to_be_visible()
+    else:
+        ran(page)
+    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
+    if state == "study":
+        page.click("#spectrum .start")
+        expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
+    page.add_script_tag(path=AXE)
+    found = page.evaluate("axe.run().then(({ violations }) => violations)")
+    assert [f"{one['id']}: {[node['html'][:120] for node in one['nodes']]}" for one in found] == []
+
+
 def test_surfaces_and_ties_are_chosen_and_shown(visit):
     page = visit("#foundation=rigid&scale=4")
     ran(page)
     plots = page.locator("#plots .uplot").count()
     page.wait_for_function("document.getElementById('surfaces_friction').options.length > 10")
+    page.click("label:has-text('slide with friction')")
     before = runs(page)
     steel = page.locator("#surfaces_friction option", has_text="steel on concrete or grout").first
     page.select_option("#surfaces_friction", steel.get_attribute("value"))
@@ -260,6 +484,21 @@ def test_studies_run_in_the_background_and_can_be_cancelled(visit):
         study.unlink(missing_ok=True)
 
 
+def test_an_ensemble_shows_what_undecided_runs_leave_open(visit):
+    page = visit("#duration=9&scale_from=1&scale_to=3&scale_count=2&samples=8&spread=0.5")
+    ran(page)
+    page.click("#ensemble .start")
+    expect(page.locator("#ensemble .after")).to_be_visible(timeout=60_000)
+    lines = [line for line in downloaded(page, "#ensemble .save").decode().splitlines() if not line.startswith("#")]
+    first = {name.split(" [")[0]: value for name, value in next(csv.DictReader(lines)).items()}
+    count = {name: int(first[f"ensemble.{name}"]) for name in ("samples", "overturned", "unknown(overturned)")}
+    assert count["unknown(overturned)"] > 0
+    page.hover("#ensemble .plot .u-over", position={"x": 2, "y": 50})
+    shown = [float(page.locator("#ensemble .u-legend .u-value").nth(series).inner_text()) for series in (2, 3)]
+    bounds = [count["overturned"], count["overturned"] + count["unknown(overturned)"]]
+    assert shown == pytest.approx([bound / count["samples"] for bound in bounds], abs=1e-3)
+
+
 def test_everything_can_be_reached_by_keyboard(visit):
     page = visit()
     ran(page)
@@ -288,9 +527,44 @@ def test_the_page_fits_its_window(visit, scheme, width):
     page = visit(viewport={"width": width, "height": 844}, color_scheme=scheme)
     ran(page)
     page.wait_for_timeout(300)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert overflowing(page) == []
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     page.screenshot(path=SCREENSHOTS / f"{scheme}-{width}.png", full_page=True)
+
+
+def overflowing(page: Page) -> list[str]:
+    """Visible elements that reach beyond the window, or whose text is cut off or reaches beyond them."""
+    return page.evaluate(
+        """[...document.querySelectorAll('body *')].filter(e => {
+          if (!e.offsetParent || e.closest('.u-wrap, svg, .skip')) return false;
+          const { left, right } = e.getBoundingClientRect();
+          const wide = e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && !e.matches('input, select, progress');
+          return right > innerWidth + 1 || left < -1 || wide;
+        }).map(e => `${e.tagName} ${e.id} ${e.className}: ${e.textContent.slice(0, 40)}`)"""
+    )
+
+
+@pytest.mark.parametrize("width", [1360, 800, 390])
+def test_doubled_text_fits_the_window(visit, large_text, width):
+    page = visit(f"#{TIED}&sliding=friction", browser=large_text, viewport={"width": width, "height": 844})
+    ran(page)
+    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
+    page.fill("#points", "3")
+    page.click("#spectrum .start")
+    expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
+    page.wait_for_timeout(300)
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=SCREENSHOTS / f"large-text-{width}.png", full_page=True)
+    assert overflowing(page) == []
+
+
+def test_the_page_fits_at_a_zoom_of_200_per_cent(visit):
+    page = visit(viewport={"width": 640, "height": 450}, device_scale_factor=2)
+    ran(page)
+    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
+    page.wait_for_timeout(300)
+    page.screenshot(path=SCREENSHOTS / "zoom-640.png", full_page=True)
+    assert overflowing(page) == []
 
 
 def test_times_are_printed(visit, capsys):

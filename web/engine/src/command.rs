@@ -1,12 +1,14 @@
 //! A run → the command line of `rocking` with the same numbers.
 
+use rocking_block::block::Foundation;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Common, Dimensionless, Foundation, Physical};
 use rocking_block::excitation::Pulse;
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
-use rocking_block::words::Words;
+use rocking_studies::spec::words::Words;
 
-use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
+use rocking_studies::spec::option;
+
+use crate::inputs::{Excitation, Inputs, Vertical};
 use crate::records::EMBEDDED_PATH;
 
 /// A command line in progress.
@@ -27,7 +29,9 @@ impl CommandLine {
             true => value,
             false => format!("'{}'", value.replace('\'', r"'\''")),
         };
-        self.0.push_str(&format!(" --{} {value}", name.replace('_', "-")));
+        // After a blank, a name as -dash.csv would be an option.
+        let sign = if value.trim_start_matches('\'').starts_with('-') { '=' } else { ' ' };
+        self.0.push_str(&format!(" --{}{sign}{value}", name.replace('_', "-")));
         self
     }
 
@@ -77,70 +81,22 @@ impl CommandLine {
     }
 }
 
-/// The numbers of a tie, by the keys of the program.
-pub fn tie_values(tie: &Tie) -> [(&'static str, f64); 9] {
-    [
-        ("block_x", tie.block[0]),
-        ("block_z", tie.block[1]),
-        ("ground_x", tie.ground[0]),
-        ("ground_z", tie.ground[1]),
-        ("stiffness", tie.stiffness),
-        ("pretension", tie.pretension),
-        ("slack", tie.slack),
-        ("damping", tie.damping),
-        ("strength", tie.strength),
-    ]
-}
-
 /// A tie as an option of the program.
 pub fn tie_text(tie: &Tie) -> String {
-    tie_values(tie).map(|(key, value)| format!("{key}={value}")).join(",")
+    tie.named().map(|(key, value)| format!("{key}={value}")).join(",")
 }
 
 /// The command line of a run that writes its history to `history.csv`.
 pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
-    let block = &inputs.run.block;
-    let common = Common::default();
     let mut line = CommandLine::new("simulate");
     line.excitation(inputs, vertical, false);
-    match (block.foundation, inputs.parameters) {
-        (_, Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v })) => {
-            line.unless("alpha", alpha, 0.25).unless("p", p, 1.0);
-            if block.foundation == Foundation::Viscoelastic {
-                line.unless("eta", eta, 40.0).unless("xi-v", xi_v, 0.1);
-            }
-        }
-        (_, Parameters::Physical(Physical { width, height, stiffness, damping, inertia })) => {
-            line.option("width", width);
-            match height == inputs.body_height {
-                true => line.option("height", height),
-                false => line.option("center-height", 0.5 * height),
-            };
-            line.option("stiffness", stiffness).option("damping", damping).option("mass", block.mass);
-            if let Some(inertia) = inertia {
-                line.option("inertia", inertia);
-            }
-        }
+    for (name, value) in inputs.spec.said() {
+        line.option(&option(name), value);
     }
-    if matches!(inputs.parameters, Parameters::Dimensionless(_)) {
-        // A tie needs a mass, even that of the default.
-        match block.ties().is_empty() {
-            true => line.unless("mass", block.mass, common.mass),
-            false => line.option("mass", block.mass),
-        };
-    }
-    for tie in block.ties() {
+    line.unless("foundation", inputs.spec.foundation().word(), Foundation::Viscoelastic.word());
+    for tie in &inputs.spec.hold.ties {
         line.option("tie", tie_text(tie));
     }
-    if !inputs.parameters.has_inertia() {
-        line.unless("gamma", block.gamma, common.gamma);
-    }
-    line.unless("epsilon", block.epsilon, common.epsilon)
-        .unless("g", block.gravity, common.gravity)
-        .unless("foundation", block.foundation.word(), Foundation::Viscoelastic.word())
-        .unless("restitution-factor", block.restitution_factor, common.restitution_factor)
-        .unless("friction", block.friction, common.friction)
-        .unless("eccentricity", block.eccentricity, common.eccentricity);
     let Settings { tolerance, on_separation, .. } = inputs.run.settings;
     line.unless("tolerance", tolerance, Settings::default().tolerance).unless(
         "on-separation",
@@ -155,4 +111,16 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
     }
     line.option("csv", "history.csv");
     line.text()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_begin_with_a_dash_are_values() {
+        let mut line = CommandLine::new("simulate");
+        line.option("record", "-dash.csv").option("record", "-a b.csv").option("theta", -0.1).option("alpha", 0.2);
+        assert_eq!(line.text(), "rocking simulate --record=-dash.csv --record='-a b.csv' --theta=-0.1 --alpha 0.2");
+    }
 }

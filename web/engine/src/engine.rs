@@ -8,8 +8,9 @@ use rocking_block::simulation::Ending;
 use rocking_block::system::events::{Event, EventKind};
 use rocking_charts::numerals::significant;
 use rocking_studies::foundations;
-use rocking_studies::output::fields;
-use rocking_studies::output::runner::{Study as Rows, StudyRow};
+use rocking_studies::output::csv::lines;
+use rocking_studies::output::runner::Study as Rows;
+use rocking_studies::output::table::Table;
 use rocking_studies::run::{History, Row, Run, table};
 use rocking_studies::spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
@@ -37,8 +38,14 @@ pub enum Request {
         /// The fields.
         fields: BTreeMap<String, String>,
     },
-    /// The table of the last run.
-    Csv,
+    /// Rows of the table of the last run.
+    Csv {
+        /// The first row, which the headings precede if it is the first of the run.
+        #[serde(default)]
+        from: usize,
+        /// The row after the last; without it, all rows.
+        to: Option<usize>,
+    },
     /// The picture of the last run.
     Svg,
     /// Friction and restitution of pairs of surfaces, with their sources.
@@ -115,13 +122,13 @@ impl Prepared {
 
 /// The rows of a study.
 trait DynRows {
-    fn make_rows(&self, from: u64, to: u64) -> Vec<StudyRow>;
+    fn make_rows(&self, from: u64, to: u64) -> Table;
     fn count(&self) -> u64;
 }
 
 impl<S: Rows> DynRows for S {
-    fn make_rows(&self, from: u64, to: u64) -> Vec<StudyRow> {
-        self.make(from..to, None)
+    fn make_rows(&self, from: u64, to: u64) -> Table {
+        self.make_range(from..to, None).table
     }
 
     fn count(&self) -> u64 {
@@ -147,7 +154,7 @@ impl Engine {
                 Ok((json!({}), Vec::new()))
             }
             Request::Run { fields } => self.run(&fields),
-            Request::Csv => self.csv(),
+            Request::Csv { from, to } => self.csv(from, to),
             Request::Svg => self.svg(),
             Request::Surfaces => Ok((json!({ "pairs": foundations::pairs() }), Vec::new())),
             Request::Spectrum { fields } => self.spectrum(&fields),
@@ -206,12 +213,14 @@ impl Engine {
         self.last.as_ref().ok_or_else(|| vec![FieldError::new("run", "no run yet; expected one before its export")])
     }
 
-    fn csv(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn csv(&self, from: usize, to: Option<usize>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
         let (run, history, _) = self.last()?;
+        let count = history.rows.len();
+        let to = to.unwrap_or(count).min(count);
         let mut bytes = Vec::new();
-        table::write(&run.block, history, &[], &mut bytes)
+        table::write_part(&run.block, history, &[], from.min(to)..to, &mut bytes)
             .map_err(|error| vec![FieldError::new("run", error.to_string())])?;
-        Ok((json!({}), bytes))
+        Ok((json!({ "rows": count }), bytes))
     }
 
     fn svg(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
@@ -232,7 +241,6 @@ impl Engine {
             "bases": spectrum.bases.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "p": sizes,
             "omega_p": is_pulse.then_some(omega_p),
-            "columns": spectrum.header().columns,
             "header": spectrum.header().text().unwrap_or_default(),
             "command": command,
         });
@@ -246,7 +254,6 @@ impl Engine {
         let json = json!({
             "rows": study.sweep.rows(),
             "strengths": study.strengths,
-            "columns": study.sweep.header().columns,
             "header": study.sweep.header().text().unwrap_or_default(),
             "file": study.file,
             "command": "rocking sweep study.toml --csv ensemble.csv",
@@ -262,9 +269,7 @@ impl Engine {
         let study = study.rows();
         let to = to.min(study.count());
         let rows = study.make_rows(from.min(to), to);
-        let lines = fields::lines(from, rows.iter().map(|row| &row.fields)).unwrap_or_default();
-        let fields: Vec<Vec<&str>> = rows.iter().map(|row| row.fields.iter().collect()).collect();
-        Ok((json!({ "fields": fields }), lines.into_bytes()))
+        Ok((json!({ "rows": rows.rows(), "columns": rows }), lines(&rows).unwrap_or_default().into_bytes()))
     }
 }
 

@@ -3,7 +3,7 @@
 //! It is a sweep over scale factors, or amplitudes of a pulse, each with an ensemble of slightly different strengths. The same study
 //! as a file for `rocking sweep` gives the same table.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::Foundation;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::input::parameters::Parameter;
@@ -15,9 +15,8 @@ use rocking_studies::sweep::ground_motion::GroundMotion;
 use rocking_studies::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use rocking_studies::sweep::strength::Strengths;
 
-use crate::command;
 use crate::fields::{FieldError, Fields};
-use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
+use crate::inputs::{Excitation, Inputs, Vertical};
 use crate::records::EMBEDDED_PATH;
 
 /// A sweep with its ensembles.
@@ -79,6 +78,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         parameters,
         design: Design::Grid,
         motions: vec![motion],
+        building: None,
         strengths: Strengths::Scales(if is_pulse { vec![1.0] } else { strengths.clone() }),
         ensemble: Some(ensemble),
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
@@ -89,6 +89,8 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         step: None,
         friction_demand: None,
         changes: Vec::new(),
+        // The page shows doubts beside the files.
+        remarks: Vec::new(),
     };
     fields.finish(Study { sweep, strengths, file })
 }
@@ -99,43 +101,14 @@ fn parameter(name: &str) -> Parameter {
 
 /// The parameters of the block, of the run and of the pulse with these amplitudes, as far as they differ from those of the FMU.
 fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParameter> {
-    let Block { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction, .. } =
-        inputs.run.block;
-    let default = Common::default();
-    let on_supports = foundation == Foundation::Viscoelastic;
     let mut values: Vec<(&str, Vec<f64>)> = Vec::new();
-    match inputs.parameters {
-        Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
-            values.extend([("alpha", vec![alpha]), ("p", vec![p])]);
-            if on_supports {
-                values.extend([("eta", vec![eta]), ("xi_v", vec![xi_v])]);
-            }
-        }
-        Parameters::Physical(Physical { width, height, stiffness, damping, inertia }) => {
-            values.extend([
-                ("parameterization", vec![2.0]),
-                ("width", vec![width]),
-                ("height", vec![height]),
-                ("K", vec![stiffness]),
-                ("C", vec![damping]),
-            ]);
-            values.extend(inertia.map(|inertia| ("inertia", vec![inertia])));
-        }
+    if inputs.spec.width.is_some() {
+        values.push(("parameterization", vec![2.0]));
     }
-    let gamma = if inputs.parameters.has_inertia() { default.gamma } else { gamma };
-    let others = [
-        ("mass", mass, default.mass),
-        ("gamma", gamma, default.gamma),
-        ("epsilon", epsilon, default.epsilon),
-        ("g", gravity, default.gravity),
-        ("foundation", f64::from(foundation as i32), f64::from(default.foundation as i32)),
-        ("restitution_factor", restitution_factor, default.restitution_factor),
-        ("eccentricity", eccentricity, default.eccentricity),
-        ("friction", friction, default.friction),
-    ];
-    let differs =
-        |&(name, value, default): &(&'static str, f64, f64)| (value != default).then_some((name, vec![value]));
-    values.extend(others.iter().filter_map(differs));
+    values.extend(inputs.spec.said().map(|(name, value)| (name, vec![value])));
+    if inputs.spec.foundation() != Foundation::Viscoelastic {
+        values.push(("foundation", vec![f64::from(inputs.spec.foundation() as i32)]));
+    }
     values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
     if let Some(amplitudes) = amplitudes {
         let Pulse { shape, period, phase, cycles, .. } = inputs.run.pulse;
@@ -149,7 +122,7 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     let swept =
         |name: &str, values| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
     let ties = (1..).zip(inputs.run.block.ties()).flat_map(|(number, tie)| {
-        let nonzero = command::tie_values(tie).into_iter().filter(|(_, value)| *value != 0.0);
+        let nonzero = tie.named().into_iter().filter(|(_, value)| *value != 0.0);
         nonzero.map(move |(key, value)| swept(&format!("tie_{number}.{key}"), vec![value]))
     });
     values.into_iter().map(|(name, values)| swept(name, values)).chain(ties).collect()

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-use rocking_block::words::Words;
+use rocking_studies::spec::words::Words;
 use serde::Serialize;
 
 /// A message and its field.
@@ -81,6 +81,15 @@ impl<'a> Fields<'a> {
             let known: Vec<&str> = T::WORDS.iter().map(|(word, _)| *word).collect();
             self.refuse(FieldError::new(field, format!("found {text}; expected one of {}", known.join(", "))));
             T::WORDS[0].1
+        })
+    }
+
+    /// One of these words; an error yields the first.
+    pub fn one_of(&mut self, field: &str, known: &[&'static str]) -> &'static str {
+        let text = self.text(field);
+        known.iter().find(|word| **word == text).unwrap_or_else(|| {
+            self.refuse(FieldError::new(field, format!("found {text}; expected one of {}", known.join(", "))));
+            &known[0]
         })
     }
 

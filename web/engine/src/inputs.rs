@@ -1,14 +1,16 @@
 //! Fields → a run.
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::{Block, BlockError, Foundation};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_charts::numerals::significant;
 use rocking_records::Record;
+use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
 use rocking_studies::run::Run;
+use rocking_studies::spec::{BlockSpec, HoldSpec, SpecError};
 
 use crate::fields::{FieldError, Fields};
 use crate::records::{self, Direction, DroppedFile};
@@ -22,8 +24,8 @@ pub struct Inputs {
     pub unscaled: Ground,
     /// Factor on the records.
     pub scale: f64,
-    /// The parameters that define the block.
-    pub parameters: Parameters,
+    /// The parameters that define the block, all that the page shows.
+    pub spec: BlockSpec,
     /// Height of the body (m): twice that of its centre of mass, unless both are given.
     pub body_height: f64,
     /// Excitation of the block.
@@ -34,22 +36,6 @@ pub struct Inputs {
     pub description: String,
     /// Warnings about the block and its records, a line each.
     pub warnings: Vec<String>,
-}
-
-/// The parameters from which the block was made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Parameters {
-    /// The paper's.
-    Dimensionless(Dimensionless),
-    /// Sizes, and supports in SI units.
-    Physical(Physical),
-}
-
-impl Parameters {
-    /// Whether the moment of inertia replaces γ.
-    pub fn has_inertia(&self) -> bool {
-        matches!(self, Parameters::Physical(Physical { inertia: Some(_), .. }))
-    }
 }
 
 /// Kind of excitation, with the names and settings of its files.
@@ -78,23 +64,19 @@ pub type Vertical = Option<(String, records::Settings)>;
 /// # Errors
 /// One for each field at fault.
 pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inputs, Vertical), Vec<FieldError>> {
-    let mut common = common(&mut fields);
-    let sizes = (fields.text("shape") == "size").then(|| sizes(&mut fields));
-    let parameters = match &sizes {
-        Some(sizes) => of_sizes(&mut fields, sizes, &mut common),
-        None => Some(Parameters::Dimensionless(ratios(&mut fields, common.foundation))),
-    };
-    let block = match parameters.filter(|_| !fields.has_errors()) {
-        Some(parameters) => block(&mut fields, &parameters, &common),
-        None => None,
+    let (mut spec, body_height) = spec(&mut fields);
+    let block = match fields.has_errors() {
+        true => None,
+        false => block(&mut fields, &spec),
     };
     let block = tied(&mut fields, block);
+    spec.hold.ties = block.iter().flat_map(|block| block.ties().to_vec()).collect();
     let (excitation, vertical) = excitation(&mut fields, files);
     let pulse = match excitation {
         Excitation::Pulse => pulse(&mut fields),
         _ => Pulse::NONE,
     };
-    let unscaled = records::ground(&mut fields, files, common.gravity);
+    let (unscaled, doubtful) = records::ground(&mut fields, files, spec.gravity());
     let scale = match excitation {
         Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
         Excitation::Pulse | Excitation::Release => 1.0,
@@ -120,13 +102,9 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     let settings = Settings { tolerance, on_separation, ..Settings::default() };
     let initial = Initial { theta, theta_dot, ..Initial::default() };
     let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
-    let mut warnings = Vec::from_iter(block.soft_supports());
-    let sources = [(files[0], &unscaled.horizontal, "excitation"), (files[1], &unscaled.vertical, "vertical")];
-    for (file, record, field) in sources {
-        if let (Some(file), Some(record), "file") = (file, record, fields.text(field)) {
-            warnings.extend(records::doubt(file, record));
-        }
-    }
+    let mut warnings = doubts::of_blocks([block]);
+    warnings.extend(doubts::of_pulses([(pulse, block.gravity)], !ground.is_empty()));
+    warnings.extend(doubtful);
     let run = Run { block, settings, initial, pulse, ground, duration, output_step };
     let rows = run.longest_duration() / output_step;
     // A page keeps all rows in memory.
@@ -134,32 +112,87 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         let field = if step.is_some() { "step" } else { "duration" };
         fields.refuse(FieldError::new(field, format!("found {rows:.0} rows; expected at most 4000000")));
     }
-    let parameters = parameters.unwrap_or_else(|| unreachable!("a block has parameters"));
-    let body_height = sizes.map_or(2.0 * block.h, |sizes| sizes.body_height);
-    let inputs = Inputs { run, unscaled, scale, parameters, body_height, excitation, step, description, warnings };
+    let body_height = body_height.unwrap_or(2.0 * block.h);
+    let inputs = Inputs { run, unscaled, scale, spec, body_height, excitation, step, description, warnings };
     fields.finish((inputs, vertical))
 }
 
-fn common(fields: &mut Fields) -> Common {
+/// The parameters of the block without its ties, and the height of the body (m), if it is given.
+fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
+    let shape = fields.one_of("shape", &["size", "ratios"]);
     let foundation = fields.choice("foundation");
-    let restitution_factor = match foundation {
-        Foundation::Rigid => fields.number("restitution_factor", |x| x >= 0.0, "a factor of at least 0"),
-        Foundation::Viscoelastic => 1.0,
+    let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
+    let spec = BlockSpec {
+        mass: Some(fields.number("mass", |x| x > 0.0, "a mass > 0 kg")),
+        gamma: Some(fields.number("gamma", |x| x > 0.0, "a number > 0")),
+        epsilon: Some(fields.number("epsilon", |x| (0.0..=1.0).contains(&x), "a number from 0 to 1")),
+        g: Some(fields.number("g", |x| x > 0.0, "an acceleration > 0 m/s²")),
+        foundation: Some(foundation),
+        restitution_factor: (foundation == Foundation::Rigid)
+            .then(|| fields.number("restitution_factor", |x| x >= 0.0, "a factor of at least 0")),
+        hold: HoldSpec {
+            eccentricity: Some(fields.number("eccentricity", |_| true, "a length in m")),
+            friction: slides.then(|| {
+                fields.number("friction", |x| x > 0.0, "a coefficient > 0; without a limit, feet that do not slide")
+            }),
+            ties: Vec::new(),
+        },
+        ..BlockSpec::default()
     };
-    Common {
-        mass: fields.number("mass", |x| x > 0.0, "a mass > 0 kg"),
-        gamma: fields.number("gamma", |x| x > 0.0, "a number > 0"),
-        epsilon: fields.number("epsilon", |x| (0.0..=1.0).contains(&x), "a number from 0 to 1"),
-        gravity: fields.number("g", |x| x > 0.0, "an acceleration > 0 m/s²"),
-        foundation,
-        restitution_factor,
-        eccentricity: fields.number("eccentricity", |_| true, "a length in m"),
-        friction: fields.number("friction", |x| x >= 0.0, "a coefficient > 0, or 0 for no limit"),
+    if shape == "ratios" {
+        let angle = |x: f64| x > 0.0 && x < std::f64::consts::FRAC_PI_2;
+        let spec = BlockSpec {
+            alpha: Some(fields.number("alpha", angle, "an angle between 0 and π/2 rad")),
+            p: Some(fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s")),
+            ..spec
+        };
+        return (with_ratios(fields, spec), None);
     }
+    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
+    let body_height = fields.number("height", |x| x > 0.0, "a length > 0 m");
+    let within = |x: f64| x > 0.0 && (body_height.is_nan() || x < body_height);
+    let center_height = fields.optional("center_height", within, "a height within the body, in m, or nothing");
+    let inertia = fields.optional("inertia", |x| x > 0.0, "a moment of inertia > 0 kg·m², or nothing");
+    let sized = BlockSpec {
+        width: Some(width),
+        height: center_height.is_none().then_some(body_height),
+        center_height,
+        inertia,
+        gamma: spec.gamma.filter(|_| inertia.is_none()),
+        ..spec.clone()
+    };
+    let in_stiffness =
+        foundation == Foundation::Viscoelastic && fields.one_of("supports", &["ratios", "stiffness"]) == "stiffness";
+    let sized = match foundation {
+        Foundation::Rigid => sized,
+        Foundation::Viscoelastic if in_stiffness => BlockSpec {
+            stiffness: Some(fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m")),
+            damping: Some(fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m")),
+            ..sized
+        },
+        Foundation::Viscoelastic if fields.has_errors() => sized,
+        // With ratios for its supports a block has α, p and γ of these sizes, for which the supports make no difference.
+        Foundation::Viscoelastic => {
+            let on_rigid_base = BlockSpec { foundation: Some(Foundation::Rigid), ..sized };
+            let Some(Block { alpha, p, gamma, .. }) = block(fields, &on_rigid_base) else {
+                return (spec, Some(body_height));
+            };
+            with_ratios(fields, BlockSpec { alpha: Some(alpha), p: Some(p), gamma: Some(gamma), ..spec })
+        }
+    };
+    (sized, Some(body_height))
 }
 
-fn is_in_stiffness(fields: &Fields) -> bool {
-    fields.text("shape") == "size" && fields.text("supports") == "stiffness" && fields.text("foundation") != "rigid"
+/// The block on supports with η and ξ_v of the fields, unless it is on a rigid base.
+fn with_ratios(fields: &mut Fields, spec: BlockSpec) -> BlockSpec {
+    match spec.foundation() {
+        Foundation::Rigid => spec,
+        Foundation::Viscoelastic => BlockSpec {
+            eta: Some(fields.number("eta", |x| x > 0.0, "a ratio > 0")),
+            xi_v: Some(fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0")),
+            ..spec
+        },
+    }
 }
 
 /// Initial tilt over α and angular velocity (rad/s).
@@ -172,80 +205,23 @@ fn release(fields: &mut Fields) -> (f64, f64) {
     (tilt, theta_dot)
 }
 
-/// Sizes of a body as measured.
-struct Sizes {
-    width: f64,
-    body_height: f64,
-    /// Height of the centre of mass (m), if it is not half the body's.
-    center_height: Option<f64>,
-    inertia: Option<f64>,
-}
-
-fn sizes(fields: &mut Fields) -> Sizes {
-    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
-    let body_height = fields.number("height", |x| x > 0.0, "a length > 0 m");
-    let within = |x: f64| x > 0.0 && (body_height.is_nan() || x < body_height);
-    Sizes {
-        width,
-        body_height,
-        center_height: fields.optional("center_height", within, "a height within the body, in m, or nothing"),
-        inertia: fields.optional("inertia", |x| x > 0.0, "a moment of inertia > 0 kg·m², or nothing"),
-    }
-}
-
-/// Parameters of a block of these sizes. With ratios for its supports, a given inertia replaces γ in `common`.
-fn of_sizes(fields: &mut Fields, sizes: &Sizes, common: &mut Common) -> Option<Parameters> {
-    let Sizes { width, body_height, center_height, inertia } = *sizes;
-    let height = center_height.map_or(body_height, |height| 2.0 * height);
-    if is_in_stiffness(fields) {
-        let stiffness = fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m");
-        let damping = fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m");
-        return Some(Parameters::Physical(Physical { width, height, stiffness, damping, inertia }));
-    }
-    let (eta, xi_v) = supports_in_ratios(fields, common.foundation);
-    if fields.has_errors() {
-        return None;
-    }
-    // α, p and γ of these sizes, for which the supports make no difference.
-    let any_supports = Physical { width, height, stiffness: common.mass, damping: 0.0, inertia };
-    let block = block(fields, &Parameters::Physical(any_supports), common)?;
-    common.gamma = block.gamma;
-    Some(Parameters::Dimensionless(Dimensionless { alpha: block.alpha, p: block.p, eta, xi_v }))
-}
-
-fn ratios(fields: &mut Fields, foundation: Foundation) -> Dimensionless {
-    let (eta, xi_v) = supports_in_ratios(fields, foundation);
-    Dimensionless {
-        alpha: fields.number("alpha", |x| x > 0.0 && x < std::f64::consts::FRAC_PI_2, "an angle between 0 and π/2 rad"),
-        p: fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s"),
-        eta,
-        xi_v,
-    }
-}
-
-/// η and ξ_v.
-fn supports_in_ratios(fields: &mut Fields, foundation: Foundation) -> (f64, f64) {
-    match foundation {
-        Foundation::Viscoelastic => (
-            fields.number("eta", |x| x > 0.0, "a ratio > 0"),
-            fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0"),
-        ),
-        // The rigid base uses neither; these are the defaults of the program.
-        Foundation::Rigid => (40.0, 0.1),
-    }
-}
-
-fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Option<Block> {
-    let block = match parameters {
-        Parameters::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
-        Parameters::Physical(physical) => Block::from_physical(physical, common),
+fn block(fields: &mut Fields, spec: &BlockSpec) -> Option<Block> {
+    let error = match spec.block() {
+        Ok(block) => return Some(block),
+        Err(SpecError::Invalid(error)) => block_error(&error, fields.text("shape")),
+        Err(
+            error @ (SpecError::NoEffect { parameter, .. }
+            | SpecError::Lacks { parameter, .. }
+            | SpecError::OutOfRange { parameter, .. }),
+        ) => FieldError::new(parameter, error.spelled(|name| name.into())),
     };
-    block.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
+    fields.refuse(error);
+    None
 }
 
 /// The block with its ties.
 fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
-    let count = match fields.text("tie") {
+    let count = match fields.one_of("tie", &["none", "one", "two"]) {
         "one" => 1,
         "two" => 2,
         _ => 0,
@@ -305,13 +281,11 @@ fn excitation(fields: &mut Fields, files: [Option<&DroppedFile>; 2]) -> (Excitat
             Excitation::Release
         }
     };
-    let has_vertical = fields.text("vertical") == "file";
     let vertical = match excitation {
-        Excitation::Embedded | Excitation::File { .. } if has_vertical => {
-            Some((name(files[1]), records::settings(fields, Direction::Vertical)))
-        }
-        _ => None,
+        Excitation::Embedded | Excitation::File { .. } => fields.one_of("vertical", &["none", "file"]),
+        Excitation::Pulse | Excitation::Release => "none",
     };
+    let vertical = (vertical == "file").then(|| (name(files[1]), records::settings(fields, Direction::Vertical)));
     (excitation, vertical)
 }
 
@@ -347,7 +321,7 @@ fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse
     let name = match excitation {
         Excitation::Embedded => records::EMBEDDED.0,
         Excitation::File { name, .. } => name,
-        Excitation::Pulse => return pulse.to_string(),
+        Excitation::Pulse => return rocking_studies::spec::pulse::text(pulse),
         Excitation::Release => return "free motion".into(),
     };
     let mut parts = Vec::new();

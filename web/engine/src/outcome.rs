@@ -1,11 +1,9 @@
 //! A history → its outcome in words.
 
 use rocking_block::block::Foundation;
-use rocking_block::block::restraints::{self, tie};
 use rocking_block::simulation::Ending;
-use rocking_block::system::events::EventKind;
 use rocking_charts::numerals::significant;
-use rocking_studies::run::outcome::End;
+use rocking_studies::run::outcome::{Breaks, End};
 use rocking_studies::run::{History, Run};
 
 /// Describes the outcome in a sentence for laymen.
@@ -16,6 +14,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
     let time = significant(end_time, 3);
     let part = significant(100.0 * peaks.theta / run.block.alpha, 3);
     let side = if last.is_some_and(|row| row.observation.theta < 0.0) { "left" } else { "right" };
+    let passed = history.lean.passed_balance();
     let outcome = match end {
         End::Overturned if matches!(ending, Some((Ending::Toppled, _))) => {
             format!("The block overturns to the {side}: it leaves its supports at {time} s, on its way over.")
@@ -32,6 +31,16 @@ pub fn sentence(run: &Run, history: &History) -> String {
             };
             format!("The block stays on both corners. {reason}")
         }
+        End::Completed if history.ends_tilted(&run.block) => {
+            let tilt = significant(100.0 * history.lean.end.abs() / run.block.alpha, 3);
+            let by = if run.block.ties().is_empty() { "" } else { ", held by a tie" };
+            let passed = if passed { "passes its balance and " } else { "" };
+            format!("The block {passed}ends tilted to the {side}, at {tilt} % of the critical tilt α{by}.")
+        }
+        End::Completed if passed => {
+            let end = if history.is_at_rest { "comes back upright" } else { "does not overturn" };
+            format!("The block passes its balance, tilts to {part} % of the critical tilt α and {end}.")
+        }
         End::Completed => format!("The block rocks to {part} % of the critical tilt α and stays upright."),
         End::Undecided => {
             format!("Still undecided after {time} s: the run is too short to tell whether the block overturns.")
@@ -40,7 +49,9 @@ pub fn sentence(run: &Run, history: &History) -> String {
     };
     // Without a limit of friction the foot slips only where no force presses it down.
     let slip = (run.block.friction > 0.0).then(|| slip(peaks.slip)).flatten();
-    [outcome].into_iter().chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
+    let is_open = matches!(end, End::Undecided | End::Separated);
+    let passed = (is_open && passed).then(|| "It passed its balance.".to_string());
+    [outcome].into_iter().chain(passed).chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
 }
 
 fn slip(slip: f64) -> Option<String> {
@@ -48,15 +59,10 @@ fn slip(slip: f64) -> Option<String> {
 }
 
 fn broken_ties(history: &History) -> Option<String> {
-    let breaks: Vec<f64> = history
-        .events
-        .iter()
-        .filter(|event| matches!(event.kind, EventKind::Restraint(restraints::Event::Tie(_, tie::Event::Break))))
-        .map(|event| event.time)
-        .collect();
-    match breaks.as_slice() {
-        [] => None,
-        [time] => Some(format!("A tie breaks at {} s.", significant(*time, 3))),
-        [first, ..] => Some(format!("{} ties break, the first at {} s.", breaks.len(), significant(*first, 3))),
-    }
+    let Breaks { count, first } = history.breaks();
+    let first = significant(first?, 3);
+    Some(match count {
+        1 => format!("A tie breaks at {first} s."),
+        _ => format!("{count} ties break, the first at {first} s."),
+    })
 }

@@ -1,15 +1,16 @@
 //! Dropped files and their settings → records.
 
-use rocking_block::ground::Ground;
-use rocking_records::{Column, Processing, ReadOptions, Record, Setting};
+use rocking_block::excitation::records::Ground;
+use rocking_records::{Choice, Processing, ReadOptions, Record, Setting};
 
 use crate::fields::{FieldError, Fields};
 
 /// The embedded record: U.S. Geological Survey, public domain.
-pub const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
+pub const EMBEDDED: (&str, &[u8]) =
+    ("np01002p_4225a_a.smc", include_bytes!("../../../examples/records/np01002p_4225a_a.smc"));
 
 /// Path of the embedded record in the repository, for command lines.
-pub const EMBEDDED_PATH: &str = "records/np01002p_4225a_a.smc";
+pub const EMBEDDED_PATH: &str = "examples/records/np01002p_4225a_a.smc";
 
 /// A file that the user dropped.
 #[derive(Clone, Debug)]
@@ -51,6 +52,9 @@ impl Direction {
             Setting::TimeColumn => ["time_column", "vertical_time_column"],
             Setting::AccelerationColumn => ["acceleration_column", "vertical_acceleration_column"],
             // The page has no fields for these.
+            Setting::Layout => ["layout"; 2],
+            Setting::Skip => ["skip"; 2],
+            Setting::ValueScale => ["value_scale"; 2],
             Setting::Baseline => ["baseline"; 2],
             Setting::BandPass => ["band_pass"; 2],
             Setting::Resample => ["resample"; 2],
@@ -70,8 +74,11 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         unit: fields.parsed(field(Setting::Unit)),
         time_step: fields.optional(field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
         gravity,
-        time_column: fields.parsed::<Column>(field(Setting::TimeColumn)),
-        acceleration_column: fields.parsed::<Column>(field(Setting::AccelerationColumn)),
+        layout: None,
+        skip: None,
+        value_scale: None,
+        time_column: fields.parsed::<Choice>(field(Setting::TimeColumn)),
+        acceleration_column: fields.parsed::<Choice>(field(Setting::AccelerationColumn)),
         channel: fields.parsed(field(Setting::Channel)),
         processing: Processing::default(),
     };
@@ -101,8 +108,13 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
         .collect()
 }
 
-/// Reads a dropped file; an error appears beside the setting that resolves it, or beside the file.
-fn read(fields: &mut Fields, direction: Direction, file: Option<&DroppedFile>, gravity: f64) -> Option<Record> {
+/// Reads a dropped file, with a warning if its content is doubtful; an error appears beside the setting that resolves it, or beside the file.
+fn read(
+    fields: &mut Fields,
+    direction: Direction,
+    file: Option<&DroppedFile>,
+    gravity: f64,
+) -> Option<(Record, Option<String>)> {
     let Some(DroppedFile { name, bytes }) = file else {
         let expected = fields.text(match direction {
             Direction::Horizontal => "record_name",
@@ -116,8 +128,8 @@ fn read(fields: &mut Fields, direction: Direction, file: Option<&DroppedFile>, g
     if fields.has_errors() {
         return None;
     }
-    match rocking_records::parse(name, bytes, &options) {
-        Ok(record) => Some(record),
+    match rocking_records::parse_with_doubt(name, bytes, &options) {
+        Ok((record, doubt)) => Some((record, doubt.map(|why| format!("{name}: {why}")))),
         Err(error) => {
             let mut field = direction.field();
             let message = error.naming(|setting| {
@@ -130,14 +142,8 @@ fn read(fields: &mut Fields, direction: Direction, file: Option<&DroppedFile>, g
     }
 }
 
-/// Returns a warning if the numbers of a dropped file are implausible as accelerations.
-pub fn doubt(file: &DroppedFile, record: &Record) -> Option<String> {
-    let why = rocking_records::implausibility(&file.bytes, record)?;
-    Some(format!("{}: its columns have no names, and {why}; expected accelerations", file.name))
-}
-
-/// Reads the ground motion that the fields choose, unscaled.
-pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> Ground {
+/// Reads the ground motion that the fields choose, unscaled, and warns of doubtful files.
+pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> (Ground, Vec<String>) {
     let horizontal = match fields.text("excitation") {
         "embedded" => {
             let (name, bytes) = EMBEDDED;
@@ -145,13 +151,17 @@ pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f6
             rocking_records::parse(name, bytes, &options)
                 .map_err(|error| fields.refuse(FieldError::new("record", error.to_string())))
                 .ok()
+                .map(|record| (record, None))
         }
         "file" => read(fields, Direction::Horizontal, files[0], gravity),
-        _ => return Ground::default(),
+        _ => return Default::default(),
     };
     let vertical = match fields.text("vertical") {
         "file" => read(fields, Direction::Vertical, files[1], gravity),
         _ => None,
     };
-    Ground { horizontal, vertical }
+    let (horizontal, doubt) = horizontal.unzip();
+    let (vertical, vertical_doubt) = vertical.unzip();
+    let doubts = [doubt, vertical_doubt].into_iter().flatten().flatten().collect();
+    (Ground { horizontal, vertical }, doubts)
 }

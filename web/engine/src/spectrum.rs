@@ -2,9 +2,9 @@
 
 use rocking_block::block::{Common, Foundation};
 use rocking_block::simulation::{OnSeparation, Settings};
-use rocking_block::words::Words;
+use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::direction;
-use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
 use crate::command::{CommandLine, tie_text};
 use crate::fields::{FieldError, Fields};
@@ -21,29 +21,15 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<(
     let least = fields.number("p_min", |x| x >= 0.001, "a frequency of at least 0.001 rad/s");
     let greatest = fields.number("p_max", |x| x > least, "a frequency above the smallest p");
     let count = fields.integer("points", 2, 2000);
-    let with_rigid = fields.text("also_rigid") == "yes";
     let block = &inputs.run.block;
-    let base = match block.foundation {
-        Foundation::Rigid => {
-            FoundationParameters::Rigid { epsilon: block.epsilon, restitution_factor: block.restitution_factor }
-        }
-        Foundation::Viscoelastic => {
-            FoundationParameters::Viscoelastic { eta: block.eta(), xi_v: block.xi_v, epsilon: block.epsilon }
-        }
-    };
-    let is_viscoelastic = block.foundation == Foundation::Viscoelastic;
-    let bases = std::iter::once(base).chain((with_rigid && is_viscoelastic).then_some(FoundationParameters::HOUSNER));
-    let common = Common {
-        mass: block.mass,
-        gamma: block.gamma,
-        gravity: block.gravity,
-        friction: block.friction,
-        ..Common::default()
-    };
+    let base = Base::of(block);
+    let with_rigid =
+        block.foundation == Foundation::Viscoelastic && fields.one_of("also_rigid", &["yes", "no"]) == "yes";
+    let bases = std::iter::once(base).chain(with_rigid.then_some(Base::HOUSNER));
     let on_separation = inputs.run.settings.on_separation;
     let spectrum = Spectrum {
         alpha: block.alpha,
-        common,
+        common: Common { eccentricity: 0.0, ..block.common() },
         in_proportion: InProportion::of(block),
         bases: bases.collect(),
         sizes: Sizes { least, greatest, count },

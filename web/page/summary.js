@@ -1,0 +1,33 @@
+// The outcome of a run in words and numbers.
+
+import { $, element } from "./dom.js";
+
+let announced = "";
+let announceTimer = 0;
+
+/** Shows the outcome of a run. */
+export function showOutcome(reply) {
+  $("verdict").className = `verdict ${reply.outcome}`;
+  // A screen reader hears the last of a series of outcomes.
+  clearTimeout(announceTimer);
+  if (announced !== reply.sentence) {
+    announceTimer = setTimeout(() => ($("outcome").textContent = announced = reply.sentence), announced ? 60 : 0);
+  }
+  $("warnings").replaceChildren(...reply.warnings.map((text) => element("li", { textContent: text })));
+  const { peak, block } = reply;
+  const rows = [
+    ["Greatest tilt |θ|/α", peak.ratio],
+    ["Greatest uplift of a corner", `${peak.uplift} mm`],
+    ["Greatest vertical reaction", `${peak.reaction} M g`],
+    ["Greatest horizontal reaction", `${peak.horizontal} M g`],
+    ["Impacts, lift-offs", `${reply.impacts}, ${reply.liftoffs}`],
+    ["Lifts off a rigid base beyond", `${block.lift_off} g`],
+  ];
+  const demand = Number(peak.friction_demand) > 10 ? "more than 10" : peak.friction_demand;
+  rows.splice(4, 0, block.friction > 0 ? ["Greatest slip of the foot", `${peak.slip} mm`] : ["Friction demand |H|/N", demand]);
+  peak.tension.forEach((tension, i) => rows.push([`Greatest tension of tie ${i + 1}`, `${tension} N`]));
+  const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
+  list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
+  $("numbers").replaceChildren(...list);
+  $("command").textContent = reply.command;
+}
