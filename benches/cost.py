@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import rocking_block as rb
 
-RECORDS = sorted((Path(__file__).resolve().parent.parent / "records").glob("*.smc"))
+RECORDS = sorted((Path(__file__).resolve().parent.parent / "examples/records").glob("*.smc"))
 ALPHA, G = 0.2, 9.81
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 # Right-hand sides of a short step, including those at its ends.

@@ -10,22 +10,21 @@ mod common;
 
 use std::f64::consts::FRAC_PI_3;
 use std::hint::black_box;
-use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Instant;
 
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
 use rocking_block::block::Foundation;
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::instant::State;
 use rocking_records::ReadOptions;
 use rocking_studies::output::resumable::{TableHeader, TableOptions};
-use rocking_studies::output::runner::{self, Study, StudyRow};
+use rocking_studies::output::runner::{self, Study, StudyRows};
 use rocking_studies::run::batch::{LaneUse, in_lanes};
-use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, Sizes, Spectrum};
 
 const ROUNDS: usize = 7;
 
@@ -129,7 +128,7 @@ fn spectrum(ground: Ground, blocks: u64) {
         let spectrum = common::spectrum(ground.clone(), blocks);
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = spectrum.open(&path, TableOptions::default()).expect("a table");
-        runner::run(&spectrum, &pool, VectorWidth::at_most(lanes), &mut table, |_, _| ())
+        runner::run(&spectrum, &pool, VectorWidth::at_most(lanes), &mut table, None, |_, _| ())
             .expect("the spectrum is made");
     };
     made(blocks / 10, 2, 1);
@@ -205,7 +204,7 @@ fn lanes(ground: Ground, blocks: u64) {
 }
 
 fn on_rigid_base(spectrum: &Spectrum) -> Spectrum {
-    Spectrum { bases: vec![FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 }], ..spectrum.clone() }
+    Spectrum { bases: vec![Base::rigid(0.0, 1.0)], ..spectrum.clone() }
 }
 
 /// CPU time (s) of the rows of a spectrum, made on this thread.
@@ -213,7 +212,7 @@ fn cpu_time(spectrum: &Spectrum, width: Option<VectorWidth>) -> f64 {
     const BATCH: usize = 512;
     let before = thread_seconds().expect("a system that reports CPU times");
     for from in (0..spectrum.rows()).step_by(BATCH) {
-        black_box(spectrum.make(from..spectrum.rows().min(from + BATCH as u64), width));
+        black_box(spectrum.make_range(from..spectrum.rows().min(from + BATCH as u64), width));
     }
     thread_seconds().expect("as before") - before
 }
@@ -244,8 +243,8 @@ impl Study for Measured {
         self.study.runs_in_a_row()
     }
 
-    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
-        let (first, before) = (numbers.start, thread_seconds());
+    fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
+        let (first, before) = (numbers[0], thread_seconds());
         let rows = self.study.make(numbers, width);
         if let (Some(before), Some(after)) = (before, thread_seconds()) {
             self.batches.lock().expect("no thread fails").push((first, after - before));
@@ -268,7 +267,7 @@ fn many_threads(ground: Ground, blocks: u64) {
         let study = Measured { study: common::spectrum(ground.clone(), blocks), batches: Mutex::default() };
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = study.open(&folder.path().join("table.csv"), TableOptions::default()).expect("a table");
-        runner::run(&study, &pool, VectorWidth::at_most(8), &mut table, |_, _| ()).expect("the spectrum is made");
+        runner::run(&study, &pool, VectorWidth::at_most(8), &mut table, None, |_, _| ()).expect("the spectrum is made");
         let mut batches = study.batches.into_inner().expect("no thread fails");
         batches.sort_unstable_by_key(|(first, _)| *first);
         let mut free = vec![0.0; threads];

@@ -100,7 +100,7 @@ fn spectra(c: &mut Criterion) {
                 let folder = tempfile::tempdir().expect("a folder");
                 let path = folder.path().join("spectrum.csv");
                 let mut table = spectrum.open(&path, TableOptions::default()).expect("a table");
-                runner::run(&spectrum, &pool, None, &mut table, |_, _| ()).expect("a spectrum");
+                runner::run(&spectrum, &pool, None, &mut table, None, |_, _| ()).expect("a spectrum");
             });
         });
     }

@@ -16,7 +16,7 @@ from fmpy.fmi2 import FMU2Slave
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
 ROCKING = Path(os.environ.get("ROCKING", ROOT / "target/release/rocking"))
-RECORD = ROOT / "records/np01002p_4225a_a.smc"
+RECORD = ROOT / "examples/records/np01002p_4225a_a.smc"
 
 
 class Instance:
@@ -80,7 +80,8 @@ def read_record(path=RECORD, *options) -> tuple[np.ndarray, np.ndarray]:
     run = subprocess.run([ROCKING, "record", path, "--csv=-", *options], capture_output=True, text=True)
     if run.returncode != 0:
         raise ValueError(run.stderr.strip())
-    return tuple(np.loadtxt(run.stdout.splitlines(), delimiter=",", skiprows=1, unpack=True))
+    rows = [line for line in run.stdout.splitlines() if not line.startswith("#")]
+    return tuple(np.loadtxt(rows, delimiter=",", skiprows=1, unpack=True))
 
 
 def picture(arguments: argparse.Namespace, folder: Path) -> Path:

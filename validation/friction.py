@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import rocking_block as rb
 
-RECORDS = Path(__file__).resolve().parents[1] / "records"
+RECORDS = Path(__file__).resolve().parents[1] / "examples/records"
 LEVELS = (0.3, 0.5, 0.7)
 
 
@@ -37,7 +37,7 @@ def main():
             run = block.run(record, scale=scale, progress=False)
             return run.outcome == "overturned", run.peak.theta / alpha, run
 
-        fell, peak, plain = run(0.0)
+        fell, peak, plain = run(None)
         if plain.counts.liftoffs == 0:
             continue
         row = {"alpha": alpha, "fell": fell}

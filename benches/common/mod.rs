@@ -3,27 +3,31 @@
 use std::hint::black_box;
 
 use rocking_block::block::Regime;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Excitation, Inputs, Pulse};
-use rocking_block::ground::Ground;
 use rocking_block::numerics::Rate;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::dynamics::instant_of;
 use rocking_block::system::instant::{Footing, State};
 use rocking_records::ReadOptions;
-use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
 use crate::fmu::{Fmu, OK, reference};
 
 /// The block of sine_eta40.
 pub fn block(foundation: Foundation) -> Block {
-    let common = Common { foundation, ..Common::default() };
-    Block::from_dimensionless(&Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 }, &common).expect("a block")
+    let common = Common::default();
+    Block::from_dimensionless(
+        &Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::of(foundation, Ratios { eta: 40.0, xi_v: 0.1 }) },
+        &common,
+    )
+    .expect("a block")
 }
 
 /// Loma Prieta 1989, of the USGS.
 pub fn loma_prieta() -> Ground {
-    let bytes = include_bytes!("../../records/np01002p_4225a_a.smc");
+    let bytes = include_bytes!("../../examples/records/np01002p_4225a_a.smc");
     let record = rocking_records::parse("np01002p_4225a_a.smc", bytes, &ReadOptions::default()).expect("a record");
     Ground { horizontal: Some(record), vertical: None }
 }
@@ -92,7 +96,7 @@ pub fn spectrum(ground: Ground, count: u64) -> Spectrum {
         alpha: 0.25,
         common: Common::default(),
         in_proportion: InProportion::default(),
-        bases: vec![FoundationParameters::Viscoelastic { eta: 40.0, xi_v: 0.1, epsilon: 0.0 }],
+        bases: vec![Base::viscoelastic(40.0, 0.1, 0.0)],
         sizes: Sizes { least: 0.5, greatest: 4.0, count },
         motions: vec![("record".into(), ground)],
         pulse: Pulse::NONE,

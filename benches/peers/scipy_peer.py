@@ -156,7 +156,7 @@ class Run:
         if self.touching[i]:
 
             def fall(t, y):
-                theta, theta_dot, v, v_dot = y.tolist()
+                theta, theta_dot, v, v_dot = y.tolist()[:4]
                 s, co = sin(theta), cos(theta)
                 rate = v_dot + sign * (b * co + sign * h * s) * theta_dot
                 return k * (delta_s - (v + h - (h * co - sign * b * s))) - c * rate
@@ -164,7 +164,7 @@ class Run:
             (depth, since), decay = self.creep[i], k / c
 
             def fall(t, y):
-                theta, _, v, _ = y.tolist()
+                theta, _, v = y.tolist()[:3]
                 height = v + h - (h * cos(theta) - sign * b * sin(theta))
                 return height - delta_s + depth * exp(-(t - since) * decay)
 
@@ -201,7 +201,7 @@ class Run:
         again = True
         while again:
             again = False
-            _, theta_ddot, _, v_ddot = self.equations(ground)(t, np.array(y))
+            _, theta_ddot, _, v_ddot = self.equations(ground)(t, np.array(y))[:4]
             for i in (0, 1):
                 if not self.touching[i]:
                     continue
@@ -222,7 +222,7 @@ class Run:
         (reach, height), (_, before) = self.arms(i, y[0]), self.arms(1 - i, y[0])
         a, bb, pp = block.h * cos(y[0]) * height, reach * reach, before * height
         d = block.i0 + a + bb
-        _, theta_dot, _, v_dot = y
+        _, theta_dot, _, v_dot = y[:4]
         y[3] = (
             (e * (block.i0 + a) + bb) * v_dot + s * ((e - 1.0) * block.i0 + e * a - pp) * reach * theta_dot
         ) / d

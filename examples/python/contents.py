@@ -26,7 +26,7 @@ COMPONENTS = [
     ("E2022.125a", "lateral cabinet", 18.6, 67.75, 0.526),
 ]
 # No limit, or Coulomb's coefficient between contents and floor.
-FRICTIONS = (0.0, 0.5, 0.3)
+FRICTIONS = (None, 0.5, 0.3)
 LEVELS = np.geomspace(0.15, 4.0, 16)
 
 
@@ -73,7 +73,7 @@ def runs(records, components=COMPONENTS, frictions=FRICTIONS, levels=LEVELS):
 
 def read_records(folder=None):
     """Returns the accelerograms of a folder, by default those of the project."""
-    paths = sorted((folder or ROOT / "records").iterdir())
+    paths = sorted((folder or ROOT / "examples/records").iterdir())
     return [rb.read_record(path) for path in paths if path.suffix.lower() in (".smc", ".at2")]
 
 
@@ -92,7 +92,7 @@ def main():
     parser.add_argument("--records", type=Path, help="folder of accelerograms of any format that needs no options")
     options = parser.parse_args()
     records = read_records(options.records)
-    heads = " | ".join("no sliding" if friction == 0 else f"μ = {friction:g}" for friction in FRICTIONS)
+    heads = " | ".join("no sliding" if friction is None else f"μ = {friction:g}" for friction in FRICTIONS)
     print(f"| component | contents | depth × height (m) | FEMA P-58 | lifts | {heads} |")
     print("| --- " * 3 + "| ---: " * (2 + len(FRICTIONS)) + "|")
     for (number, name, depth, height, median), tables in zip(COMPONENTS, runs(records)):

@@ -17,7 +17,7 @@ def motions() -> list[rb.Record]:
 
     They demonstrate the method, but are not 40 earthquakes.
     """
-    recorded = [rb.read_record(ROOT / "records" / name) for name in ("np01002p_4225a_a.smc", "0111a.smc")]
+    recorded = [rb.read_record(ROOT / "examples/records" / name) for name in ("np01002p_4225a_a.smc", "0111a.smc")]
     return [
         rb.Record(record.acceleration / record.pga * 4.0, record.dt * stretch, f"{i}, time × {stretch:.2f}")
         for i, record in enumerate(recorded)

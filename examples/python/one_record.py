@@ -13,7 +13,7 @@ import rocking_block as rb
 ROOT = Path(__file__).resolve().parents[2]
 
 # Any format: PEER AT2, USGS SMC, COSMOS, CSMIP, ESM, CSV. This one is of Loma Prieta, 1989.
-record = rb.read_record(sys.argv[1] if len(sys.argv) > 1 else ROOT / "records/np01002p_4225a_a.smc")
+record = rb.read_record(sys.argv[1] if len(sys.argv) > 1 else ROOT / "examples/records/np01002p_4225a_a.smc")
 block = rb.Block(width=0.8, height=3.2, K=1e7, C=4e4, mass=4000)
 print(record, block, sep="\n")
 

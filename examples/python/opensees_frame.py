@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "examples/coupling/roof"))
 from opensees_worker import load_opensees
 
-ops, ground = load_opensees(), rb.read_record(ROOT / "records/np01002p_4225a_a.smc").scaled(2)
+ops, ground = load_opensees(), rb.read_record(ROOT / "examples/records/np01002p_4225a_a.smc").scaled(2)
 # A storey of 100 t with a period of 0.5 s that yields at 0.3 of its weight; 3 % damping.
 mass, omega = 100e3, tau / 0.5
 ops.wipe()

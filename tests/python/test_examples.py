@@ -247,7 +247,7 @@ def test_a_record_inside_in_every_master(fmu, master, parts, monkeypatch):
     need_master(master)
     import one_line
 
-    record = EXAMPLES.parent / "records/np01002p_4225a_a.smc"
+    record = EXAMPLES.parent / "examples/records/np01002p_4225a_a.smc"
     start = {"record.horizontal": str(record), "record.scale": 3.0, "dimensionless.alpha": 0.15, "dimensionless.p": 2.0}
     monkeypatch.setattr(one_line, "START", start)
     monkeypatch.setattr(one_line, "STOP", 14.0)

@@ -168,6 +168,8 @@ def test_what_is_declared(fmu3):
         declared = root.find(interface).attrib
         assert {name for name, value in declared.items() if value == "true"} == flags
     assert root.find("CoSimulation").get("maxOutputDerivativeOrder") == "1"
+    # Superfluous for inputs, and refused by CasADi.
+    assert {v.get("initial") for v in root.find("ModelVariables") if v.get("causality") == "input"} == {None}
 
 
 def test_event_mode_early_return_and_fmi_2_give_the_same_bits(fmu, fmu3):

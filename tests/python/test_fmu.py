@@ -184,7 +184,7 @@ def test_a_record_inside_is_one_option_of_the_command_line(fmu, tmp_path):
     folder = tmp_path / "strong motion 100 %"
     folder.mkdir()
     record = folder / "größer.smc"
-    record.write_bytes((ROOT / "records/np01002p_4225a_a.smc").read_bytes())
+    record.write_bytes((ROOT / "examples/records/np01002p_4225a_a.smc").read_bytes())
     out = tmp_path / "out.csv"
     command = [sys.executable, "-m", "fmpy", "simulate", fmu, "--stop-time", "20", "--output-interval", "0.5",
                "--output-file", str(out), "--output-variables", "theta", "record.PGA", "peak.theta",
@@ -209,7 +209,7 @@ with instance(sys.argv[1]) as (slave, references):
 
 def test_another_process_resumes_without_the_file(fmu, tmp_path):
     record = tmp_path / "record.smc"
-    record.write_bytes((ROOT / "records/np01002p_4225a_a.smc").read_bytes())
+    record.write_bytes((ROOT / "examples/records/np01002p_4225a_a.smc").read_bytes())
     values = {"record.horizontal": str(record), "record.scale": 3}
     with instance(fmu, values) as (slave, references):
         slave.doStep(0.0, 4.0)

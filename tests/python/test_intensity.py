@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.signal import cont2discrete, lfilter
 
 ROOT = Path(__file__).resolve().parents[2]
-EMBEDDED = ["records/np01002p_4225a_a.smc", "records/0111a.smc"]
+EMBEDDED = ["examples/records/np01002p_4225a_a.smc", "examples/records/0111a.smc"]
 SHARED = [
     "paper/NGA_no_1063_RRS228.AT2",
     "paper_derived/ERZ-NS_unrotated.AT2",
@@ -42,7 +42,8 @@ def measured(request, program, tmp_path_factory):
     arguments = ["record", path, "--json", "--csv", table, "--periods", ",".join(map(str, PERIODS))]
     printed = subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
     (content,) = json.loads(printed)["records"]
-    acceleration = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
+    # Remarks and the heading, `t [s],a [m/s2]`, stand above the numbers.
+    acceleration = np.loadtxt(table, delimiter=",", comments=["#", "t"])[:, 1]
     assert len(acceleration) == content["samples"]
     return content, acceleration
 

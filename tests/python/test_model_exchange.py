@@ -147,3 +147,39 @@ def test_cvode_has_the_events_of_co_simulation(fmu, mode, tolerance):
         inside, _ = events(fmu, "CoSimulation", values, end, 1e-12)
         outside, result = events(fmu, "ModelExchange", values, end, tolerance)
         assert outside == inside, seed
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        dict(alpha=0.2747, p=2.2445, eta=9.5447, xi_v=1.0602, friction=0.3626, amplitude=5.583, period=0.3852),
+        dict(alpha=0.346, p=0.886, eta=10.77, xi_v=0.423, friction=0.38, amplitude=6.5, period=1.14),
+    ],
+)
+@pytest.mark.parametrize("version", [2, 3])
+def test_few_events_where_both_feet_slide_to_opposite_sides(fmu, fmu3, version, values):
+    """A held corner does not lift and land again and again, which would take an event each, in Model Exchange and in Event Mode."""
+    dimensionless = {f"dimensionless.{name}": values[name] for name in ("alpha", "p", "eta", "xi_v")}
+    pulse = {"pulse.shape": 2, "pulse.amplitude": values["amplitude"], "pulse.period": values["period"]}
+    start = dimensionless | pulse | {"friction": values["friction"], "epsilon": 0.3, "on_separation": 3}
+    event_mode = {"early_return_allowed": True, "use_event_mode": True} if version == 3 else {}
+    ends = []
+    for interface, options in [("ModelExchange", {"solver": "CVode", "relative_tolerance": 1e-10}), ("CoSimulation", event_mode)]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result = simulate_fmu(
+                fmu3 if version == 3 else fmu,
+                fmi_type=interface,
+                start_values=start,
+                stop_time=2.0,
+                output_interval=0.01,
+                output=["theta", "slip", "events.impacts", "events.liftoffs"],
+                timeout=60,
+                **options,
+            )
+        assert len(result) < 260, f"{interface}: {len(result)} rows instead of 201 and two for each event"
+        ends.append(result[-1])
+    solved, ours = ends
+    assert list(solved)[3:] == list(ours)[3:]
+    assert abs(solved["theta"] - ours["theta"]) < 1e-7 * values["alpha"]
+    assert abs(solved["slip"] - ours["slip"]) < 1e-8

@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import butter, detrend, sosfiltfilt
 
 ROOT = Path(__file__).resolve().parents[2]
-RECORD = ROOT / "records/0111a.smc"
+RECORD = ROOT / "examples/records/0111a.smc"
 
 
 @pytest.fixture
@@ -22,7 +22,8 @@ def table(program, tmp_path):
             [program, "record", RECORD, "--json", "--csv", path, *options], check=True, capture_output=True, text=True
         ).stdout
         (content,) = json.loads(printed)["records"]
-        return np.loadtxt(path, delimiter=",", skiprows=1)[:, 1], content["dt"], content
+        # Remarks and the heading, `t [s],a [m/s2]`, stand above the numbers.
+        return np.loadtxt(path, delimiter=",", comments=["#", "t"])[:, 1], content["dt"], content
 
     return read
 
@@ -122,5 +123,5 @@ def test_rotations_are_those_of_every_direction(program, tmp_path):
         assert found["PGV"] == pytest.approx(np.percentile(np.abs(velocities).max(axis=1), percentile), rel=2e-3)
     table = tmp_path / "r.csv"
     subprocess.run([*command, "--rotate", "30", "--csv", table], check=True, capture_output=True)
-    samples = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
+    samples = np.loadtxt(table, delimiter=",", comments=["#", "t"])[:, 1]
     np.testing.assert_allclose(samples, rotated[30], atol=1e-12)

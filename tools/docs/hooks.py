@@ -21,7 +21,7 @@ from pymdownx.superfences import SuperFencesException
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
 # Pages and files outside docs that belong to the site, under their paths in the repository.
-ADDED = ("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE-APACHE", "LICENSE-MIT", "benches/peers", "examples", "records")
+ADDED = ("CHANGELOG.md", "CONTRIBUTING.md", "PACKAGING.md", "LICENSE-APACHE", "LICENSE-MIT", "benches/peers", "examples")
 DOCUMENTATION = PurePosixPath("docs")
 # Files of the repository that another page of the site shows.
 SHOWN = {PurePosixPath("README.md"): PurePosixPath("README.md"), PurePosixPath("modelDescription.xml"): PurePosixPath("reference/fmu.md")}

@@ -57,20 +57,31 @@ TOWER_OUTPUTS = ("theta", "u", "energy.input", "energy.impacts")
 WATCHED = {"ground": ("a",), "deck": ("x", "F_x_1", "F_x_2", "work"), "tower_1": TOWER_OUTPUTS, "tower_2": TOWER_OUTPUTS}
 
 
-def build_parts(folder, scale: float = 2.0, begin: float = 3.0) -> dict[str, Path]:
-    """Builds the FMUs of the package. The ground follows the record times `scale`, from `begin` [s] on."""
+def earthquake(scale: float = 2.0, begin: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
+    """Returns times [s] and accelerations [m/s2]: the record times `scale`, from `begin` [s] on, which rises from zero in 0.2 s."""
+    time, record = read_record()
+    samples = scale * record[round(begin / time[1]) :]
+    rise = round(0.2 / time[1])
+    samples[:rise] *= np.linspace(0, 1, rise)
+    return time[: len(samples)], samples
+
+
+def build_ground(folder, time: np.ndarray, samples: np.ndarray) -> Path:
+    """Builds the FMU of an earthquake."""
     from pythonfmu.builder import FmuBuilder
 
-    folder = Path(folder)
-    time, record = read_record()
-    dt = time[1] - time[0]
-    samples = scale * record[round(begin / dt) :]
-    samples[: round(0.2 / dt)] *= np.linspace(0, 1, round(0.2 / dt))
-    (folder / "record.csv").write_text("\n".join(map(repr, map(float, [dt, *samples]))))
+    file = Path(folder, "record.csv")
+    file.write_text("\n".join(map(repr, map(float, [time[1], *samples]))))
+    return FmuBuilder.build_FMU(HERE / "ground.py", dest=folder, project_files=[file], canHandleVariableCommunicationStepSize=True)
+
+
+def build_parts(folder) -> dict[str, Path]:
+    """Builds the FMUs of the package."""
+    from pythonfmu.builder import FmuBuilder
+
     return {
         "Deck.fmu": FmuBuilder.build_FMU(HERE / "deck.py", dest=folder, canHandleVariableCommunicationStepSize=True),
-        "Ground.fmu": FmuBuilder.build_FMU(HERE / "ground.py", dest=folder, project_files=[folder / "record.csv"],
-                                           canHandleVariableCommunicationStepSize=True),
+        "Ground.fmu": build_ground(folder, *earthquake()),
         "RockingBlock.fmu": Path(BLOCK),
     }
 
@@ -114,12 +125,12 @@ def build_ssp(folder, parts: dict[str, Path]) -> Path:
     return path
 
 
-def columns(rows) -> dict[str, np.ndarray]:
-    names = [f"{component}.{name}" for component, watched in WATCHED.items() for name in watched]
+def columns(rows, watched=WATCHED) -> dict[str, np.ndarray]:
+    names = [f"{component}.{name}" for component, names in watched.items() for name in names]
     return dict(zip(names, np.array(rows).T, strict=True))
 
 
-def run_libcosim(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
+def run_libcosim(ssp, h: float, stop: float, watched=WATCHED) -> dict[str, np.ndarray]:
     """Runs the package in libcosim with fixed steps of `h` [s]; returns the watched variables after each step."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
@@ -129,21 +140,21 @@ def run_libcosim(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
     execution = CosimExecution.from_ssp_file(str(ssp), round(1e9 * h))  # ns
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer)
-    indices = {component: execution.slave_index_from_instance_name(component) for component in WATCHED}
+    indices = {component: execution.slave_index_from_instance_name(component) for component in watched}
     references = {}
-    for component, names in WATCHED.items():
+    for component, names in watched.items():
         known = {variable.name.decode(): variable.reference for variable in execution.slave_variables(indices[component])}
         references[component] = [known[name] for name in names]
     rows = []
     for _ in range(round(stop / h)):
         if not execution.step():
             raise RuntimeError("libcosim stopped")
-        rows.append([value for component in WATCHED
+        rows.append([value for component in watched
                      for value in observer.last_real_values(indices[component], references[component])])
-    return columns(rows)
+    return columns(rows, watched)
 
 
-def run_ecos(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
+def run_ecos(ssp, h: float, stop: float, watched=WATCHED) -> dict[str, np.ndarray]:
     """Runs the package in Ecos with fixed steps of `h` [s]; returns the watched variables after each step."""
     load_tbb()
     from ecospy import EcosSimulation
@@ -153,9 +164,9 @@ def run_ecos(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
         simulation.init(parameter_set="initialValues")
         for _ in range(round(stop / h)):
             simulation.step()
-            rows.append([simulation.get_real(f"{component}::{name}") for component, names in WATCHED.items() for name in names])
+            rows.append([simulation.get_real(f"{component}::{name}") for component, names in watched.items() for name in names])
         simulation.terminate()
-    return columns(rows)
+    return columns(rows, watched)
 
 
 def run_fmpy(parts: dict[str, Path], h: float, stop: float) -> dict[str, np.ndarray]:

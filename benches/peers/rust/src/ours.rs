@@ -1,6 +1,6 @@
 //! Solves a case with this project's core, as in the FMU, including its peaks and energy sums. It has one method.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_peers::{Case, Solver, Work, program};
@@ -55,7 +55,7 @@ impl Solver for Ours {
         };
         let period = if shape == PulseShape::None { 1.0 } else { std::f64::consts::TAU / case.omega_p };
         Ours {
-            block: Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).expect("a block"),
+            block: Block::from_dimensionless(&Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) }, &common).expect("a block"),
             settings: Settings { tolerance, ..Settings::default() },
             pulse: Pulse { shape, amplitude: case.a_p, period, start: 0.0, ..Pulse::NONE },
             initial: Initial {

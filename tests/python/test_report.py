@@ -1,0 +1,31 @@
+"""The page of `rocking assess` as Chromium prints it."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples/assess"
+
+
+@pytest.mark.check
+@pytest.mark.parametrize("study", ["pier", "statue", "cabinet"])
+def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_path):
+    pypdf = pytest.importorskip("pypdf")
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        pytest.skip("chromium is not installed")
+    subprocess.run([program, "assess", f"{study}.toml", "--out", tmp_path], check=True, cwd=EXAMPLES, capture_output=True)
+    printed = tmp_path / "report.pdf"
+    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--print-to-pdf={printed}"]
+    subprocess.run([chromium, *options, (tmp_path / "report.html").as_uri()], check=True, capture_output=True)
+    pages = pypdf.PdfReader(printed).pages
+    width, height = (round(float(side) / 72 * 25.4) for side in pages[0].mediabox[2:])
+    assert (width, height) == (210, 297)
+    first, second = (page.extract_text() for page in pages[:2])
+    # The sketch, what helps and the fragility curves; the rate if the study has a hazard curve.
+    for words in ["each parameter in the middle", "the variants", "Remarks", "Fragility curves of all states"]:
+        assert words in first, words
+    assert ("annual rate" in first) == (study == "statue")
+    assert "The object" in second.split("Quantity")[0]
