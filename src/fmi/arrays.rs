@@ -11,24 +11,33 @@ use crate::fmi::size_t;
 use crate::unit::fault::Fault;
 
 /// Refuses a pointer that cannot be an array of `count` elements.
+#[inline(always)]
 fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
-    if pointer.is_null() {
-        return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
-    }
-    if !pointer.is_aligned() {
-        let multiple = align_of::<T>();
-        return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
-    }
-    if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Fault::new(format!("{name} has {count} elements; expected a number that fits into memory")));
+    let fits = count <= isize::MAX as usize / size_of::<T>();
+    if pointer.is_null() || !pointer.is_aligned() || !fits {
+        return Err(refused(name, pointer.cast(), align_of::<T>(), count));
     }
     Ok(())
+}
+
+/// Returns the reason why a pointer cannot be an array of `count` elements.
+#[cold]
+#[inline(never)]
+fn refused(name: &str, pointer: *const (), multiple: usize, count: size_t) -> Fault {
+    Fault::new(if pointer.is_null() {
+        format!("{name} is NULL; expected {count} elements")
+    } else if !pointer.addr().is_multiple_of(multiple) {
+        format!("{name} is at {pointer:p}; expected a multiple of {multiple}")
+    } else {
+        format!("{name} has {count} elements; expected a number that fits into memory")
+    })
 }
 
 /// Returns an array for reading.
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
+#[inline(always)]
 pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Result<&'a [T], Fault> {
     if count == 0 {
         return Ok(&[]);

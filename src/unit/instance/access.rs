@@ -119,19 +119,24 @@ impl Unit {
 }
 
 /// Returns the variable with this value reference, if it has this type.
+#[inline(always)]
 pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
-    let Some(metadata) = VARIABLES.get(reference as usize) else {
-        let last = VARIABLES.len() - 1;
-        return Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")));
-    };
-    if metadata.kind.base() != kind {
-        let found = metadata.kind;
-        return Err(Fault::new(format!(
-            "{} (value reference {reference}) is of type {found}, not {kind}",
-            metadata.name
-        )));
+    match VARIABLES.get(reference as usize) {
+        Some(metadata) if metadata.kind.base() == kind => Ok(metadata),
+        other => Err(unknown(reference, kind, other)),
     }
-    Ok(metadata)
+}
+
+/// Returns the reason why a value reference is not that of a variable of this type.
+#[cold]
+#[inline(never)]
+fn unknown(reference: u32, kind: Kind, found: Option<&Metadata>) -> Fault {
+    Fault::new(match found {
+        Some(Metadata { name, kind: found, .. }) => {
+            format!("{name} (value reference {reference}) is of type {found}, not {kind}")
+        }
+        None => format!("value reference {reference} does not exist; expected 0 to {}", VARIABLES.len() - 1),
+    })
 }
 
 /// Returns the Real output with this value reference. `ability` completes "only an output …".
@@ -147,6 +152,7 @@ pub(super) fn output(reference: u32, ability: &str) -> Result<Output, Fault> {
 }
 
 /// Returns the input with this value reference. `ability` completes "only an input …".
+#[inline(always)]
 pub(super) fn input(reference: u32, ability: &str) -> Result<(Input, &'static Metadata), Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {

@@ -292,6 +292,7 @@ impl Unit {
     }
 
     /// Makes the present time the reference of the inputs, before they change.
+    #[inline(always)]
     fn begin_inputs(&mut self) {
         self.inputs.move_to(self.time());
         if self.at_end.take().is_some() {
@@ -330,17 +331,24 @@ impl Unit {
     /// Applies changed values: before initialization ends to the whole block, later to the observation.
     ///
     /// A changed rate alone also invalidates the observation, since it changes the rounding of inputs.
+    #[inline(always)]
     fn take_up_values(&mut self) {
         if !self.phase.is_initialized() {
             return self.forget();
         }
         (self.acting, self.observed) = (None, ObservationCache::default());
-        if let (Interface::ModelExchange, Some(simulation)) = (self.interface, &mut self.simulation) {
-            let time = simulation.piece_time();
-            let inputs = Inputs { time, ..self.inputs };
-            let acting = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
-            simulation.change_inputs(self.acting.insert(acting));
+        if self.interface == Interface::ModelExchange {
+            self.change_inputs();
         }
+    }
+
+    /// Lets changed inputs act on the block of Model Exchange.
+    #[inline(never)]
+    fn change_inputs(&mut self) {
+        let Some(simulation) = &mut self.simulation else { return };
+        let inputs = Inputs { time: simulation.piece_time(), ..self.inputs };
+        let acting = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, inputs.time).0);
+        simulation.change_inputs(self.acting.insert(acting));
     }
 
     fn block(&self) -> Result<Block, Fault> {
