@@ -129,7 +129,7 @@ pub fn outcomes<'py>(
             }
         };
         let of_records = shown.iter().map(|&measure| {
-            table::Column::optional(measure.to_string(), measure.unit(), move |row: &Row| {
+            table::TableColumn::optional(measure.to_string(), measure.unit(), move |row: &Row| {
                 let (motion, scale, block) = &row.case;
                 motion.intensity(measure, *scale, block)
             })

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Inputs, Ramp};
-use crate::numerics::gradient::Along;
+use crate::numerics::gradient::DirectionalDual;
 use crate::numerics::scalar::Elementary;
 use rocking_records::Record;
 
@@ -18,7 +18,7 @@ pub struct Ground {
 
 /// The ground motion between two samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece {
+pub struct RecordInterval {
     /// The inputs, linear in time.
     pub inputs: Inputs,
     /// Time of the next sample of any record (s).
@@ -78,7 +78,7 @@ impl Ground {
     }
 
     /// Returns the piece around `time` (s). The reference time of its inputs is that of the last sample of any record.
-    pub fn piece_at(&self, time: f64) -> Piece {
+    pub fn piece_at(&self, time: f64) -> RecordInterval {
         let last = |record: &Record| match record.sample_at(time) {
             Some(i) if i + 1 < record.acceleration.len() => record.sample_time(i),
             Some(_) => record.start_time + record.duration(),
@@ -90,30 +90,31 @@ impl Ground {
 
     /// Returns the inputs from `time` (s) on, and the end of their validity: the next sample of any record (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
-        let Piece { inputs, end, .. } = self.piece_from(time);
+        let RecordInterval { inputs, end, .. } = self.piece_from(time);
         (inputs, end)
     }
 
     /// Returns the piece from `time` (s), the reference time of its inputs, to the next sample of any record.
-    pub fn piece_from(&self, time: f64) -> Piece {
+    pub fn piece_from(&self, time: f64) -> RecordInterval {
         let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
         let samples = [guess(&self.horizontal), guess(&self.vertical)];
-        let mut piece = Piece { inputs: Inputs::default(), end: f64::INFINITY, samples };
+        let mut piece = RecordInterval { inputs: Inputs::default(), end: f64::INFINITY, samples };
         self.find_piece(time, &mut piece);
         piece
     }
 
     /// Makes `piece` the one that begins where it ends.
     #[inline]
-    pub fn go_on(&self, piece: &mut Piece) {
+    pub fn next_interval(&self, piece: &mut RecordInterval) {
         self.find_piece(piece.end, piece);
     }
 
     /// Makes `piece` the one from `time` (s) on; the search for the samples before `time` begins at those of `piece`.
     #[inline(always)]
-    fn find_piece(&self, time: f64, piece: &mut Piece) {
+    fn find_piece(&self, time: f64, piece: &mut RecordInterval) {
         // Number by number: a copy of all at once would wait until the processor has stored them.
-        let Piece { inputs: Inputs { time: start, a_gx, a_gz, .. }, end, samples: [horizontal, vertical] } = piece;
+        let RecordInterval { inputs: Inputs { time: start, a_gx, a_gz, .. }, end, samples: [horizontal, vertical] } =
+            piece;
         (*start, *end) = (time, f64::INFINITY);
         for (record, near, place) in [(&self.horizontal, horizontal, a_gx), (&self.vertical, vertical, a_gz)] {
             if let Some(record) = record {
@@ -172,16 +173,16 @@ pub struct VariedRecord<'a, F> {
 
 impl<F: Fn(usize) -> f64> VariedRecord<'_, F> {
     /// Returns the acceleration at `time` (s), as in [`Ground::piece_at`], with its derivative.
-    pub fn at(&self, time: Along) -> Along {
+    pub fn at(&self, time: DirectionalDual) -> DirectionalDual {
         let VariedRecord { record, .. } = self;
-        let zero = Along::from(0.0);
+        let zero = DirectionalDual::from(0.0);
         let Some(i) = record.sample_at(time.re) else { return zero };
         if i + 1 >= record.acceleration.len() {
             return zero;
         }
-        let [a, b] = [i, i + 1].map(|i| Along::new(record.acceleration[i], [(self.sample)(i)]));
-        let step = Along::new(record.time_step, [self.time_step]);
-        let start = Along::new(record.start_time, [self.start_time]);
+        let [a, b] = [i, i + 1].map(|i| DirectionalDual::new(record.acceleration[i], [(self.sample)(i)]));
+        let step = DirectionalDual::new(record.time_step, [self.time_step]);
+        let start = DirectionalDual::new(record.start_time, [self.start_time]);
         line(a, b, step, time - (start + step * i as f64)).value
     }
 

@@ -14,14 +14,14 @@ pub const LONGEST: f64 = 2.0;
 const SHORT_GROWTH: f64 = 1.1;
 
 /// Smallest factor on the size of a short step after one was rejected.
-const LEAST_SHORT_FACTOR: f64 = 0.1;
+const MIN_SHORT_FACTOR: f64 = 0.1;
 
 /// Returns the factor on the step size: `0.9/root` within 1/3 … 6. For a pair of order q, `root` is the q-th root of the step's error.
 pub fn size_factor(root: f64) -> f64 {
     const SAFETY: f64 = 0.9;
-    const LEAST: f64 = 1.0 / 3.0;
-    const MOST: f64 = 6.0;
-    if root.is_nan() { LEAST } else { (SAFETY / root).clamp(LEAST, MOST) }
+    const MIN: f64 = 1.0 / 3.0;
+    const MAX: f64 = 6.0;
+    if root.is_nan() { MIN } else { (SAFETY / root).clamp(MIN, MAX) }
 }
 
 /// Returns the eighth root of an error. Square roots are rounded alike everywhere; powers are not.
@@ -122,7 +122,7 @@ impl StepControl {
     /// Records a rejected short step of `size`; `factor` is the [`short_factor`] of its error.
     #[inline]
     pub fn reject_short(&mut self, size: f64, factor: f64) {
-        self.short_size = size * factor.max(LEAST_SHORT_FACTOR);
+        self.short_size = size * factor.max(MIN_SHORT_FACTOR);
     }
 
     /// Returns the first attempt towards a stop `remaining` ahead. The distance is divided into equal steps of at most the proposed size

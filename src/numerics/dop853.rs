@@ -8,11 +8,11 @@ use crate::numerics::coefficients::{NODES, combine, dense, difference, increment
 use crate::numerics::numbers::Numbers;
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State, Sums};
+use crate::numerics::{Equations, LinearSpace, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
 
 /// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<const N: usize = 4> {
+pub struct DenseStep<const N: usize = 4> {
     /// Time at its beginning (s).
     pub time: f64,
     /// Its size (s).
@@ -46,7 +46,7 @@ pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
 /// Number of evaluations for the dense output of a step.
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
 
-impl<const N: usize> Step<N> {
+impl<const N: usize> DenseStep<N> {
     /// Takes a step of `size` from `start` with the rate `first` there. Evaluates the right-hand side [`EVALUATIONS_PER_STEP`] times, not
     /// at the end.
     #[inline(always)]
@@ -56,7 +56,7 @@ impl<const N: usize> Step<N> {
         start: State<f64, N>,
         first: Rate<f64, N>,
         equations: &impl Equations<f64, N>,
-    ) -> Step<N> {
+    ) -> DenseStep<N> {
         let mut rates = StageRates::beginning_with(first);
         let k = &mut rates.states;
         macro_rules! stages {
@@ -67,7 +67,7 @@ impl<const N: usize> Step<N> {
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11);
         let (end, work) = at_end(size, start, &rates);
-        Step { time, size, end_time: time + size, start, end, work, rates }
+        DenseStep { time, size, end_time: time + size, start, end, work, rates }
     }
 
     /// Returns the estimated error of the step; see [`error`].
@@ -122,7 +122,7 @@ pub fn error<R: Real, const N: usize>(rates: &StageRates<R, N>, size: R, weights
 
 /// Returns the weighted sum of stages that leads to a stage from 1 to 11.
 #[inline(always)]
-pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
+pub(super) fn increment<S: LinearSpace, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
     match stage {
         1 => increment!(k, 1),
         2 => increment!(k, 2),
@@ -139,7 +139,7 @@ pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: us
 }
 
 #[cfg(feature = "lanes")]
-impl Step {
+impl DenseStep {
     /// Returns the step of one lane.
     #[inline(always)]
     pub fn of_lane<V: Simd>(
@@ -148,14 +148,14 @@ impl Step {
         [start, end]: [State<Wide<V>>; 2],
         work: Quadratures<Wide<V>>,
         rates: &StageRates<Wide<V>, 4>,
-    ) -> Step {
+    ) -> DenseStep {
         let [time, size] = [time.of_lane(lane), size.of_lane(lane)];
         let mut of_lane = StageRates::beginning_with(Rate::default());
         for stage in 0..STAGES {
             of_lane.states[stage] = rates.states[stage].of_lane(lane);
             of_lane.quadratures[stage] = rates.quadratures[stage].of_lane(lane);
         }
-        Step {
+        DenseStep {
             time,
             size,
             end_time: time + size,
@@ -167,7 +167,7 @@ impl Step {
     }
 }
 
-impl<const N: usize> Step<N> {
+impl<const N: usize> DenseStep<N> {
     /// Returns the motion inside the step, after three more evaluations. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate<f64, N>, equations: &impl Equations<f64, N>) -> DenseOutput<N> {
@@ -287,7 +287,7 @@ mod tests {
             let rate = |x: f64| Rate { state: State::from([0.0, x, 0.0, 0.0]), quadratures: Quadratures::zeros() };
             let equations = |_: f64, state: &State| rate(state[1] * state[1] * state[1]);
             let start = State::from([0.0, far, 0.0, 0.0]);
-            Step::attempt(0.0, 1.0, start, equations(0.0, &start), &equations).error(State::from([1.0; 4]))
+            DenseStep::attempt(0.0, 1.0, start, equations(0.0, &start), &equations).error(State::from([1.0; 4]))
         };
         assert_eq!(error(0.0), 0.0);
         assert!(error(1e100).is_nan());

@@ -75,7 +75,7 @@ impl<const N: usize> Directions for [f64; N] {
 /// The alignment makes the compiler load four derivatives as one vector, apart from the number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub struct Varying<D> {
+pub struct MultiDual<D> {
     /// Its derivatives.
     pub eps: D,
     /// The number.
@@ -83,84 +83,84 @@ pub struct Varying<D> {
 }
 
 /// A number with its derivatives in N directions.
-pub type Gradient<const N: usize> = Varying<[f64; N]>;
+pub type Gradient<const N: usize> = MultiDual<[f64; N]>;
 
 /// A number with its derivative in one direction; unlike a [`Dual`], its value has the bits of a plain number.
-pub type Along = Gradient<1>;
+pub type DirectionalDual = Gradient<1>;
 
-impl<D: Directions> Varying<D> {
+impl<D: Directions> MultiDual<D> {
     /// A number with these derivatives.
     #[inline(always)]
     pub fn new(re: f64, eps: D) -> Self {
-        Varying { re, eps }
+        MultiDual { re, eps }
     }
 
     /// Applies the chain rule to a function of two numbers with this value and these partial derivatives.
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
-        Varying { re, eps: self.eps.times(by_self).plus(other.eps.times(by_other)) }
+        MultiDual { re, eps: self.eps.times(by_self).plus(other.eps.times(by_other)) }
     }
 
     /// Applies the chain rule to a function with the value `re` and the derivative `slope`.
     #[inline(always)]
     fn map(self, re: f64, slope: f64) -> Self {
-        Varying { re, eps: self.eps.times(slope) }
+        MultiDual { re, eps: self.eps.times(slope) }
     }
 }
 
-impl<D> Varying<D> {
+impl<D> MultiDual<D> {
     /// The number with its derivatives in an array.
     #[inline(always)]
     pub fn stored<const N: usize>(self) -> Gradient<N>
     where
         D: Into<[f64; N]>,
     {
-        Varying { re: self.re, eps: self.eps.into() }
+        MultiDual { re: self.re, eps: self.eps.into() }
     }
 }
 
-impl<D: Directions> Default for Varying<D> {
+impl<D: Directions> Default for MultiDual<D> {
     #[inline(always)]
     fn default() -> Self {
-        Varying::from(0.0)
+        MultiDual::from(0.0)
     }
 }
 
-impl<D: Directions> From<f64> for Varying<D> {
+impl<D: Directions> From<f64> for MultiDual<D> {
     #[inline(always)]
     fn from(re: f64) -> Self {
-        Varying { re, eps: D::zeros() }
+        MultiDual { re, eps: D::zeros() }
     }
 }
 
-impl<D: Directions> Neg for Varying<D> {
+impl<D: Directions> Neg for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Varying { re: -self.re, eps: self.eps.negated() }
+        MultiDual { re: -self.re, eps: self.eps.negated() }
     }
 }
 
-impl<D: Directions> Add for Varying<D> {
+impl<D: Directions> Add for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Varying { re: self.re + other.re, eps: self.eps.plus(other.eps) }
+        MultiDual { re: self.re + other.re, eps: self.eps.plus(other.eps) }
     }
 }
 
-impl<D: Directions> Sub for Varying<D> {
+impl<D: Directions> Sub for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Varying { re: self.re - other.re, eps: self.eps.minus(other.eps) }
+        MultiDual { re: self.re - other.re, eps: self.eps.minus(other.eps) }
     }
 }
 
-impl<D: Directions> Mul for Varying<D> {
+impl<D: Directions> Mul for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -169,7 +169,7 @@ impl<D: Directions> Mul for Varying<D> {
     }
 }
 
-impl<D: Directions> Div for Varying<D> {
+impl<D: Directions> Div for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -179,25 +179,25 @@ impl<D: Directions> Div for Varying<D> {
     }
 }
 
-impl<D: Directions> Add<f64> for Varying<D> {
+impl<D: Directions> Add<f64> for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        Varying { re: self.re + other, ..self }
+        MultiDual { re: self.re + other, ..self }
     }
 }
 
-impl<D: Directions> Sub<f64> for Varying<D> {
+impl<D: Directions> Sub<f64> for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, other: f64) -> Self {
-        Varying { re: self.re - other, ..self }
+        MultiDual { re: self.re - other, ..self }
     }
 }
 
-impl<D: Directions> Mul<f64> for Varying<D> {
+impl<D: Directions> Mul<f64> for MultiDual<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -206,12 +206,12 @@ impl<D: Directions> Mul<f64> for Varying<D> {
     }
 }
 
-impl<D: Directions> Scalar for Varying<D> {
+impl<D: Directions> Scalar for MultiDual<D> {
     type Real = f64;
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Varying::from(value)
+        MultiDual::from(value)
     }
 
     #[inline(always)]
@@ -246,7 +246,7 @@ impl<D: Directions> Scalar for Varying<D> {
 /// Four numbers as one vector, and the derivatives of each, so that the sums of a step are sums of vectors.
 #[cfg(feature = "lanes")]
 #[derive(Clone, Copy, Debug)]
-pub struct Apart<D> {
+pub struct SoaDuals<D> {
     /// The numbers.
     pub re: D,
     /// Their derivatives.
@@ -254,23 +254,23 @@ pub struct Apart<D> {
 }
 
 #[cfg(feature = "lanes")]
-impl<D: Directions + From<[f64; 4]> + Into<[f64; 4]>> Apart<D> {
+impl<D: Directions + From<[f64; 4]> + Into<[f64; 4]>> SoaDuals<D> {
     /// Packs four numbers.
     #[inline(always)]
-    pub fn of([a, b, c, d]: [Varying<D>; 4]) -> Self {
-        Apart { re: [a.re, b.re, c.re, d.re].into(), eps: [a.eps, b.eps, c.eps, d.eps] }
+    pub fn of([a, b, c, d]: [MultiDual<D>; 4]) -> Self {
+        SoaDuals { re: [a.re, b.re, c.re, d.re].into(), eps: [a.eps, b.eps, c.eps, d.eps] }
     }
 
     /// Unpacks the numbers.
     #[inline(always)]
-    pub fn numbers(&self) -> [Varying<D>; 4] {
+    pub fn numbers(&self) -> [MultiDual<D>; 4] {
         let ([a, b, c, d], eps) = (self.re.into(), self.eps);
-        [Varying::new(a, eps[0]), Varying::new(b, eps[1]), Varying::new(c, eps[2]), Varying::new(d, eps[3])]
+        [MultiDual::new(a, eps[0]), MultiDual::new(b, eps[1]), MultiDual::new(c, eps[2]), MultiDual::new(d, eps[3])]
     }
 }
 
 #[cfg(feature = "lanes")]
-impl<D: Directions> Add for Apart<D> {
+impl<D: Directions> Add for SoaDuals<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -284,7 +284,7 @@ impl<D: Directions> Add for Apart<D> {
 }
 
 #[cfg(feature = "lanes")]
-impl<D: Directions> Mul<f64> for Apart<D> {
+impl<D: Directions> Mul<f64> for SoaDuals<D> {
     type Output = Self;
 
     #[inline(always)]

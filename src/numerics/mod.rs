@@ -78,9 +78,9 @@ pub trait Equations<R: Scalar = f64, const N: usize = 4> {
 }
 
 /// A state or rate; the methods form weighted sums of it.
-pub trait Sums: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
+pub trait LinearSpace: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
 
-impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> Sums for S {}
+impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> LinearSpace for S {}
 
 /// A right-hand side that may use the number of the stage, counted from 1, to look up a precomputed excitation.
 pub trait Stages<R: Scalar = f64, const N: usize = 4> {

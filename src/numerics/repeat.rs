@@ -2,7 +2,7 @@
 
 use crate::numerics::coefficients::{NODES, SHORT_NODES, combine, increment, short_increment};
 use crate::numerics::dop853::{self, DENSE_STAGES};
-use crate::numerics::{Sums, short};
+use crate::numerics::{LinearSpace, short};
 
 /// A right-hand side without the quadratures.
 pub trait StateRate<S> {
@@ -12,7 +12,7 @@ pub trait StateRate<S> {
 
 /// The form of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum StepForm {
     /// A [`short`] step.
     Short,
     /// A step of order 8.
@@ -25,8 +25,8 @@ pub enum Form {
 ///
 /// All forms share a loop, so that the right-hand side is compiled once.
 #[inline(always)]
-pub fn repeat_step<S: Sums>(
-    form: Form,
+pub fn repeat_step<S: LinearSpace>(
+    form: StepForm,
     [time, size]: [f64; 2],
     start: S,
     equations: &(impl StateRate<S> + ?Sized),
@@ -36,11 +36,11 @@ pub fn repeat_step<S: Sums>(
     loop {
         let state = match (form, stage) {
             (_, 0) => start,
-            (Form::Short, short::STAGES..) => return (start + short_increment!(k, 6) * size, k),
-            (Form::Short, _) => start + short::increment(&k, stage) * size,
+            (StepForm::Short, short::STAGES..) => return (start + short_increment!(k, 6) * size, k),
+            (StepForm::Short, _) => start + short::increment(&k, stage) * size,
             (_, dop853::STAGES) => {
                 end = start + increment!(k, 12) * size;
-                if form == Form::Long {
+                if form == StepForm::Long {
                     return (end, k);
                 }
                 end
@@ -51,7 +51,7 @@ pub fn repeat_step<S: Sums>(
             (_, DENSE_STAGES..) => return (end, k),
             (_, _) => start + dop853::increment(&k, stage) * size,
         };
-        let node = if form == Form::Short { SHORT_NODES[stage] } else { NODES[stage] };
+        let node = if form == StepForm::Short { SHORT_NODES[stage] } else { NODES[stage] };
         k[stage] = equations.state_rate(time + size * node, &state);
         stage += 1;
     }

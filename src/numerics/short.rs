@@ -1,7 +1,7 @@
 //! A step of order 5 to a stop close ahead, without dense output: its ends bound the motion inside.
 
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State, Sums};
+use crate::numerics::{Equations, LinearSpace, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
 
 /// Number of evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
@@ -109,7 +109,7 @@ pub fn squared_error<R: Real, const N: usize>(
 
 /// Returns the weighted sum of stages that leads to a stage from 1 to 5.
 #[inline(always)]
-pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
+pub(super) fn increment<S: LinearSpace, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
     match stage {
         1 => short_increment!(k, 1),
         2 => short_increment!(k, 2),

@@ -4,9 +4,9 @@ use crate::numerics::control::{
     Attempt, LONGEST, ShortStepTo, StepControl, eighth_root, is_resolved, near_a_peak, short_factor, shortest,
     size_factor,
 };
-use crate::numerics::dop853::{self, DenseOutput, Step, evaluate, polynomial};
+use crate::numerics::dop853::{self, DenseOutput, DenseStep, evaluate, polynomial};
 use crate::numerics::numbers::Numbers;
-use crate::numerics::repeat::{Form, StateRate, repeat_step};
+use crate::numerics::repeat::{StateRate, StepForm, repeat_step};
 use crate::numerics::short::{self, ShortStep};
 use crate::numerics::{Equations, Quadratures, Rate, StageRates, State};
 
@@ -52,9 +52,9 @@ fn falls<const N: usize>(order: i32, errors: impl Fn(f64) -> [f64; N], size: f64
     }
 }
 
-fn step(size: f64) -> Step {
+fn step(size: f64) -> DenseStep {
     let start = exact(START).0;
-    Step::attempt(START, size, start, Oscillators.rate(START, &start), &Oscillators)
+    DenseStep::attempt(START, size, start, Oscillators.rate(START, &start), &Oscillators)
 }
 
 #[test]
@@ -124,14 +124,14 @@ fn all_forms_of_a_step_have_the_same_bits() {
     assert_eq!((step.end, step.work), dop853::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
     let times = [START, START + 0.25, START + 0.6];
     let dense = step.dense(Oscillators.rate(step.end_time, &step.end), &Oscillators);
-    let (end, stages) = repeat_step(Form::Dense, [START, size], start, &Oscillators);
-    assert_eq!([step.end; 2], [end, repeat_step(Form::Long, [START, size], start, &Oscillators).0]);
+    let (end, stages) = repeat_step(StepForm::Dense, [START, size], start, &Oscillators);
+    assert_eq!([step.end; 2], [end, repeat_step(StepForm::Long, [START, size], start, &Oscillators).0]);
     let inside = polynomial(start, end - start, size, &stages);
     assert_eq!(times.map(|time| evaluate(&inside, (time - START) / size)), times.map(|time| dense.state(time - START)));
     let step = ShortStep::attempt(START, size, start, first, &Oscillators);
     let mut rates = StageRates::beginning_with(first);
     assert_eq!((step.end, step.work), short::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
-    assert_eq!(step.end, repeat_step(Form::Short, [START, size], start, &Oscillators).0);
+    assert_eq!(step.end, repeat_step(StepForm::Short, [START, size], start, &Oscillators).0);
 }
 
 /// Where a step of `h` has the error `(h/h0)⁸`, steps to a stop become nearly h0 after few attempts, end there, and never repeat an error.

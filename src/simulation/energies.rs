@@ -21,7 +21,7 @@ pub struct EnergySums {
     /// Energy taken by friction.
     pub friction: f64,
     /// Energies taken by the restraints.
-    pub restraints: restraints::Energies,
+    pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
     /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
@@ -37,7 +37,13 @@ impl EnergySums {
 
     /// The same sums with these works.
     pub(super) fn with_works(self, [input, dashpots, friction, restraints @ ..]: [f64; WORKS]) -> EnergySums {
-        EnergySums { input, dashpots, friction, restraints: restraints::Energies::from_array(restraints), ..self }
+        EnergySums {
+            input,
+            dashpots,
+            friction,
+            restraints: restraints::RestraintEnergies::from_array(restraints),
+            ..self
+        }
     }
 
     /// Includes the energy that was lost in an event.
@@ -64,7 +70,7 @@ impl EnergySums {
     /// Adds the works that [dissipative](forces::dissipated) forces have taken.
     pub(super) fn add(&mut self, [friction, restraints @ ..]: [f64; forces::DISSIPATIVE]) {
         self.friction += friction;
-        self.restraints.add(restraints::Energies::from_array(restraints));
+        self.restraints.add(restraints::RestraintEnergies::from_array(restraints));
     }
 }
 
@@ -88,7 +94,7 @@ pub struct Energies {
     pub friction: f64,
     /// Energies taken by the restraints.
     #[serde(flatten)]
-    pub restraints: restraints::Energies,
+    pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
     /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
@@ -105,7 +111,7 @@ impl Energies {
         [input, dashpots, friction, restraints @ ..]: [f64; WORKS],
     ) -> Energies {
         let total = kinetic + potential;
-        let restraints = restraints::Energies::from_array(restraints);
+        let restraints = restraints::RestraintEnergies::from_array(restraints);
         let residual = restraints.added_to(total - input + dashpots + friction);
         Energies { total, kinetic, potential, input, dashpots, friction, restraints, residual, ..Energies::default() }
     }

@@ -8,25 +8,25 @@ use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::State;
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
-use crate::numerics::gradient::{Apart, Varying};
-use crate::numerics::repeat::{self, Form, StateRate};
+use crate::numerics::gradient::{MultiDual, SoaDuals};
+use crate::numerics::repeat::{self, StateRate, StepForm};
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::numerics::wide::{DirectionsTask, Number, Packed, with_directions};
 use crate::simulation::smooth_piece::SmoothPiece;
-use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
+use crate::simulation::smooth_piece::{MAX_STEPS, StepStart};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Event, Surface};
+use crate::system::events::{Event, EventFunction};
 use crate::system::instant::{Footing, Pose};
-use crate::system::law::{AnyLaw, Gripping, Law, in_law};
+use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
 use crate::system::swing::Swing;
 use crate::system::swing::tangent::NO_TANGENTS;
 
 /// The way in which a run went on.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
-pub enum Course {
+pub enum StepKind {
     /// It stayed where it was: an event happens at once.
     Stayed,
     /// By a step of order 8, or by a part of one up to an event.
@@ -62,11 +62,11 @@ impl Rates {
     }
 }
 
-/// The motion falls through a surface at the end of a step.
+/// An event function reaches zero at the end of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Fall {
-    /// The surface.
-    pub surface: Surface,
+pub struct ReachedEvent {
+    /// The event function.
+    pub function: EventFunction,
     /// The rates of the block there.
     pub rates: Rates,
     /// Rate of its function (1/s of its unit).
@@ -81,23 +81,23 @@ pub struct Steps {
     stop: f64,
     begins: bool,
     budget: u64,
-    course: Course,
+    kind: StepKind,
 }
 
 impl Steps {
     /// The steps of a run on the way to `until` (s): to there, or to where its pulse begins or ends.
     pub fn towards(simulation: &Simulation, until: f64) -> Steps {
         let stop = simulation.pulse.next_kink(simulation.pose.time).map_or(until, |kink| kink.min(until));
-        Steps { stop, begins: true, budget: MOST_STEPS, course: Course::Stayed }
+        Steps { stop, begins: true, budget: MAX_STEPS, kind: StepKind::Stayed }
     }
 
-    /// Takes the next step under these inputs, and returns its course and the fall at its end. [`Simulation::settle_with_rates`]
+    /// Takes the next step under these inputs, and returns its kind and the fall at its end. [`Simulation::settle_with_rates`]
     /// applies that event. None if the run has reached the stop, or has ended.
     pub fn next(
         &mut self,
         simulation: &mut Simulation,
         inputs: &Inputs,
-    ) -> Result<Option<(&Course, Option<Fall>)>, SimulationError> {
+    ) -> Result<Option<(&StepKind, Option<ReachedEvent>)>, SimulationError> {
         let (time, counts) = (simulation.pose.time, simulation.counts);
         if time >= self.stop || simulation.ending.is_some() {
             return Ok(None);
@@ -110,18 +110,18 @@ impl Steps {
         simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;
         if simulation.pose.time == time {
-            self.course = Course::Stayed;
+            self.kind = StepKind::Stayed;
         } else if let Some(swing) = swing.into_inner() {
-            self.course = Course::Swing(swing);
+            self.kind = StepKind::Swing(swing);
         } else if simulation.counts.steps == counts.steps {
-            self.course = Course::Rested;
+            self.kind = StepKind::Rested;
         } else if evaluations < EVALUATIONS_PER_STEP {
-            self.course = Course::ShortStep;
+            self.kind = StepKind::ShortStep;
         } else {
-            self.course = Course::Step;
+            self.kind = StepKind::Step;
         }
-        let fall = simulation.pending.map(|Pending { surface, .. }| simulation.fall(surface, &excitation));
-        Ok(Some((&self.course, fall)))
+        let fall = simulation.pending.map(|Pending { function, .. }| simulation.fall(function, &excitation));
+        Ok(Some((&self.kind, fall)))
     }
 }
 
@@ -142,8 +142,8 @@ impl Simulation {
         self.apply_pending(inputs, observer, Rates::of)
     }
 
-    /// The fall through a surface now.
-    fn fall(&self, surface: Surface, excitation: &Excitation) -> Fall {
+    /// The event that this function has reached now.
+    fn fall(&self, function: EventFunction, excitation: &Excitation) -> ReachedEvent {
         // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
         const DEPTH: f64 = 1e4;
         // Part of the fastest period over which the rate is compared.
@@ -151,7 +151,7 @@ impl Simulation {
         let block = &self.system.block;
         let rate = |pose: &Pose| {
             let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
-            (surface.sample(&now).rate, now)
+            (function.sample(&now).rate, now)
         };
         let (first, now) = rate(&self.pose);
         let duration = NEAR / block.omega_v.max(block.p);
@@ -164,8 +164,8 @@ impl Simulation {
         }
         let curvature = (rate(&later).0 - first) / duration;
         // It falls as `first t + curvature t²/2`.
-        let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * surface.rounding(block);
-        Fall { surface, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
+        let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * function.rounding(block);
+        ReachedEvent { function, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
     }
 
     /// The block now.
@@ -184,7 +184,7 @@ impl Simulation {
     }
 }
 
-/// The numbers of states under laws that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
+/// The numbers of states under modes that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
 const EXTENDED: usize = 6;
 
 /// Times inside a step at which the block is looked at.
@@ -201,12 +201,12 @@ pub fn repeat_step(
     block: &Block<Number>,
     pose: &Pose<Number>,
     excitation: &Excitation<Number>,
-    course: &Course,
+    kind: &StepKind,
     end: f64,
     samples: Samples<Number>,
 ) -> (State<Number>, Footing<Number>) {
-    let law = AnyLaw::of(block, pose);
-    if let (Course::Swing(swing), Some(corner)) = (course, law.regime().pivot()) {
+    let mode = AnyMode::of(block, pose);
+    if let (StepKind::Swing(swing), Some(corner)) = (kind, mode.regime().pivot()) {
         let [theta, theta_dot, ..] = pose.state.0;
         let mut series = NO_TANGENTS;
         let wanted = (!samples.times.is_empty()).then_some(&mut series);
@@ -223,44 +223,45 @@ pub fn repeat_step(
         }
         return (state(last), pose.footing);
     }
-    match law.extended() {
-        Some(_) => repeat_under::<EXTENDED>(&law, block, pose, excitation, course, end, samples),
-        None => in_law!(law, law => repeat_under::<4>(&law, block, pose, excitation, course, end, samples)),
+    match mode.extended() {
+        Some(_) => repeat_under::<EXTENDED>(&mode, block, pose, excitation, kind, end, samples),
+        None => dispatch_mode!(mode, mode => repeat_under::<4>(&mode, block, pose, excitation, kind, end, samples)),
     }
 }
 
 fn repeat_under<const N: usize>(
-    law: &dyn Repeats<N>,
+    mode: &dyn Repeats<N>,
     block: &Block<Number>,
     pose: &Pose<Number>,
     excitation: &Excitation<Number>,
-    course: &Course,
+    kind: &StepKind,
     end: f64,
     Samples { times, seen }: Samples<Number>,
 ) -> (State<Number>, Footing<Number>) {
-    let motion = Motion::<_, N, _>::under(AnyLaw::of(block, pose), block, pose, excitation);
+    let motion = Motion::<_, N, _>::under(AnyMode::of(block, pose), block, pose, excitation);
     let (state, start) = (motion.state_at(pose), pose.time.re);
-    let mut look = |time: f64, state: State<Number, N>| {
+    let mut inspect = |time: f64, state: State<Number, N>| {
         let (state, footing) = motion.place_at(time.into(), state);
         seen(&Pose { time: time.into(), state, footing, ..*pose });
     };
     let span = |end: f64| [start, end - start];
-    let end_state = match course {
+    let end_state = match kind {
         // A part of a short step is one, too, and more accurate.
-        Course::ShortStep => {
-            let short = |end: f64| law.repeat(&motion, &Step { state, span: span(end), form: Form::Short }, None);
-            times.iter().for_each(|&time| look(time, short(time)));
+        StepKind::ShortStep => {
+            let short =
+                |end: f64| mode.repeat(&motion, &TangentStep { state, span: span(end), form: StepForm::Short }, None);
+            times.iter().for_each(|&time| inspect(time, short(time)));
             short(end)
         }
-        Course::Stayed | Course::Step | Course::Swing(_) | Course::Rested => {
+        StepKind::Stayed | StepKind::Step | StepKind::Swing(_) | StepKind::Rested => {
             if times.is_empty() {
-                law.repeat(&motion, &Step { state, span: span(end), form: Form::Long }, None)
+                mode.repeat(&motion, &TangentStep { state, span: span(end), form: StepForm::Long }, None)
             } else {
                 let (size, mut stages) = (end - start, [State::zeros(); dop853::DENSE_STAGES]);
-                let step = Step { state, span: span(end), form: Form::Dense };
-                let end_state = law.repeat(&motion, &step, Some(&mut stages));
+                let step = TangentStep { state, span: span(end), form: StepForm::Dense };
+                let end_state = mode.repeat(&motion, &step, Some(&mut stages));
                 let inside = dop853::polynomial(state, end_state - state, size, &stages);
-                times.iter().for_each(|&time| look(time, dop853::evaluate(&inside, (time - start) / size)));
+                times.iter().for_each(|&time| inspect(time, dop853::evaluate(&inside, (time - start) / size)));
                 end_state
             }
         }
@@ -270,32 +271,32 @@ fn repeat_under<const N: usize>(
 
 /// A step that is repeated.
 #[derive(Clone, Copy)]
-struct Step<const N: usize> {
+struct TangentStep<const N: usize> {
     state: State<Number, N>,
     /// Its beginning and its size (s).
     span: [f64; 2],
-    form: Form,
+    form: StepForm,
 }
 
 /// The stages of a step.
 type Stages<const N: usize> = [State<Number, N>; dop853::DENSE_STAGES];
 
-/// A law under which steps are repeated.
+/// A mode under which steps are repeated.
 trait Repeats<const N: usize> {
-    /// The end of a step of a motion under this law; its stages go to `stages`.
+    /// The end of a step of a motion under this mode; its stages go to `stages`.
     fn repeat(
         &self,
-        motion: &Motion<AnyLaw, N, Number>,
-        step: &Step<N>,
+        motion: &Motion<AnyMode, N, Number>,
+        step: &TangentStep<N>,
         stages: Option<&mut Stages<N>>,
     ) -> State<Number, N>;
 }
 
-impl<const N: usize> Repeats<N> for AnyLaw {
+impl<const N: usize> Repeats<N> for AnyMode {
     fn repeat(
         &self,
-        motion: &Motion<AnyLaw, N, Number>,
-        &Step { state, span, form }: &Step<N>,
+        motion: &Motion<AnyMode, N, Number>,
+        &TangentStep { state, span, form }: &TangentStep<N>,
         stages: Option<&mut Stages<N>>,
     ) -> State<Number, N> {
         let (end, k) = repeat::repeat_step(form, span, state, motion);
@@ -306,7 +307,7 @@ impl<const N: usize> Repeats<N> for AnyLaw {
     }
 }
 
-impl<const N: usize> StateRate<State<Number, N>> for Motion<'_, AnyLaw, N, Number> {
+impl<const N: usize> StateRate<State<Number, N>> for Motion<'_, AnyMode, N, Number> {
     fn state_rate(&self, time: f64, state: &State<Number, N>) -> State<Number, N> {
         self.rate_at_called(Number::from(time), state)
     }
@@ -315,8 +316,8 @@ impl<const N: usize> StateRate<State<Number, N>> for Motion<'_, AnyLaw, N, Numbe
 impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Repeats<4> for Gripping<LEFT, RIGHT, RIGID> {
     fn repeat(
         &self,
-        motion: &Motion<AnyLaw, 4, Number>,
-        step: &Step<4>,
+        motion: &Motion<AnyMode, 4, Number>,
+        step: &TangentStep<4>,
         mut stages: Option<&mut Stages<4>>,
     ) -> State<Number> {
         if self.is_at_rest() {
@@ -328,30 +329,30 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Repeats<4> for Grip
             }
             return step.state + rate * step.span[1];
         }
-        with_directions(Repeat { law: *self, motion, step, stages: stages.as_deref_mut() })
-            .unwrap_or_else(|| motion.law().repeat(motion, step, stages))
+        with_directions(Repeat { mode: *self, motion, step, stages: stages.as_deref_mut() })
+            .unwrap_or_else(|| motion.mode().repeat(motion, step, stages))
     }
 }
 
-/// A step under a law that the compiler knows.
+/// A step under a mode that the compiler knows.
 struct Repeat<'a, L> {
-    law: L,
-    motion: &'a Motion<'a, AnyLaw, 4, Number>,
-    step: &'a Step<4>,
+    mode: L,
+    motion: &'a Motion<'a, AnyMode, 4, Number>,
+    step: &'a TangentStep<4>,
     stages: Option<&'a mut Stages<4>>,
 }
 
-impl<L: Law> DirectionsTask for Repeat<'_, L> {
+impl<L: MotionMode> DirectionsTask for Repeat<'_, L> {
     type Output = State<Number>;
 
     #[inline(always)]
     fn run<D: Packed>(self) -> State<Number>
     where
-        Varying<D>: CombinesWith<Number>,
+        MultiDual<D>: CombinesWith<Number>,
     {
-        let Repeat { law, motion, step: &Step { state: State { 0: [a, b, c, d] }, span, form }, stages } = self;
-        let start = Apart::<D>::of([a.into(), b.into(), c.into(), d.into()]);
-        let (end, k) = repeat::repeat_step(form, span, start, &Known { law, motion });
+        let Repeat { mode, motion, step: &TangentStep { state: State { 0: [a, b, c, d] }, span, form }, stages } = self;
+        let start = SoaDuals::<D>::of([a.into(), b.into(), c.into(), d.into()]);
+        let (end, k) = repeat::repeat_step(form, span, start, &Known { mode, motion });
         if let Some(stages) = stages {
             for i in 0..dop853::DENSE_STAGES {
                 stages[i] = stored(&k[i]);
@@ -363,23 +364,23 @@ impl<L: Law> DirectionsTask for Repeat<'_, L> {
 
 /// A state as it is stored.
 #[inline(always)]
-fn stored<D: Packed>(state: &Apart<D>) -> State<Number> {
+fn stored<D: Packed>(state: &SoaDuals<D>) -> State<Number> {
     let [a, b, c, d] = state.numbers();
     State::from([a.stored(), b.stored(), c.stored(), d.stored()])
 }
 
-/// The equations of a law that the compiler knows.
+/// The equations of a mode that the compiler knows.
 struct Known<'a, L> {
-    law: L,
-    motion: &'a Motion<'a, AnyLaw, 4, Number>,
+    mode: L,
+    motion: &'a Motion<'a, AnyMode, 4, Number>,
 }
 
-impl<D: Packed, L: Law> StateRate<Apart<D>> for Known<'_, L>
+impl<D: Packed, L: MotionMode> StateRate<SoaDuals<D>> for Known<'_, L>
 where
-    Varying<D>: CombinesWith<Number>,
+    MultiDual<D>: CombinesWith<Number>,
 {
     #[inline(always)]
-    fn state_rate(&self, time: f64, state: &Apart<D>) -> Apart<D> {
-        Apart::of(self.motion.state_rate_under(self.law, Varying::from(time), &State::from(state.numbers())).0)
+    fn state_rate(&self, time: f64, state: &SoaDuals<D>) -> SoaDuals<D> {
+        SoaDuals::of(self.motion.state_rate_under(self.mode, MultiDual::from(time), &State::from(state.numbers())).0)
     }
 }

@@ -5,7 +5,7 @@ use crate::excitation::Excitation;
 use crate::numerics::Real;
 use crate::numerics::bernstein::{DEGREE, Pair, Zero};
 use crate::simulation::Simulation;
-use crate::simulation::outputs::{MOST_FRICTION_DEMAND, Strain, strain};
+use crate::simulation::outputs::{MAX_FRICTION_DEMAND, Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
 use crate::system::swing::{Bounds, Pivoting, Swing};
@@ -14,7 +14,7 @@ use crate::system::swing::{Bounds, Pivoting, Swing};
 pub(super) const PRESSED: f64 = 1e-6;
 
 /// A limit of the search for a peak of the friction demand, which takes two or three rounds.
-pub(super) const MOST_ROUNDS: u32 = 8;
+pub(super) const MAX_ROUNDS: u32 = 8;
 
 /// Whether bounds show that the corner is pressed on all the time, and that no force exceeds its peak.
 #[inline]
@@ -36,7 +36,7 @@ pub(super) fn visible(tolerance: f64) -> f64 {
 /// The friction demand of N/M and H/M (m/s²).
 #[inline(always)]
 pub(super) fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
-    T::select_less(h.abs(), n * MOST_FRICTION_DEMAND, h.abs() / n, T::from(MOST_FRICTION_DEMAND))
+    T::select_less(h.abs(), n * MAX_FRICTION_DEMAND, h.abs() / n, T::from(MAX_FRICTION_DEMAND))
 }
 
 /// The linear combination of two polynomials that is one of them.
@@ -74,7 +74,7 @@ impl Simulation {
     ///
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
-    pub(super) fn take_in_forces(
+    pub(super) fn accumulate_forces(
         &mut self,
         excitation: &Excitation,
         pivoting: &Pivoting,
@@ -143,7 +143,7 @@ impl Simulation {
             }
             // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
             let (mut demand, mut steepest) = (greater(self.peaks.friction_demand, at_end), None);
-            for _ in 0..MOST_ROUNDS {
+            for _ in 0..MAX_ROUNDS {
                 let Some(place) = resultant.highest([-visible * demand, side], 0.0) else { break };
                 (demand, steepest) = (friction_demand(resultant.at(place)), Some(place));
             }

@@ -3,7 +3,7 @@
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
-use crate::numerics::gradient::Along;
+use crate::numerics::gradient::DirectionalDual;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};
 use crate::simulation::{Energies, Initial, Simulation};
@@ -17,13 +17,13 @@ use crate::system::instant::{Footing, Instant, Pose};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// The block.
-    pub block: Block<Along>,
+    pub block: Block<DirectionalDual>,
     /// Where it is.
-    pub initial: Initial<Along>,
+    pub initial: Initial<DirectionalDual>,
     /// Its excitation.
-    pub excitation: Excitation<Along>,
+    pub excitation: Excitation<DirectionalDual>,
     /// The start time (s).
-    pub time: Along,
+    pub time: DirectionalDual,
 }
 
 /// Derivatives of all outputs at the beginning in a direction of parameters and initial values.
@@ -45,7 +45,7 @@ impl Simulation {
     pub fn initial_sensitivity(&self, Start { block, initial, excitation, time }: &Start) -> InitialDerivatives {
         let System { flies, slowest, .. } = *self.system;
         let system = System { block: *block, flies, slowest };
-        let at = |pose: &Pose<Along>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
+        let at = |pose: &Pose<DirectionalDual>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
         let pose = system.beginning(initial, *time, excitation);
         let mut begins = at(&pose);
         let mut goes_on = system.released(&pose, &begins).map_or(begins, |pose| at(&pose));
@@ -68,15 +68,15 @@ impl Simulation {
 /// The upright block at rest on the rigid base, moved in a direction: it leans to the side to which it is tilted or thrown, on that
 /// corner. Displacements and the rates of the centre of mass change as there; accelerations and reactions would jump, and are those of
 /// rest.
-fn lean(rest: &mut Evaluation<Along>, &Initial { theta, theta_dot, .. }: &Initial<Along>) {
+fn lean(rest: &mut Evaluation<DirectionalDual>, &Initial { theta, theta_dot, .. }: &Initial<DirectionalDual>) {
     let lean = if theta.eps[0] != 0.0 { theta.eps[0] } else { theta_dot.eps[0] };
     if lean == 0.0 {
         return;
     }
     rest.regime = if lean < 0.0 { Regime::TiltingLeft } else { Regime::TiltingRight };
-    let zero = Along::from(0.0);
+    let zero = DirectionalDual::from(0.0);
     let state = [theta, theta_dot, zero, zero];
-    let x = instant(rest.block, rest.regime, state, Footing::AT_START.map(Along::from), rest.forcing);
+    let x = instant(rest.block, rest.regime, state, Footing::AT_START.map(DirectionalDual::from), rest.forcing);
     let Instant { u, u_dot, v, v_dot, corner, .. } = x;
     rest.instant = Instant { u, u_dot, v, v_dot, corner, ..rest.instant };
 }

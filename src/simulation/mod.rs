@@ -7,7 +7,6 @@ pub mod exchange;
 pub mod follow;
 mod force_peaks;
 mod initial_sensitivity;
-mod inside;
 #[cfg(feature = "lanes")]
 pub mod lanes;
 pub mod outputs;
@@ -16,6 +15,7 @@ mod rigid_base;
 mod settings;
 mod smooth_piece;
 mod step_end;
+mod step_interior;
 mod stepping;
 
 use std::sync::Arc;
@@ -27,7 +27,7 @@ use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
+use crate::system::events::{Event, EventFunction, EventKind, Transition, TransitionCounts};
 use crate::system::instant::{Footing, Pose, State};
 use peaks::{Peaks, greater};
 
@@ -87,7 +87,7 @@ pub struct Simulation {
 /// An event that has not been applied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Pending {
-    surface: Surface,
+    function: EventFunction,
     /// Beginning of the smooth piece of the excitation that leads to the event (s); a piece that ends at the event still acts.
     piece: f64,
 }
@@ -182,18 +182,18 @@ impl Simulation {
         self.apply_pending(inputs, observer, |_| ()).map(|_| ())
     }
 
-    /// The same; the block right after the event goes to `look`.
+    /// The same; the block right after the event goes to `inspect`.
     fn apply_pending<R>(
         &mut self,
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
-        look: impl FnOnce(&Evaluation) -> R,
+        inspect: impl FnOnce(&Evaluation) -> R,
     ) -> Result<Option<R>, SimulationError> {
-        let Some(Pending { surface, piece }) = self.pending.take() else { return Ok(None) };
+        let Some(Pending { function, piece }) = self.pending.take() else { return Ok(None) };
         let system = Arc::clone(&self.system);
         let excitation = Excitation::from_time(piece, inputs, &self.pulse, &system.block);
         let now = self.now(&system.block, &excitation);
-        self.apply(surface, &now, observer).map(|after| Some(look(&after)))
+        self.apply(function, &now, observer).map(|after| Some(inspect(&after)))
     }
 
     /// Whether the motion has stopped at an event that has not been applied.
@@ -217,7 +217,7 @@ impl Simulation {
     ) -> Result<Progress, SimulationError> {
         let system = Arc::clone(&self.system);
         let block = &system.block;
-        let mut budget = smooth_piece::MOST_STEPS;
+        let mut budget = smooth_piece::MAX_STEPS;
         while self.pose.time < until && self.ending.is_none() {
             let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
             let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, block);
@@ -235,8 +235,8 @@ impl Simulation {
         }
     }
 
-    /// Whether the motion stops at `now`, where it has reached a surface, before the event is applied.
-    fn stops(&self, at_event: AtEvent, surface: Surface, now: &Evaluation) -> bool {
+    /// Whether the motion stops at `now`, where an event function is zero, before the event is applied.
+    fn stops(&self, at_event: AtEvent, function: EventFunction, now: &Evaluation) -> bool {
         let after = match at_event {
             AtEvent::Apply => return false,
             #[cfg(feature = "lanes")]
@@ -246,7 +246,7 @@ impl Simulation {
         if now.time <= after {
             return false;
         }
-        let Transition { pose, event, .. } = self.system.transition(&self.pose, now, surface);
+        let Transition { pose, event, .. } = self.system.transition(&self.pose, now, function);
         let separates = pose.contacts.regime() == Regime::Separated && !self.system.flies;
         let ends = match event {
             None => return false,
@@ -272,8 +272,8 @@ impl Simulation {
             && self.slip.now.is_finite()
             && self.slip.total.is_finite()
             && self.ending.is_none_or(|(_, time)| time.is_finite())
-            && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.surface.is_of(self.block()))
-            && self.foreseen_surface().is_none_or(|surface| surface.is_of(self.block()))
+            && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
+            && self.foreseen_surface().is_none_or(|function| function.is_of(self.block()))
             && sums.is_finite()
             && others.into_iter().all(f64::is_finite)
     }
@@ -325,8 +325,8 @@ impl Simulation {
         // A solver outside may be within a step.
         match self.piece.and_then(|piece| piece.last()) {
             Some(last) if self.slides() => {
-                let way = self.foot_place(&self.pose) - self.foot_place(&last);
-                Slip { now: now + way, total: total + way.abs() }
+                let path = self.foot_place(&self.pose) - self.foot_place(&last);
+                Slip { now: now + path, total: total + path.abs() }
             }
             _ => Slip { now, total },
         }
@@ -357,20 +357,20 @@ impl Simulation {
         Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
     }
 
-    /// Applies the event at `now`, where the motion has fallen through `surface`, and returns the block right after it.
+    /// Applies the event at `now`, where `function` has fallen through zero, and returns the block right after it.
     fn apply<'a>(
         &mut self,
-        surface: Surface,
+        function: EventFunction,
         now: &Evaluation<'a>,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Evaluation<'a>, SimulationError> {
-        const MOST_EVENTS_IN_AN_INSTANT: u32 = 64;
+        const MAX_EVENTS_IN_AN_INSTANT: u32 = 64;
         let time = self.pose.time;
         self.events_in_this_instant += 1;
-        if self.events_in_this_instant > MOST_EVENTS_IN_AN_INSTANT {
+        if self.events_in_this_instant > MAX_EVENTS_IN_AN_INSTANT {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
-        let Transition { pose, event, counts, path } = self.system.transition(&self.pose, now, surface);
+        let Transition { pose, event, counts, path } = self.system.transition(&self.pose, now, function);
         if path.overflows() {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
@@ -402,13 +402,13 @@ impl Simulation {
     #[cfg(feature = "lanes")]
     fn apply_alone(
         &mut self,
-        surface: Surface,
+        function: EventFunction,
         block: &Block,
         excitation: &Excitation,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let now = self.now(block, excitation);
-        self.apply(surface, &now, observer).map(|_| ())
+        self.apply(function, &now, observer).map(|_| ())
     }
 
     fn end_if_separated(&mut self) {

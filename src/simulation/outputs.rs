@@ -13,7 +13,7 @@ use crate::system::forces;
 use crate::system::instant::Instant;
 
 /// Greatest friction demand that is reported without a limit of friction: the ratio has no bound as the vertical reaction vanishes.
-pub const MOST_FRICTION_DEMAND: f64 = 1e6;
+pub const MAX_FRICTION_DEMAND: f64 = 1e6;
 
 /// Motion, reactions and corners at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,18 +48,18 @@ pub struct Observation<T> {
     pub corner: [T; 2],
     /// Their heights above their supports (m), zero for a corner that touches.
     pub uplift: [T; 2],
-    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most μ, or [`MOST_FRICTION_DEMAND`] without a limit.
+    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most μ, or [`MAX_FRICTION_DEMAND`] without a limit.
     pub friction_demand: T,
     /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
     pub slip_rate: T,
     /// Pulls of the restraints (N), by their numbers.
-    pub pull: [T; restraints::MOST],
+    pub pull: [T; restraints::MAX],
     /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
     pub power: [T; 2],
     /// Power taken by friction (W).
     pub friction_power: T,
     /// Powers taken by the restraints (W).
-    pub restraint_power: restraints::Energies<T>,
+    pub restraint_power: restraints::RestraintEnergies<T>,
 }
 
 /// Returns the observation of an instant; `support_heights` are the heights of the supports.
@@ -95,7 +95,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
         pull: forces::pulls(block, &forcing.restraints, x),
         power: [power[0] * block.mass, power[1] * block.mass],
         friction_power,
-        restraint_power: restraints::Energies::from_array(restraint_power),
+        restraint_power: restraints::RestraintEnergies::from_array(restraint_power),
     }
 }
 
@@ -141,19 +141,19 @@ fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, support_heights: [T; 2], co
     if regime.touches(corner) { T::constant(zero) } else { gap - T::constant(below) }
 }
 
-/// `|H|/N`, at most the coefficient of friction, or [`MOST_FRICTION_DEMAND`] where that is zero. At the lift-off of a sliding corner
+/// `|H|/N`, at most the coefficient of friction, or [`MAX_FRICTION_DEMAND`] where that is zero. At the lift-off of a sliding corner
 /// both vanish, and round-off would decide.
 #[inline(always)]
 fn friction_demand<T: Scalar>(regime: Regime, friction: T, horizontal: T, vertical: T) -> T {
     // The only number below this one that is not negative is zero.
-    const LEAST_ABOVE_ZERO: f64 = f64::from_bits(1);
+    const MIN_ABOVE_ZERO: f64 = f64::from_bits(1);
     let (zero, none) = (T::from(0.0), T::Real::from(0.0));
     if regime == Regime::Separated {
         return zero;
     }
     let shear = T::select_less(horizontal.value(), none, -horizontal, horizontal);
-    let bound = T::select_less(none, friction.value(), friction, T::from(MOST_FRICTION_DEMAND));
-    let on_nothing = T::select_less(shear.value(), T::Real::from(LEAST_ABOVE_ZERO), zero, bound);
+    let bound = T::select_less(none, friction.value(), friction, T::from(MAX_FRICTION_DEMAND));
+    let on_nothing = T::select_less(shear.value(), T::Real::from(MIN_ABOVE_ZERO), zero, bound);
     T::select_less(shear.value(), vertical.value() * bound.value(), shear / vertical, on_nothing)
 }
 
@@ -205,7 +205,7 @@ impl<T: Scalar> Observation<T> {
             base_moment: zero,
             friction_demand: zero,
             slip_rate: zero,
-            pull: [zero; restraints::MOST],
+            pull: [zero; restraints::MAX],
             power: [zero; 2],
             friction_power: zero,
             restraint_power: self.restraint_power.map(|_| zero),
@@ -297,8 +297,8 @@ impl Simulation {
         Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
     }
 
-    /// Passes the block right after these inputs have begun to act to `look`.
-    pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Evaluation) -> R) -> R {
+    /// Passes the block right after these inputs have begun to act to `inspect`.
+    pub(super) fn shown<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
         let (Simulation { system, pose, .. }, block) = (self, self.block());
         let excitation = self.excitation(inputs);
         let mut now = self.now(block, &excitation);
@@ -308,6 +308,6 @@ impl Simulation {
         } else if let Some(released) = system.released(pose, &now) {
             now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
         }
-        look(&now)
+        inspect(&now)
     }
 }

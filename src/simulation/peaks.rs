@@ -28,7 +28,7 @@ pub struct Peaks<T = f64> {
     /// Of the displacement of the foot from the start (m).
     pub slip: T,
     /// Of the pulls of the restraints (N), by their numbers.
-    pub pull: [T; restraints::MOST],
+    pub pull: [T; restraints::MAX],
 }
 
 /// A quantity whose greatest absolute value is a peak.

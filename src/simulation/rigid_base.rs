@@ -5,33 +5,33 @@ use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
 use crate::numerics::control::LONGEST;
 use crate::simulation::force_peaks::{is_below_peaks, unit};
-use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::strain;
 use crate::simulation::peaks::greater;
 use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
 use crate::simulation::step_end::{Finished, StepEnd, event_time};
+use crate::simulation::step_interior::{Between, StepInterior};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Event, Surface};
+use crate::system::events::{Event, EventFunction};
 use crate::system::instant::{Footing, Instant, Pose, Powers, State};
-use crate::system::law::Law;
+use crate::system::motion_mode::MotionMode;
 use crate::system::swing::{Bounds, ORDER, Pivoting, Swing};
 
 /// The greatest rotation (rad) that is below a quarter turn.
 pub(super) const UPRIGHT: f64 = 1.5;
 
-/// A part of a swing, and the surface through which the motion falls at its end.
+/// A part of a swing, and the event function that reaches zero at its end.
 #[derive(Clone, Copy)]
-struct Way {
+struct SwingSegment {
     part: f64,
-    surface: Option<Surface>,
+    function: Option<EventFunction>,
 }
 
-impl Way {
+impl SwingSegment {
     /// The way of a swing about `pivot` as far as the rotation decides it; none where that is unclear.
     #[inline]
-    fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<Way> {
+    fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<SwingSegment> {
         let landing = match (bounds.is_certain, bounds.last < 0.0) {
             (true, true) => Zero::At(swing.landing()),
             (true, false) => Zero::None,
@@ -39,9 +39,11 @@ impl Way {
         };
         let turn = if bounds.theta < UPRIGHT { Zero::None } else { swing.quarter_turn(pivot) };
         match (landing, turn) {
-            (Zero::None, Zero::None) => Some(Way { part: 1.0, surface: None }),
-            (Zero::At(part), Zero::None) => Some(Way { part, surface: Some(Surface::Gap(pivot.other())) }),
-            (Zero::None, Zero::At(part)) => Some(Way { part, surface: Some(Surface::QuarterTurn) }),
+            (Zero::None, Zero::None) => Some(SwingSegment { part: 1.0, function: None }),
+            (Zero::At(part), Zero::None) => {
+                Some(SwingSegment { part, function: Some(EventFunction::Gap(pivot.other())) })
+            }
+            (Zero::None, Zero::At(part)) => Some(SwingSegment { part, function: Some(EventFunction::QuarterTurn) }),
             (Zero::At(_), Zero::At(_)) | (Zero::Unclear, _) | (_, Zero::Unclear) => None,
         }
     }
@@ -49,16 +51,16 @@ impl Way {
 
 /// Whether both reactions of a block at rest are above their round-off.
 fn is_pressed_down(now: &Evaluation) -> bool {
-    let rounding = Surface::Reaction(Corner::Left).rounding(now.block);
+    let rounding = EventFunction::Reaction(Corner::Left).rounding(now.block);
     now.instant.reaction.iter().all(|&reaction| reaction > rounding)
 }
 
 /// The forces on a block at rest over a step, N_L/M, N_R/M and H/M (m/s²), as series in powers of the elapsed part.
-struct Standing([[f64; ORDER + 1]; 3]);
+struct RestForceSeries([[f64; ORDER + 1]; 3]);
 
-impl Standing {
+impl RestForceSeries {
     /// They are linear in the excitation.
-    fn of(block: &Block, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> Standing {
+    fn of(block: &Block, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> RestForceSeries {
         let under = |forcing: Forcing<f64>| {
             let Instant { reaction: [left, right], horizontal, .. } =
                 instant(block, Regime::FullContact, [0.0; 4], footing, forcing);
@@ -88,7 +90,7 @@ impl Standing {
         for (force, none) in forces.iter_mut().zip(none) {
             force[0] += none;
         }
-        Standing(forces)
+        RestForceSeries(forces)
     }
 
     /// N_L/M and N_R/M up to a part of the step.
@@ -136,18 +138,18 @@ impl Simulation {
     #[inline(always)]
     pub(super) fn stays_upright(
         &mut self,
-        law: impl Law,
+        mode: impl MotionMode,
         piece: &SmoothPiece,
         budget: &mut u64,
     ) -> Result<bool, SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
-        let pressed = Surface::Reaction(Corner::Left).rounding(block);
+        let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
         let strain_at = |time: f64| {
-            instant_of(block, law.foundation(), law.regime(), state.0, footing, excitation.at(time), |x| {
+            instant_of(block, mode.foundation(), mode.regime(), state.0, footing, excitation.at(time), |x| {
                 let [left, right] = x.reaction;
-                (left > pressed && right > pressed).then(|| strain(block, law.regime(), &x, [0.0; 2]))
+                (left > pressed && right > pressed).then(|| strain(block, mode.regime(), &x, [0.0; 2]))
             })
         };
         let (here, there) = (strain_at(time), strain_at(stop));
@@ -167,7 +169,7 @@ impl Simulation {
         self.include_forces(there);
         self.counts.evaluations += 1;
         self.counts.steps += 1;
-        self.go_to(there, Powers::zeros());
+        self.commit(there, Powers::zeros());
     }
 
     /// Stays at rest under a pulse, to the end of the piece or until a corner lifts. Returns
@@ -175,14 +177,14 @@ impl Simulation {
     #[inline(never)]
     pub(super) fn stays_under_pulse(
         &mut self,
-        law: impl Law,
+        mode: impl MotionMode,
         piece: &SmoothPiece,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<bool, SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
         let longest = longest_swing(block.p, excitation.frequency());
-        let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
+        let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let (upright, begin) = (State::zeros(), self.pose.time);
         let mut here = motion.at(self.pose.time, upright);
         while self.pose.time < stop {
@@ -190,7 +192,7 @@ impl Simulation {
             let time = self.pose.time;
             let remaining = stop - time;
             let size = remaining / (remaining / longest).ceil().max(1.0);
-            let forces = Standing::of(block, here.footing, &excitation.series(time), size);
+            let forces = RestForceSeries::of(block, here.footing, &excitation.series(time), size);
             let reactions = forces.reactions(1.0);
             let zeros = Corner::each(|corner| {
                 let i = corner.index();
@@ -221,7 +223,7 @@ impl Simulation {
                 this.include_forces(&motion.at(time + place * part * size, upright));
             });
             if let Some(corner) = lifts {
-                self.apply_or_stop(Surface::Reaction(corner), &there, piece, observer)?;
+                self.apply_or_stop(EventFunction::Reaction(corner), &there, piece, observer)?;
                 return Ok(true);
             }
             if piece.single {
@@ -245,7 +247,7 @@ impl Simulation {
     #[inline(never)]
     pub(super) fn swings(
         &mut self,
-        law: impl Law,
+        mode: impl MotionMode,
         pivot: Corner,
         piece: &SmoothPiece,
         mut start: StepStart,
@@ -276,36 +278,36 @@ impl Simulation {
             self.counts.steps += 1;
             let bounds = swing.bounds(block, pivot);
             let (lasts, last_end) = (swing.size == remaining, time + swing.size);
-            let mut way =
-                Way::of(swing, &bounds, pivot).filter(|way| way.surface.is_some() || lasts || last_end > time);
+            let mut segment = SwingSegment::of(swing, &bounds, pivot)
+                .filter(|segment| segment.function.is_some() || lasts || last_end > time);
             if !is_below_peaks(&bounds, block, &self.peaks) {
-                way = way.and_then(|way| {
-                    let next_is_swing = !lasts && way.surface.is_none();
-                    match self.take_in_forces(excitation, &pivoting, swing, way.part, next_is_swing) {
-                        Zero::None => Some(way),
-                        Zero::At(part) => Some(Way { part, surface: Some(Surface::Reaction(pivot)) }),
+                segment = segment.and_then(|segment| {
+                    let next_is_swing = !lasts && segment.function.is_none();
+                    match self.accumulate_forces(excitation, &pivoting, swing, segment.part, next_is_swing) {
+                        Zero::None => Some(segment),
+                        Zero::At(part) => Some(SwingSegment { part, function: Some(EventFunction::Reaction(pivot)) }),
                         Zero::Unclear => None,
                     }
                 });
             }
-            let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
-            let end = match surface {
+            let SwingSegment { part, function } = segment.unwrap_or(SwingSegment { part: 1.0, function: None });
+            let end = match function {
                 None if lasts => stop,
                 None => last_end,
-                Some(surface) => event_time(surface, time, part * swing.size),
+                Some(function) => event_time(function, time, part * swing.size),
             };
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
-            if way.is_some() {
+            if segment.is_some() {
                 if !bounds.is_greatest_at_end
                     && bounds.theta > self.peaks.theta
                     && let Some(highest) = swing.highest(pivot, &bounds, part, self.peaks.theta)
                 {
                     self.raise_rotation(swing.at(highest)[0].abs());
                 }
-                self.go_along(end, state, swing.work(part));
+                self.commit_swing(end, state, swing.work(part));
             } else {
-                match self.examine(law, swing, [part, end], state, start.of_piece, piece, observer)? {
+                match self.examine(mode, swing, [part, end], state, start.of_piece, piece, observer)? {
                     Finished::TooLong(size) => {
                         most = size;
                         continue;
@@ -314,9 +316,9 @@ impl Simulation {
                     Finished::Lasts => {}
                 }
             }
-            if let Some(surface) = surface {
+            if let Some(function) = function {
                 let now = self.now(block, excitation);
-                return self.apply_or_stop(surface, &now, piece, observer);
+                return self.apply_or_stop(function, &now, piece, observer);
             }
             (start.of_piece, most) = (false, longest);
             if self.pose.time >= stop || piece.single {
@@ -327,7 +329,7 @@ impl Simulation {
 
     /// Comes to the end of a swing in which nothing happens.
     #[inline(always)]
-    fn go_along(&mut self, end: f64, state: State, work: f64) {
+    fn commit_swing(&mut self, end: f64, state: State, work: f64) {
         self.raise_rotation(state[0].abs());
         self.sums.input += work;
         self.pose.state = state;
@@ -341,7 +343,7 @@ impl Simulation {
     #[expect(clippy::too_many_arguments, reason = "the step that is examined")]
     fn examine(
         &mut self,
-        law: impl Law,
+        mode: impl MotionMode,
         swing: &Swing,
         [part, end]: [f64; 2],
         state: State,
@@ -350,11 +352,11 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Finished, SimulationError> {
         let &SmoothPiece { block, excitation, .. } = piece;
-        let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
+        let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let mut here = motion.at(self.pose.time, self.pose.state);
-        if begins_piece && let Some(surface) = self.system.fallen(&here) {
+        if begins_piece && let Some(function) = self.system.fallen(&here) {
             self.counts.steps -= 1;
-            self.apply_or_stop(surface, &here, piece, observer)?;
+            self.apply_or_stop(function, &here, piece, observer)?;
             return Ok(Finished::Left);
         }
         let there = motion.at(end, state);
@@ -371,7 +373,7 @@ impl Simulation {
             work: [swing.work(part), 0.0].into(),
             longest: longest_swing(block.p, excitation.frequency()),
         };
-        let inside = Inside { motion, between: Between::Swing(here.time, swing), evaluations: 0 };
+        let inside = StepInterior { motion, between: Between::Swing(here.time, swing), evaluations: 0 };
         self.finish(piece, &mut here, there, &step_end, inside, observer)
     }
 }

@@ -6,7 +6,7 @@ use crate::block::Block;
 use crate::excitation::Excitation;
 use crate::numerics::control::{Attempt, is_resolved};
 #[cfg(feature = "lanes")]
-use crate::numerics::dop853::Step;
+use crate::numerics::dop853::DenseStep;
 use crate::simulation::{AtEvent, Simulation, SimulationError};
 use crate::system::events::Event;
 use crate::system::swing::Swing;
@@ -55,9 +55,9 @@ pub(super) struct StepStart {
 }
 
 /// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
-pub(super) const MOST_STEPS: u64 = 2_000_000;
+pub(super) const MAX_STEPS: u64 = 2_000_000;
 
-/// A bound on the time that a call advances, relative to [`MOST_STEPS`] divided by the fastest circular frequency: far more than
+/// A bound on the time that a call advances, relative to [`MAX_STEPS`] divided by the fastest circular frequency: far more than
 /// the longest step, and little enough that the clock resolves the motion.
 const OUT_OF_REACH: f64 = 1e3;
 
@@ -101,7 +101,7 @@ impl Simulation {
     /// rests, or the call has failed.
     fn within_reach(&self, stop: f64) -> f64 {
         let Block { omega_v, p, .. } = *self.block();
-        let beyond = self.pose.time + OUT_OF_REACH * MOST_STEPS as f64 / omega_v.max(p);
+        let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
 
@@ -116,7 +116,7 @@ impl Simulation {
         excitation: &Excitation,
         single: bool,
         start: StepStart,
-        accepted: Option<&Step>,
+        accepted: Option<&DenseStep>,
         known_swing: Option<&Swing>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
@@ -131,7 +131,7 @@ impl Simulation {
     pub(super) fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
         let time = self.pose.time;
         if *budget == 0 || !is_resolved(piece.stop - time, longest) {
-            return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MOST_STEPS - *budget });
+            return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MAX_STEPS - *budget });
         }
         *budget -= 1;
         Ok(())

@@ -2,14 +2,14 @@
 
 use crate::block::{Block, Foundation};
 use crate::numerics::control::near_a_peak;
-use crate::simulation::inside::{Fall, Inside, first_event};
 use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::smooth_piece::SmoothPiece;
+use crate::simulation::step_interior::{EventCrossing, StepInterior, first_event};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::{Event, Surface};
+use crate::system::events::{Event, EventFunction};
 use crate::system::instant::{Powers, State};
-use crate::system::law::Law;
+use crate::system::motion_mode::MotionMode;
 
 /// The end of a step without events.
 pub(super) struct StepEnd<const N: usize> {
@@ -38,33 +38,33 @@ const SHORTENED: f64 = 0.125;
 const SHORTEST_RISE: f64 = 1e-10;
 
 /// The part of a step that the clock resolves where a shorter one is tried.
-const LEAST_SHORTENED: f64 = 1e-2;
+const MIN_SHORTENED: f64 = 1e-2;
 
-/// The time (s) at which the motion falls through a surface, `elapsed` seconds after another.
+/// The time (s) of an event, `elapsed` seconds after another.
 ///
 /// A landing after less than the clock resolves is at the next time of the clock: in the same instant the base or a support that only
 /// pulls there would lift the block again, and again.
-pub(super) fn event_time(surface: Surface, time: f64, elapsed: f64) -> f64 {
-    let lands = matches!(surface, Surface::Gap(_));
+pub(super) fn event_time(function: EventFunction, time: f64, elapsed: f64) -> f64 {
+    let lands = matches!(function, EventFunction::Gap(_));
     if lands && elapsed > 0.0 { (time + elapsed).max(time.next_up()) } else { time + elapsed }
 }
 
 impl Simulation {
     /// Goes from `here` to the end of a step, or to the first event inside, with the peaks on the way, and applies the event.
     #[inline(always)]
-    pub(super) fn finish<'a, L: Law, const N: usize>(
+    pub(super) fn finish<'a, L: MotionMode, const N: usize>(
         &mut self,
         piece: &SmoothPiece,
         here: &mut Evaluation<'a>,
         mut there: Evaluation<'a>,
         end: &StepEnd<N>,
-        mut inside: Inside<'_, 'a, L, N>,
+        mut inside: StepInterior<'_, 'a, L, N>,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Finished, SimulationError> {
-        let (law, size) = (inside.motion.law(), there.time - here.time);
+        let (mode, size) = (inside.motion.mode(), there.time - here.time);
         let mut event = first_event(here, &there, end.longest, &mut inside);
-        if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
-            if size > SHORTEST_RISE * end.longest && self.pose.time + LEAST_SHORTENED * size > self.pose.time {
+        if let Some(EventCrossing { rise_unseen: true, elapsed, .. }) = &mut event {
+            if size > SHORTEST_RISE * end.longest && self.pose.time + MIN_SHORTENED * size > self.pose.time {
                 self.counts.evaluations += inside.evaluations;
                 self.counts.steps -= 1;
                 self.counts.rejected += 1;
@@ -73,11 +73,11 @@ impl Simulation {
             *elapsed = size;
         }
         let (mut beyond, mut work) = (end.state, end.work);
-        if let Some(Fall { elapsed, surface, .. }) = event
+        if let Some(EventCrossing { elapsed, function, .. }) = event
             && elapsed < size
         {
             there = inside.at(elapsed);
-            there.time = event_time(surface, here.time, elapsed);
+            there.time = event_time(function, here.time, elapsed);
             work = inside.work(elapsed);
             if N > 4 {
                 beyond = inside.state(elapsed);
@@ -86,8 +86,8 @@ impl Simulation {
         let elapsed = event.map_or(size, |fall| fall.elapsed);
         self.update_peaks(here, &there, near_a_peak(elapsed, end.longest), &mut inside);
         self.counts.evaluations += inside.evaluations;
-        if !law.grips() {
-            self.take_in_slip(here, &there);
+        if !mode.grips() {
+            self.accumulate_slip(here, &there);
         }
         if N > 4 {
             self.sums.add(std::array::from_fn(|i| beyond[6 + i]));
@@ -95,16 +95,16 @@ impl Simulation {
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }
-        self.go_to(&there, work);
-        if law.held().is_some() {
+        self.commit(&there, work);
+        if mode.held().is_some() {
             // The corner lifts and lands so often that only the energy tells.
             let dissipated = if N > 4 { beyond[6] + beyond[7] } else { 0.0 };
             let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
             self.sums.constraint += made;
             self.sums.impacts -= made;
         }
-        if let Some(Fall { surface, .. }) = event {
-            self.apply_or_stop(surface, &there, piece, observer)?;
+        if let Some(EventCrossing { function, .. }) = event {
+            self.apply_or_stop(function, &there, piece, observer)?;
             return Ok(Finished::Left);
         }
         *here = there;
@@ -112,23 +112,23 @@ impl Simulation {
     }
 
     /// Includes the slip of the foot in a step.
-    pub(super) fn take_in_slip(&mut self, here: &Evaluation, there: &Evaluation) {
+    pub(super) fn accumulate_slip(&mut self, here: &Evaluation, there: &Evaluation) {
         if self.slides() {
-            let way = there.foot_place() - here.foot_place();
-            self.slip.now += way;
-            self.slip.total += way.abs();
+            let path = there.foot_place() - here.foot_place();
+            self.slip.now += path;
+            self.slip.total += path.abs();
             self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
         }
     }
 
     /// Includes the peaks of a step.
     #[inline(always)]
-    pub(super) fn update_peaks<L: Law, const N: usize>(
+    pub(super) fn update_peaks<L: MotionMode, const N: usize>(
         &mut self,
         here: &Evaluation,
         there: &Evaluation,
         near: f64,
-        inside: &mut Inside<L, N>,
+        inside: &mut StepInterior<L, N>,
     ) {
         let duration = there.time - here.time;
         if duration <= 0.0 {

@@ -4,16 +4,16 @@ use crate::block::{Block, Foundation, Regime, restraints};
 use crate::numerics::control::{
     Attempt, LONGEST, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor,
 };
-use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
-use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, may_hold_event, turn_in_flight};
 use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
 use crate::simulation::step_end::{Finished, StepEnd};
+use crate::simulation::step_interior::{Between, MAX_TURN, SMALL_TURN, StepInterior, may_hold_event, turn_in_flight};
 use crate::simulation::{Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
-use crate::system::events::{Event, Surface};
+use crate::system::events::{Event, EventFunction};
 use crate::system::instant::{Pose, Powers, State};
-use crate::system::law::{AnyLaw, Gripping, Law, in_law};
+use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
 
 /// Limits of a step.
 #[derive(Clone, Copy, Debug)]
@@ -25,84 +25,84 @@ pub(super) struct Limits<const N: usize = 4> {
     /// The longest step (s).
     pub(super) longest: f64,
     /// The part of the error of other steps that a short step may make.
-    pub(super) short_share: f64,
+    pub(super) short_fraction: f64,
 }
 
 /// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
 /// of the error of others, in the motion and in the works, unless the tolerance is loose.
-const SHORT_SHARE: f64 = 0.1;
+const SHORT_FRACTION: f64 = 0.1;
 
 /// The smallest loose tolerance: from it on a short step may make the whole error.
 const LOOSE: f64 = 1e-6;
 
 impl Simulation {
-    /// Steps under the present law to the end of the piece, or of the law. The first one is `accepted`, if that is already known.
+    /// Steps under the present mode to the end of the piece, or of the mode. The first one is `accepted`, if that is already known.
     #[inline(always)]
     pub(super) fn steps(
         &mut self,
         piece: &SmoothPiece,
         start: StepStart,
-        accepted: Option<&Step>,
+        accepted: Option<&DenseStep>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let law = AnyLaw::of(piece.block, &self.pose);
-        match law.extended() {
-            Some(law) => self.steps_under::<EXTENDED>(law, piece, start, None, budget, observer),
-            None => in_law!(law, law => self.steps_under::<4>(law, piece, start, accepted, budget, observer)),
+        let mode = AnyMode::of(piece.block, &self.pose);
+        match mode.extended() {
+            Some(mode) => self.steps_under::<EXTENDED>(mode, piece, start, None, budget, observer),
+            None => dispatch_mode!(mode, mode => self.steps_under::<4>(mode, piece, start, accepted, budget, observer)),
         }
     }
 
-    /// The same under a law that integrates N quantities.
+    /// Steps under a mode that integrates N quantities.
     #[inline(never)]
     fn steps_under<const N: usize>(
         &mut self,
-        law: impl Law,
+        mode: impl MotionMode,
         piece: &SmoothPiece,
         start: StepStart,
-        mut accepted: Option<&Step<N>>,
+        mut accepted: Option<&DenseStep<N>>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
-        if let Some(pivot) = law.pivot()
+        if let Some(pivot) = mode.pivot()
             && excitation.has_series()
         {
-            return self.swings(law, pivot, piece, start, budget, observer);
+            return self.swings(mode, pivot, piece, start, budget, observer);
         }
         let steady = excitation.is_constant();
-        if law.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(law, piece, budget)? {
+        if mode.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(mode, piece, budget)? {
             return Ok(());
         }
         // After an event the block is evaluated once more, which is not counted, rather than copied.
-        let start_of = |pose: &Pose| Motion::<_, 4>::under(law, block, pose, excitation).at(pose.time, pose.state);
+        let start_of = |pose: &Pose| Motion::<_, 4>::under(mode, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
         // Reactions of supports do not jump with the excitation.
-        let may_have_fallen = law.foundation() == Foundation::Rigid || law.has_friction();
+        let may_have_fallen = mode.foundation() == Foundation::Rigid || mode.has_friction();
         if start.of_piece
             && may_have_fallen
-            && let Some(surface) = self.system.fallen(&here)
+            && let Some(function) = self.system.fallen(&here)
         {
-            return self.apply_or_stop(surface, &here, piece, observer);
+            return self.apply_or_stop(function, &here, piece, observer);
         }
-        if law.is_at_rest()
+        if mode.is_at_rest()
             && !excitation.is_linear()
             && excitation.has_series()
-            && self.stays_under_pulse(law, piece, budget, observer)?
+            && self.stays_under_pulse(mode, piece, budget, observer)?
         {
             return Ok(());
         }
-        let limits = self.limits(law, excitation.frequency());
+        let limits = self.limits(mode, excitation.frequency());
         let (mut short_failed, mut attempt) = (start.short_failed, start.attempt);
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
                 self.peaks.include(&here.channels());
-                self.rest(piece.end);
+                self.settle_at_rest(piece.end);
                 return Ok(());
             }
             self.spend(budget, piece, limits.longest)?;
-            let motion = Motion::<_, N>::under(law, block, &self.pose, excitation);
+            let motion = Motion::<_, N>::under(mode, block, &self.pose, excitation);
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }
@@ -120,7 +120,7 @@ impl Simulation {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
             let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
-            let inside = Inside { motion, between: Between::Within(step, end_rate), evaluations: 0 };
+            let inside = StepInterior { motion, between: Between::Within(step, end_rate), evaluations: 0 };
             match self.finish(piece, &mut here, there, &end, inside, observer)? {
                 Finished::TooLong(size) => {
                     self.control.restart(size);
@@ -139,20 +139,20 @@ impl Simulation {
     /// Applies an event, or leaves it pending if the motion stops there.
     pub(super) fn apply_or_stop(
         &mut self,
-        surface: Surface,
+        function: EventFunction,
         now: &Evaluation,
         piece: &SmoothPiece,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        if self.stops(piece.at_event, surface, now) {
-            self.pending = Some(Pending { surface, piece: piece.since });
+        if self.stops(piece.at_event, function, now) {
+            self.pending = Some(Pending { function, piece: piece.since });
             return Ok(());
         }
-        self.apply(surface, now, observer).map(|_| ())
+        self.apply(function, now, observer).map(|_| ())
     }
 
     /// Ends the motion of a block at rest under an excitation that does not change; motion below round-off is dropped.
-    fn rest(&mut self, stop: f64) {
+    fn settle_at_rest(&mut self, stop: f64) {
         self.pose.time = stop;
         self.pose.state[1] = 0.0;
         self.pose.state[3] = 0.0;
@@ -161,7 +161,7 @@ impl Simulation {
 
     /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
     #[inline]
-    pub(super) fn go_to(&mut self, there: &Evaluation, work: Powers) {
+    pub(super) fn commit(&mut self, there: &Evaluation, work: Powers) {
         self.sums.input += work[0];
         self.sums.dashpots += work[1];
         if there.time > self.pose.time {
@@ -173,7 +173,7 @@ impl Simulation {
 
     /// Takes a short step to `stop` if that is near enough and nothing happens on the way; returns whether it did.
     #[inline(always)]
-    fn short_step<'a, L: Law, const N: usize>(
+    fn short_step<'a, L: MotionMode, const N: usize>(
         &mut self,
         stop: f64,
         motion: &Motion<'a, L, N>,
@@ -181,7 +181,7 @@ impl Simulation {
         limits: &Limits<N>,
     ) -> bool {
         let size = stop - self.pose.time;
-        if motion.law().held().is_some() || L::EXTENDED {
+        if motion.mode().held().is_some() || L::EXTENDED {
             return false;
         }
         match self.control.short_step(size, limits.longest) {
@@ -195,17 +195,17 @@ impl Simulation {
         let step = ShortStep::attempt(here.time, size, motion.state_of(here), motion.rate_of(here), motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        if turn_in_flight(motion.law(), &here.state, &there.state, size) > SMALL_TURN {
+        if turn_in_flight(motion.mode(), &here.state, &there.state, size) > SMALL_TURN {
             return false;
         }
-        let error = step.error(motion.rate_of(&there), limits.weights, limits.work_weight) / limits.short_share;
+        let error = step.error(motion.rate_of(&there), limits.weights, limits.work_weight) / limits.short_fraction;
         let factor = short_factor(error);
         // A factor that is not a number is that of an error that is none.
         if factor.is_nan() || factor < 1.0 {
             self.control.reject_short(size, factor);
             return false;
         }
-        if may_hold_event(motion.law(), here, &there) {
+        if may_hold_event(motion.mode(), here, &there) {
             return false;
         }
         let [start, end] = self.channels_at_ends(here, &there, near_a_peak(size, limits.longest));
@@ -216,37 +216,37 @@ impl Simulation {
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
-        if !motion.law().grips() {
-            self.take_in_slip(here, &there);
+        if !motion.mode().grips() {
+            self.accumulate_slip(here, &there);
         }
         let mut work = step.work;
         work[0] += here.footing.free_work(&there.footing);
-        self.go_to(&there, work);
+        self.commit(&there, work);
         true
     }
 
     /// A step within the tolerance, from `here` towards `stop`: this `attempt`, if there is one, or a shorter one.
     #[inline(always)]
-    fn accepted_step<'a, L: Law, const N: usize>(
+    fn accepted_step<'a, L: MotionMode, const N: usize>(
         &mut self,
         stop: f64,
         motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits<N>,
         attempt: Option<Attempt>,
-    ) -> Result<Step<N>, SimulationError> {
+    ) -> Result<DenseStep<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let time = here.time;
         let shortest = shortest(time, stop);
         let mut attempt = attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest));
         loop {
-            let mut step = Step::attempt(time, attempt.size, start, first, motion);
+            let mut step = DenseStep::attempt(time, attempt.size, start, first, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(weights);
             let factor = size_factor(eighth_root(error));
-            let turn = turn_in_flight(motion.law(), &start, &step.end, attempt.size);
+            let turn = turn_in_flight(motion.mode(), &start, &step.end, attempt.size);
             // Where the clock resolves no shorter step, none is asked for.
-            let turns_far = turn > MOST_TURN && attempt.size > 2.0 * shortest;
+            let turns_far = turn > MAX_TURN && attempt.size > 2.0 * shortest;
             if error <= 1.0 && !turns_far {
                 self.control.accept(&attempt, factor, longest);
                 self.counts.steps += 1;
@@ -256,7 +256,7 @@ impl Simulation {
                 return Ok(step);
             }
             self.counts.rejected += 1;
-            let factor = if error <= 1.0 { (MOST_TURN / turn).max(2.0 * shortest / attempt.size) } else { factor };
+            let factor = if error <= 1.0 { (MAX_TURN / turn).max(2.0 * shortest / attempt.size) } else { factor };
             attempt = self.control.reject(&attempt, factor);
             let size = attempt.size;
             if size < shortest {
@@ -276,25 +276,25 @@ impl Simulation {
     /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
-    pub(super) fn limits<const N: usize>(&self, law: impl Law, pulse_frequency: f64) -> Limits<N> {
+    pub(super) fn limits<const N: usize>(&self, mode: impl MotionMode, pulse_frequency: f64) -> Limits<N> {
         let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A block whose foot slides turns about its centre of mass, and friction adds to the moment.
-        let arm = b + eccentricity.abs() + if law.grips() { 0.0 } else { friction * h };
-        let turning = if law.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
-        let (rocking, vertical) = match (law.foundation(), law.regime()) {
+        let arm = b + eccentricity.abs() + if mode.grips() { 0.0 } else { friction * h };
+        let turning = if mode.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
+        let (rocking, vertical) = match (mode.foundation(), mode.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
         // The greatest rate at which damped motion dies away.
-        let decay = match (law.foundation(), law.regime()) {
+        let decay = match (mode.foundation(), mode.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => 0.0,
             (_, Regime::FullContact) => 2.0 * xi_v * omega_v * turning.max(1.0),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => xi_v * omega_v * (1.0 + turning),
         };
         let allowed = 1.0 / (self.settings.tolerance * alpha * p);
-        let most = match law.foundation() {
+        let most = match mode.foundation() {
             Foundation::Rigid => r0 * alpha * p,
             // The reaction of one support changes by ω_v ẇ/2 or ξ_v ω_v ẇ, whichever is more, per mass.
             Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / (omega_v * (2.0 * xi_v).max(1.0))),
@@ -306,13 +306,13 @@ impl Simulation {
         let all =
             [rocking * allowed, allowed, vertical * upright, upright, p * across, across, work_weight, work_weight];
         let weights = State::from(std::array::from_fn(|i| all[i]));
-        let restrained = if law.is_extended() { restraints::fastest(&self.system.block) } else { 0.0 };
+        let restrained = if mode.is_extended() { restraints::fastest(&self.system.block) } else { 0.0 };
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(restrained);
         Limits {
             weights,
             work_weight,
             longest,
-            short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
+            short_fraction: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_FRACTION },
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
-use crate::system::events::change::Change;
+use crate::system::events::change::PoseUpdate;
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
 use crate::system::instant::{Footing, Pose, State};
@@ -48,7 +48,7 @@ where
         let state = placement.state(contacts.regime()).into();
         let pose = self.switched(Pose::unrestrained(time, state, contacts, footing), excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
-        let mut change = Change::begin(self, &pose, excitation);
+        let mut change = PoseUpdate::begin(self, &pose, excitation);
         change.grip_at_start(&mut placement);
         change.settle(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);

@@ -10,7 +10,7 @@ use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of,
 
 use crate::system::forces::{self, energy};
 use crate::system::instant::{Footing, Held, Instant, Pose};
-use crate::system::law::{AnyLaw, Law};
+use crate::system::motion_mode::{AnyMode, MotionMode};
 
 /// The block at an instant, or one block per lane: its pose, the excitation, and the solved equations of motion.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,7 @@ pub struct Evaluation<'a, R: Scalar = f64> {
 
 /// An excitation at a time.
 #[derive(Clone, Copy, Debug)]
-pub struct Drive<'a, R = f64> {
+pub struct ForcingAt<'a, R = f64> {
     /// The excitation, which gives the rate of the forcing.
     pub excitation: &'a Excitation<R>,
     /// The time (s).
@@ -52,24 +52,24 @@ pub struct Drive<'a, R = f64> {
 
 /// The motion from a pose on, while the block stands on the same corners.
 #[derive(Clone, Copy)]
-pub struct Motion<'a, L = AnyLaw, const N: usize = 4, T = f64> {
+pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
     block: &'a Block<T>,
     excitation: &'a Excitation<T>,
-    law: L,
+    mode: L,
     since: T,
     footing: Footing<T>,
     contacts: Contacts<T>,
 }
 
-/// Number of quantities integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
 /// [dissipative](forces::dissipated) forces since the beginning of the step.
 pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
 
-impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
+impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
     /// Returns the motion of a block from a pose on.
     #[inline]
     pub fn from_pose(block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
-        Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
+        Motion::under(AnyMode::of(block, pose), block, pose, excitation)
     }
 
     /// Evaluates [`Motion::at`] without inlining: with derivatives, each inlined copy would take long to compile.
@@ -80,40 +80,40 @@ impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
 }
 
 #[cfg(feature = "lanes")]
-impl<P: Elementary> Motion<'_, AnyLaw, 4, P> {
-    /// Returns the rate of a state, without the powers, under a law with its own type, in which the foot grips and no corner is held.
+impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
+    /// Returns the rate of a state, without the powers, under a mode with its own type, in which the foot grips and no corner is held.
     #[inline(always)]
-    pub fn state_rate_under<T: CombinesWith<P>>(&self, law: impl Law, time: T, state: &State<T>) -> State<T> {
+    pub fn state_rate_under<T: CombinesWith<P>>(&self, mode: impl MotionMode, time: T, state: &State<T>) -> State<T> {
         let footing = Footing::Grips { offset: T::from(0.0) };
-        instant_of(self.block, law.foundation(), law.regime(), state.0, footing, self.excitation.at(time), |x| {
+        instant_of(self.block, mode.foundation(), mode.regime(), state.0, footing, self.excitation.at(time), |x| {
             State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot])
         })
     }
 }
 
 #[cfg(feature = "lanes")]
-impl<const N: usize, T: Elementary> Motion<'_, AnyLaw, N, T> {
+impl<const N: usize, T: Elementary> Motion<'_, AnyMode, N, T> {
     /// Returns the rate of a state by [`Motion::at_called`].
     pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
-        let Motion { block, excitation, law, contacts, .. } = *self;
+        let Motion { block, excitation, mode, contacts, .. } = *self;
         let footing = self.footing_at(time, state);
-        let now = Motion::<_, 4, _> { block, excitation, law, since: time, footing, contacts };
+        let now = Motion::<_, 4, _> { block, excitation, mode, since: time, footing, contacts };
         self.rate_of(&now.at_called(time, first_four(state))).state
     }
 }
 
-impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
-    /// Returns the motion from a pose on under its law, which is already known.
+impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
+    /// Returns the motion that begins with a pose in this mode.
     #[inline(always)]
-    pub fn under(law: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
+    pub fn under(mode: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         let Pose { time, contacts, footing, .. } = *pose;
-        Motion { block, excitation, law, since: time, footing, contacts }
+        Motion { block, excitation, mode, since: time, footing, contacts }
     }
 
-    /// Returns the law of the motion.
+    /// Returns the mode of the motion.
     #[inline(always)]
-    pub fn law(&self) -> L {
-        self.law
+    pub fn mode(&self) -> L {
+        self.mode
     }
 
     /// Evaluates a state at a time.
@@ -124,8 +124,8 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return self.at_held(time, first_four(&state), footing, held);
         }
         let support_heights = self.support_heights(time);
-        let drive = Drive { excitation: self.excitation, time, forcing: self.excitation.at(time) };
-        Evaluation::of(self.law, self.block, drive, footing, first_four(&state), support_heights)
+        let forcing_at = ForcingAt { excitation: self.excitation, time, forcing: self.excitation.at(time) };
+        Evaluation::of(self.mode, self.block, forcing_at, footing, first_four(&state), support_heights)
     }
 
     /// Returns the state of a pose.
@@ -173,9 +173,9 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the held corner with its support at a time, if any.
     #[inline(always)]
     fn held_at(&self, time: T) -> Option<Held<T>> {
-        let Motion { block, law, contacts, .. } = self;
+        let Motion { block, mode, contacts, .. } = self;
         let held = |corner| Held::on(block, corner, contacts.top(corner, block, time), contacts.standing_slide());
-        law.held().map(held)
+        mode.held().map(held)
     }
 
     /// Evaluates [`Motion::at`] with a held corner: height and rate of the middle of the base follow from θ and θ̇.
@@ -187,19 +187,19 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         footing: Footing<T>,
         held: Held<T>,
     ) -> Evaluation<'a, T> {
-        let forcing = self.law.acting(self.excitation.at(time));
+        let forcing = self.mode.acting(self.excitation.at(time));
         let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
         Evaluation {
             block: self.block,
             excitation: self.excitation,
             time,
-            regime: self.law.regime(),
+            regime: self.mode.regime(),
             state: State::from([theta, theta_dot, (left + right) * 0.5, instant.w_dot]),
             footing,
             forcing,
             instant,
-            rate: rate_of(self.law, self.block, &instant, forcing),
+            rate: rate_of(self.mode, self.block, &instant, forcing),
             support_heights: self.support_heights(time),
             held: Some(held),
         }
@@ -208,7 +208,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the heights of the supports that no corner touches (m), and their rates (m/s); zeros for the others.
     #[inline(always)]
     pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
-        Corner::each(|corner| match self.law.regime().touches(corner) {
+        Corner::each(|corner| match self.mode.regime().touches(corner) {
             true => Sample::default(),
             false => self.contacts.top(corner, self.block, time),
         })
@@ -220,12 +220,12 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         match self.footing {
             Footing::Slides { direction, .. } if N > 4 => Footing::Slides { u: state[4], u_dot: state[5], direction },
             Footing::Free { .. } if N > 4 => Footing::Free { u: state[4], u_dot: state[5] },
-            Footing::Free { u, u_dot } if !self.law.grips() => {
+            Footing::Free { u, u_dot } if !self.mode.grips() => {
                 let (velocity, displacement) = self.excitation.horizontal_drift(self.since, time);
                 Footing::Free { u: u + u_dot * (time - self.since) - displacement, u_dot: u_dot - velocity }
             }
-            Footing::Slides { .. } if !L::KNOWN => self.footing,
-            // A law with its own type grips, whatever the variant of the footing.
+            Footing::Slides { .. } if !L::STATIC => self.footing,
+            // A mode with its own type grips, whatever the variant of the footing.
             Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. } => {
                 Footing::Grips { offset }
             }
@@ -245,15 +245,15 @@ fn first_four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
     State::from([state[0], state[1], state[2], state[3]])
 }
 
-impl<L: Law, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
+impl<L: MotionMode, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
     #[inline(always)]
     fn rate(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        if L::KNOWN { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
+        if L::STATIC { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
     }
 }
 
-impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
-    /// Returns the rate without inlining, since a copy in each stage would make the steps of rare laws too large.
+impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
+    /// Returns the rate without inlining, since a copy in each stage would make the steps of rare modes too large.
     #[inline(never)]
     fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_inlined(time, state)
@@ -268,57 +268,59 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
         let footing = self.footing_at(time, state);
         let Rate { state, quadratures } = match self.held_at(time) {
             Some(held) => self.at_held(time, first_four(state), footing, held).rate,
-            None => rate(self.law, self.block, self.excitation.at(time), footing, &first_four(state)),
+            None => rate(self.mode, self.block, self.excitation.at(time), footing, &first_four(state)),
         };
         Rate { state: State::first_of(state.0), quadratures }
     }
 
-    /// Returns the rate under a law that also integrates the horizontal motion.
+    /// Returns the rate under a mode that also integrates the horizontal motion.
     #[inline(never)]
     fn rate_extended(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_of(&self.at(time, *state))
     }
 }
 
-/// Returns the rate of a state under a law without a held corner, and the powers.
+/// Returns the rate of a state under a mode without a held corner, and the powers.
 #[inline(always)]
 pub fn rate<R: Scalar>(
-    law: impl Law,
+    mode: impl MotionMode,
     block: &Block<R>,
     forcing: Forcing<R>,
     footing: Footing<R>,
     state: &State<R>,
 ) -> Rate<R> {
-    instant_of(block, law.foundation(), law.regime(), state.0, footing, forcing, |x| rate_of(law, block, &x, forcing))
+    instant_of(block, mode.foundation(), mode.regime(), state.0, footing, forcing, |x| {
+        rate_of(mode, block, &x, forcing)
+    })
 }
 
 #[inline(always)]
-fn rate_of<R: Scalar>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
+fn rate_of<R: Scalar>(mode: impl MotionMode, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
     // `Footing::free_work` is the horizontal part of the work on a free block.
-    let closed = !law.grips() && !law.is_extended();
+    let closed = !mode.grips() && !mode.is_extended();
     let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
     Rate {
         state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
-        quadratures: x.powers::<R>(block, law.regime(), integrated).into(),
+        quadratures: x.powers::<R>(block, mode.regime(), integrated).into(),
     }
 }
 
 impl<'a, R: Scalar> Evaluation<'a, R> {
-    /// Evaluates a state under a law without a held corner.
+    /// Evaluates a state under a mode without a held corner.
     #[inline(always)]
     pub fn of(
-        law: impl Law,
+        mode: impl MotionMode,
         block: &'a Block<R>,
-        Drive { excitation, time, forcing }: Drive<'a, R>,
+        ForcingAt { excitation, time, forcing }: ForcingAt<'a, R>,
         footing: Footing<R>,
         state: State<R>,
         support_heights: [Sample<R>; 2],
     ) -> Evaluation<'a, R> {
-        let (foundation, regime) = (law.foundation(), law.regime());
-        let forcing = law.acting(forcing);
+        let (foundation, regime) = (mode.foundation(), mode.regime());
+        let forcing = mode.acting(forcing);
         // The closure is short enough to be inlined; otherwise it would be compiled without the vectors of lanes.
         let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
-            (instant, rate_of(law, block, &instant, forcing))
+            (instant, rate_of(mode, block, &instant, forcing))
         });
         Evaluation {
             block,
@@ -345,7 +347,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
 impl<R: Real> Evaluation<'_, R> {
     /// Returns the acceleration of the block and an equivalent acceleration of its velocities (m/s²), as sums over rotation and height.
     #[inline(always)]
-    pub fn unrest(&self) -> [R; 2] {
+    pub fn rest_residuals(&self) -> [R; 2] {
         let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
         let Block { r0, omega_v, .. } = *self.block;
         let moves = r0 * (omega_v * theta_dot).abs() + (omega_v * w_dot).abs();

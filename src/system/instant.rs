@@ -10,7 +10,7 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Real, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
-pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
+pub use crate::numerics::State;
 
 /// Powers that are integrated beside the state (m²/s³): of the excitation, and dissipated by the dashpots.
 pub type Powers = numerics::Quadratures;

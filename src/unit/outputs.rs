@@ -126,7 +126,7 @@ pub struct ObservationCache {
 }
 
 /// Values and rates of change at the present time.
-pub struct Rates {
+pub struct OutputRates {
     /// The observed quantities.
     pub observed: Observation<f64>,
     /// Their rates.
@@ -159,8 +159,8 @@ impl Source {
     }
 
     /// Returns the rate of change.
-    pub fn rate(&self, now: &Rates) -> f64 {
-        let Rates { observed, rates, energies, channels, slip, peaks } = now;
+    pub fn rate(&self, now: &OutputRates) -> f64 {
+        let OutputRates { observed, rates, energies, channels, slip, peaks } = now;
         match self {
             Source::Observed(of) => of(rates),
             Source::Energy(of) => of(energies),

@@ -1,4 +1,4 @@
-"""No two modules of a crate import each other, directly or through others; few files name a kind of restraint."""
+"""Modules of a crate do not import each other in a circle, a type name has one meaning in a crate, and few files name a kind of restraint."""
 
 import graphlib
 import pathlib
@@ -16,7 +16,7 @@ def modules(source: pathlib.Path) -> dict[str, str]:
     for file in source.rglob("*.rs"):
         parts = file.relative_to(source).with_suffix("").parts
         name = "::".join(parts[:-1] if parts[-1] == "mod" else parts)
-        code = re.sub(r"//.*", "", file.read_text(encoding="utf-8")).split("#[cfg(test)]\nmod ")[0]
+        code = re.split(r"#\[cfg\(test\)\]\nmod \w+ \{", re.sub(r"//.*", "", file.read_text(encoding="utf-8")))[0]
         found[name] = code
     return {name: code for name, code in found.items() if name not in ("lib", "main")}
 
@@ -54,6 +54,25 @@ def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
         graphlib.TopologicalSorter(graph).prepare()
     except graphlib.CycleError as error:
         pytest.fail(f"{source}: modules import each other: {' -> '.join(reversed(error.args[1]))}")
+
+
+# Variants of one thing, of which a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
+VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$")]
+
+
+@pytest.mark.check
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: str(source.relative_to(ROOT)))
+def test_a_type_name_has_one_meaning_in_a_crate(source: pathlib.Path) -> None:
+    declared: dict[str, list[str]] = {}
+    for name, code in modules(source).items():
+        for found in re.findall(r"^ *pub(?:\([\w :]+\))? (?:struct|enum|trait|type) (\w+)", code, re.M):
+            declared.setdefault(found, []).append(name)
+    shared = {
+        found: sorted(names)
+        for found, names in declared.items()
+        if len(names) > 1 and not any(all(map(variant.match, names)) for variant in VARIANTS)
+    }
+    assert not shared, f"{source}: declared in more than one module: {shared}"
 
 
 @pytest.mark.check

@@ -4,7 +4,7 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Reg
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::control::StepControl;
-use rocking_block::numerics::dop853::{self, DenseOutput, Step};
+use rocking_block::numerics::dop853::{self, DenseOutput, DenseStep};
 use rocking_block::numerics::roots::{PIECES, Sample, first_fall};
 use rocking_block::numerics::short::{self, ShortStep};
 use rocking_block::numerics::{Rate, StageRates};
@@ -36,7 +36,7 @@ fn run(steps: u32) -> (State, State, f64) {
     for i in 0..steps {
         let time = size * f64::from(i);
         let f = |t: f64, x: &State| rate(&block, t, x);
-        let step = Step::attempt(time, size, x, f(time, &x), &f);
+        let step = DenseStep::attempt(time, size, x, f(time, &x), &f);
         inside_time = time + size / 3.0;
         inside = step.dense(f(time + size, &step.end), &f).state(size / 3.0);
         x = step.end;
@@ -73,7 +73,7 @@ fn the_dense_output_is_of_order_seven() {
             let size = time / 200.0;
             let exact = (0..200).fold(start(), |x, i| {
                 let t = size * f64::from(i);
-                Step::attempt(t, size, x, f(t, &x), &f).end
+                DenseStep::attempt(t, size, x, f(t, &x), &f).end
             });
             (0.4 / f64::from(n), (inside - exact).norm())
         })
@@ -123,7 +123,7 @@ fn the_interpolant_of_a_short_step_has_its_orders() {
         let (mut time, mut x, mut sums) = (0.0, start(), [0.0; 3]);
         for _ in 0..50 {
             let first = f(time, &x);
-            let step = Step::attempt(time, size, x, first, &f);
+            let step = DenseStep::attempt(time, size, x, first, &f);
             let last = f(time + size, &step.end);
             let exact = step.dense(last, &f);
             let between = DenseOutput::between(time, size, [(x, first), (step.end, last)], step.work);
@@ -136,7 +136,7 @@ fn the_interpolant_of_a_short_step_has_its_orders() {
             for end in [0.0, size] {
                 assert!((between.state(end) - exact.state(end)).norm() < 1e-14, "{end}");
             }
-            (time, x) = (time + 0.008, Step::attempt(time, 0.008, x, first, &f).end);
+            (time, x) = (time + 0.008, DenseStep::attempt(time, 0.008, x, first, &f).end);
         }
         for (series, sum) in sums.into_iter().enumerate() {
             found[series][i] = (size, sum.sqrt());
@@ -247,7 +247,7 @@ fn looped_and_unrolled_stages_are_the_same() {
     let (time, size, x) = (0.3, 0.02, start());
     let first = f(time, &x);
     let mut rates = StageRates::beginning_with(first);
-    let step = Step::attempt(time, size, x, first, &f);
+    let step = DenseStep::attempt(time, size, x, first, &f);
     assert_eq!((step.end, step.work), dop853::attempt_in_loop(time, size, x, &mut rates, &f));
     let mut rates = StageRates::beginning_with(first);
     let step = ShortStep::attempt(time, size, x, first, &f);

@@ -3,7 +3,7 @@
 use rocking_block::block::restraints::{self, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Regime, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::simulation::exchange::{STATES, States, nominals};
+use rocking_block::simulation::exchange::{ContinuousStates, STATES, nominals};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Energies, Initial, OnOverturning, OnSeparation, Settings, Simulation};
@@ -192,7 +192,14 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
             (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
             (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
             (8, Energies { friction: 1.0, residual: 1.0, ..Energies::default() }),
-            (9, Energies { restraints: restraints::Energies { ties: 1.0 }, residual: 1.0, ..Energies::default() }),
+            (
+                9,
+                Energies {
+                    restraints: restraints::RestraintEnergies { ties: 1.0 },
+                    residual: 1.0,
+                    ..Energies::default()
+                },
+            ),
         ] {
             let direction = std::array::from_fn(|i| if i == state { 1.0 } else { 0.0 });
             assert_eq!(simulation.directional(&inputs, &direction, &Inputs::default(), 0.0).1, expected);
@@ -219,8 +226,8 @@ impl Outside {
     }
 
     /// Returns the result of a step, and whether an event follows it.
-    fn attempt(&mut self, time: f64, states: &States, h: f64) -> bool {
-        let mut rate = |elapsed: f64, k: &States| {
+    fn attempt(&mut self, time: f64, states: &ContinuousStates, h: f64) -> bool {
+        let mut rate = |elapsed: f64, k: &ContinuousStates| {
             let moved = std::array::from_fn(|i| states[i] + elapsed * k[i]);
             self.simulation.set_states(time + elapsed, &moved);
             self.simulation.derivatives(&self.inputs)
@@ -229,7 +236,7 @@ impl Outside {
         let k2 = rate(0.5 * h, &k1);
         let k3 = rate(0.5 * h, &k2);
         let k4 = rate(h, &k3);
-        let mean: States = std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
+        let mean: ContinuousStates = std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
         rate(h, &mean);
         self.simulation.indicators(&self.inputs).iter().any(|&indicator| indicator <= 0.0)
     }
@@ -422,7 +429,7 @@ fn derivatives_of_a_block_that_is_held_are_differences() {
         let (states, size) = (held.states(&inputs), held.energies().total.abs());
         assert!(held.energies().kinetic > 0.0);
         for i in 0..STATES {
-            let direction: States = std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
+            let direction: ContinuousStates = std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
             let (_, found) = held.directional(&inputs, &direction, &Inputs::default(), 0.0);
             let step = 1e-5;
             let [before, after] = [-step, step].map(|change| {

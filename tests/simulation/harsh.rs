@@ -14,7 +14,7 @@ use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simul
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::Transition;
-use rocking_block::system::events::{Event, Surface};
+use rocking_block::system::events::{Event, EventFunction};
 use rocking_block::system::impact::height_over;
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, State};
@@ -354,7 +354,7 @@ fn a_landing_without_effect_gains_no_energy() {
         let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
         let system = System { block, flies: true, slowest: System::SLOWEST };
         let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
-        let Transition { pose: after, .. } = system.transition(&pose, &now, Surface::Gap(Corner::Left));
+        let Transition { pose: after, .. } = system.transition(&pose, &now, EventFunction::Gap(Corner::Left));
         let landed = Motion::from_pose(&block, &after, &excitation).at(0.0, after.state);
         let [before, energy] = [now, landed].map(|now| now.energy());
         assert!(

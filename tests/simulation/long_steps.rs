@@ -39,8 +39,8 @@ fn run(block: Block, initial: &Initial, steps: &[Step], parts: u32) -> (Vec<Even
         for part in 1..=parts {
             let until = time + step.size * f64::from(part) / f64::from(parts);
             let progress = simulation.advance(until, &inputs, &mut |event| events.push(*event)).unwrap();
-            if progress != Progress::Reached || events.len() >= MOST_EVENTS {
-                events.truncate(MOST_EVENTS);
+            if progress != Progress::Reached || events.len() >= MAX_EVENTS {
+                events.truncate(MAX_EVENTS);
                 return (events, simulation.peaks());
             }
         }
@@ -50,7 +50,7 @@ fn run(block: Block, initial: &Initial, steps: &[Step], parts: u32) -> (Vec<Even
 }
 
 /// Number of events to compare; over more bounces round-off errors grow without bound.
-const MOST_EVENTS: usize = 10;
+const MAX_EVENTS: usize = 10;
 
 /// Returns true if two runs have the same events and, unless there are many, the same peaks.
 ///
@@ -59,7 +59,7 @@ fn same((a, peaks): &(Vec<Event>, Peaks), (b, others): &(Vec<Event>, Peaks)) -> 
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * b.abs();
     let events = a.iter().zip(b).all(|(a, b)| a.kind == b.kind && (a.time - b.time).abs() < 1e-6);
     let most = |of: &Peaks| [of.theta, of.reaction, of.horizontal, of.uplift];
-    let of_all = a.len() < MOST_EVENTS;
+    let of_all = a.len() < MAX_EVENTS;
     a.len() == b.len() && events && (!of_all || most(peaks).into_iter().zip(most(others)).all(|(a, b)| near(a, b)))
 }
 

@@ -12,7 +12,7 @@ use rocking_block::excitation::{Excitation, Forcing, Pulse, PulseShape};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::grip::pressure_if_gripped;
-use rocking_block::system::events::{Surface, gap_opening};
+use rocking_block::system::events::{EventFunction, gap_opening};
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, Instant};
 
@@ -317,10 +317,14 @@ fn event_functions_have_their_rates() {
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);
         let at = (&block, &pose);
         for (i, corner) in Corner::BOTH.into_iter().enumerate() {
-            let surface = if pose.contacts.touches(corner) { Surface::Reaction(corner) } else { Surface::Gap(corner) };
-            let sample = surface.sample(&now);
-            let expected = match surface {
-                Surface::Gap(_) => {
+            let function = if pose.contacts.touches(corner) {
+                EventFunction::Reaction(corner)
+            } else {
+                EventFunction::Gap(corner)
+            };
+            let sample = function.sample(&now);
+            let expected = match function {
+                EventFunction::Gap(_) => {
                     let Contact::Lifted(creep) = pose.contacts.of(corner) else { unreachable!() };
                     let sunk = match block.foundation {
                         Foundation::Viscoelastic => {
@@ -333,19 +337,19 @@ fn event_functions_have_their_rates() {
                 }
                 _ => now.instant.reaction[i],
             };
-            assert!((sample.value - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{surface:?} {pose:?}");
-            check("surface", at, sample.rate, 1e-3 * block.gravity, |now| surface.sample(now).value);
+            assert!((sample.value - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{function:?} {pose:?}");
+            check("function", at, sample.rate, 1e-3 * block.gravity, |now| function.sample(now).value);
         }
-        let turn = Surface::QuarterTurn.sample(&now);
+        let turn = EventFunction::QuarterTurn.sample(&now);
         assert_eq!(turn.value, std::f64::consts::FRAC_PI_2 - now.instant.theta.abs());
         if now.instant.theta != 0.0 {
-            check("quarter turn", at, turn.rate, 1e-3, |now| Surface::QuarterTurn.sample(now).value);
+            check("quarter turn", at, turn.rate, 1e-3, |now| EventFunction::QuarterTurn.sample(now).value);
         }
         let standing = pose.contacts.regime() != Regime::Separated;
         if standing && !pose.footing.grips() && !(block.foundation == Foundation::Rigid && now.regime.pivot().is_none())
         {
-            let slide = Surface::Slide.sample(&now);
-            check("slide", at, slide.rate, 1e-2 * block.gravity, |now| Surface::Slide.sample(now).value);
+            let slide = EventFunction::Slide.sample(&now);
+            check("slide", at, slide.rate, 1e-2 * block.gravity, |now| EventFunction::Slide.sample(now).value);
         }
     }
 }
@@ -379,7 +383,7 @@ fn the_pressure_if_gripped_is_that_after_the_impulse() {
         let least = least.fold(f64::INFINITY, f64::min);
         let found = pressure_if_gripped(&block, now.regime, &x);
         assert!((found - least).abs() < 1e-12 * (block.gravity + least.abs()), "{found} and {least}, {pose:?}");
-        assert_eq!(Surface::Slide.sample(&now).value, -found);
+        assert_eq!(EventFunction::Slide.sample(&now).value, -found);
     }
 }
 
@@ -421,12 +425,12 @@ fn gaps_open_with_the_predicted_acceleration() {
             }
         }
         let h = 1e-4 / fastest(&block);
-        let gap = |elapsed: f64| Surface::Gap(leaving).sample(&after(&block, &gone, &excitation, elapsed));
+        let gap = |elapsed: f64| EventFunction::Gap(leaving).sample(&after(&block, &gone, &excitation, elapsed));
         assert!(gap(0.0).value.abs() < 1e-15 && gap(0.0).rate.abs() < 1e-13, "{:?}", gap(0.0));
         // No gap exists before the release, hence a difference of three points after it.
         let opens = (4.0 * gap(h).rate - gap(2.0 * h).rate - 3.0 * gap(0.0).rate) / (2.0 * h);
         assert!((said - opens).abs() < 1e-6 * (1.0 + opens.abs()), "{leaving:?}: {said}, by difference {opens}");
-        assert_eq!(Surface::Held(leaving).sample(&now).value, -said);
+        assert_eq!(EventFunction::Held(leaving).sample(&now).value, -said);
     }
 }
 

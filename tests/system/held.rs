@@ -14,7 +14,7 @@ use rocking_block::system::System;
 use rocking_block::system::dynamics::instant;
 use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::Transition;
-use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::events::{Event, EventFunction, EventKind};
 use rocking_block::system::impact;
 use rocking_block::system::instant::{Footing, Instant, Pose, State};
 
@@ -182,7 +182,7 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
             let x = instant(&block, Regime::FullContact, state, pose.footing, now.forcing);
             let lifts = x.corner_ddot[Corner::Left.index()] > 0.0;
             let Transition { pose: after, event, counts, .. } =
-                system.transition(&pose, &now, Surface::Gap(Corner::Left));
+                system.transition(&pose, &now, EventFunction::Gap(Corner::Left));
             assert_eq!(
                 after.contacts.regime(),
                 if lifts { Regime::TiltingRight } else { Regime::FullContact },
@@ -217,7 +217,7 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
         let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
         let Transition { pose: after, event, counts, .. } =
-            system.transition(&pose, &now, Surface::Reaction(Corner::Right));
+            system.transition(&pose, &now, EventFunction::Reaction(Corner::Right));
         let case = format!("friction {friction}, flies {flies}, both {both}, held {held}: {event:?}, {after:?}");
         let found = (event, after.contacts.regime(), after.footing.grips(), counts.liftoffs);
         let regime = if both { Regime::FullContact } else { Regime::TiltingRight };
@@ -268,7 +268,8 @@ fn a_corner_of_a_sliding_block_is_held() {
             now.forcing,
         );
         let opens = alone.corner_ddot[0] >= 0.0;
-        let Transition { pose: after, event, .. } = system.transition(&pose, &now, Surface::Reaction(Corner::Left));
+        let Transition { pose: after, event, .. } =
+            system.transition(&pose, &now, EventFunction::Reaction(Corner::Left));
         assert_eq!(event, opens.then_some(EventKind::LiftOff(Corner::Left)), "{now:?}");
         assert_eq!(after.contacts.held(), (!opens).then_some(Corner::Left));
         let x = Motion::from_pose(&block, &after, &excitation).at(0.0, after.state).instant;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use rocking_block::block::restraints::MOST_TIES;
+use rocking_block::block::restraints::MAX_TIES;
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{
     Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Ratios, Springs, Supports,
@@ -194,13 +194,13 @@ fn the_centre_of_mass_is_between_the_corners() {
     }
 }
 
-/// A block has at most [`MOST_TIES`] ties, each between two different points.
+/// A block has at most [`MAX_TIES`] ties, each between two different points.
 #[test]
 fn ties_are_counted_and_have_a_length() {
     let block = Block::from_dimensionless(&PAPER, &common()).unwrap();
     let tie = Tie { block: [0.5, 1.5], ground: [-2.0, 0.0], stiffness: 1e3, ..Tie::default() };
-    assert_eq!(block.with_ties(&[tie; MOST_TIES]).unwrap().ties(), [tie; MOST_TIES]);
-    assert!(block.with_ties(&[tie; MOST_TIES + 1]).is_err());
+    assert_eq!(block.with_ties(&[tie; MAX_TIES]).unwrap().ties(), [tie; MAX_TIES]);
+    assert!(block.with_ties(&[tie; MAX_TIES + 1]).is_err());
     assert!(block.with_ties(&[Tie { ground: tie.block, ..tie }]).is_err());
     for place in [[tie.block[0], 0.0], [0.0, tie.block[1]]] {
         assert!(block.with_ties(&[Tie { ground: place, ..tie }]).is_ok(), "{place:?}");

@@ -6,7 +6,7 @@ use rocking_block::block::{Block, Common, Contacts, Corner, Foundation};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
-use rocking_block::system::events::{EventKind, Surface, Transition};
+use rocking_block::system::events::{EventFunction, EventKind, Transition};
 use rocking_block::system::impact::Velocities;
 use rocking_block::system::instant::{Footing, Pose, State};
 
@@ -19,17 +19,17 @@ fn block(foundation: Foundation, friction: f64) -> Block {
 }
 
 /// The change of a pose that falls through a surface, with the velocities right after.
-fn transition(block: &Block, pose: &Pose, surface: Surface) -> (Transition, Velocities) {
-    transition_under(Ramp::default(), block, pose, surface)
+fn transition(block: &Block, pose: &Pose, function: EventFunction) -> (Transition, Velocities) {
+    transition_under(Ramp::default(), block, pose, function)
 }
 
 /// The same under a ground acceleration.
-fn transition_under(a_gx: Ramp, block: &Block, pose: &Pose, surface: Surface) -> (Transition, Velocities) {
+fn transition_under(a_gx: Ramp, block: &Block, pose: &Pose, function: EventFunction) -> (Transition, Velocities) {
     let inputs = Inputs { a_gx, ..Inputs::default() };
     let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, block);
     let now = Motion::from_pose(block, pose, &excitation).at(pose.time, pose.state);
     let system = System { block: *block, flies: true, slowest: System::SLOWEST };
-    let after = system.transition(pose, &now, surface);
+    let after = system.transition(pose, &now, function);
     let instant = Motion::from_pose(block, &after.pose, &excitation).at(pose.time, after.pose.state).instant;
     (after, Velocities { u_dot: instant.u_dot, v_dot: instant.v_dot, theta_dot: instant.theta_dot })
 }
@@ -108,7 +108,7 @@ fn a_corner_from_flight_stops_or_slides() {
                 }
                 let case = format!("{foundation:?}, μ = {friction}, {u_dot} m/s");
                 assert!(exact.kinetic(&block) <= falling.1.kinetic(&block), "{case}");
-                let (after, found) = transition(&block, &falling.0, Surface::Gap(Corner::Left));
+                let (after, found) = transition(&block, &falling.0, EventFunction::Gap(Corner::Left));
                 near(&block, found, exact, &case);
                 assert_eq!(after.event, Some(EventKind::Landing(Corner::Left)), "{case}");
                 assert_eq!(after.counts.impacts, 1, "{case}");
@@ -128,7 +128,7 @@ fn a_rebound_gains_no_energy() {
             let block = Block { epsilon: 1.0, ..block(Foundation::Rigid, friction) };
             let falling = falling(&block, u_dot);
             let (exact, _) = landed(&block, falling, -1.0);
-            let (_, found) = transition(&block, &falling.0, Surface::Gap(Corner::Left));
+            let (_, found) = transition(&block, &falling.0, EventFunction::Gap(Corner::Left));
             let case = format!("μ = {friction}, {u_dot} m/s: {found:?}");
             if exact.kinetic(&block) <= falling.1.kinetic(&block) {
                 near(&block, found, exact, &case);
@@ -175,7 +175,7 @@ fn a_sliding_block_changes_its_pivot() {
             let e = 1.0 - (1.0 - epsilon) * 2.0 * block.b * block.b / (block.i0 + block.r0 * block.r0);
             let (exact, stops) = changed(e * theta_dot);
             let case = format!("μ = {friction}, ε = {epsilon}, {slip} m/s");
-            let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+            let (after, found) = transition(&block, &pose, EventFunction::Gap(Corner::Left));
             if exact.kinetic(&block) <= before.kinetic(&block) {
                 near(&block, found, exact, &case);
                 // A pivot that stops may still slide on under the weight of the block.
@@ -208,7 +208,7 @@ fn a_level_landing_takes_what_friction_allows() {
                 footing: Footing::Free { u: 0.0, u_dot },
                 restraints: States::NONE,
             };
-            let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+            let (after, found) = transition(&block, &pose, EventFunction::Gap(Corner::Left));
             assert_eq!(after.counts.impacts, 2);
             // ε of the rate remains, downwards, as in (17); both supports push with the same impulse.
             let vertical = (EPSILON - 1.0) * v_dot;
@@ -255,7 +255,7 @@ fn a_foot_that_stops_grips_or_turns() {
                     footing: Footing::Slides { u: 0.2, u_dot: 0.0, direction: side },
                     restraints: States::NONE,
                 };
-                let (after, _) = transition_under(a_gx, &block, &pose, Surface::Speed);
+                let (after, _) = transition_under(a_gx, &block, &pose, EventFunction::Speed);
                 let case = format!("{foundation:?}, {a_gx:?}: {after:?}");
                 assert_eq!(after.event, Some(if turns { EventKind::Slip } else { EventKind::Grip }), "{case}");
                 match after.pose.footing {

@@ -6,7 +6,7 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
-use rocking_block::system::events::{EventKind, Surface, Transition};
+use rocking_block::system::events::{EventFunction, EventKind, Transition};
 use rocking_block::system::instant::{Footing, Pose, State};
 
 use crate::blocks::squat as block;
@@ -26,10 +26,10 @@ fn excitation(block: &Block, a_gx: f64) -> Excitation {
     Excitation::from_time(0.0, &inputs, &Pulse::NONE, block)
 }
 
-fn transition(system: &System, pose: &Pose, a_gx: f64, surface: Surface) -> Transition {
+fn transition(system: &System, pose: &Pose, a_gx: f64, function: EventFunction) -> Transition {
     let excitation = excitation(&system.block, a_gx);
     let now = Motion::from_pose(&system.block, pose, &excitation).at(pose.time, pose.state);
-    system.transition(pose, &now, surface)
+    system.transition(pose, &now, function)
 }
 
 /// A corner joins a recovering support if their rates agree to round-off, and otherwise keeps its own rate.
@@ -57,7 +57,7 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
             restraints: States::NONE,
         };
         let Transition { pose: after, event, counts, .. } =
-            transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+            transition(&system(block), &pose, 0.0, EventFunction::Gap(Corner::Left));
         assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
         assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 0));
         let [_, _, height, found] = after.state.0;
@@ -89,7 +89,8 @@ fn a_corner_that_lands_without_rebound_stands_still() {
         footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
         restraints: States::NONE,
     };
-    let Transition { pose: after, counts, .. } = transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+    let Transition { pose: after, counts, .. } =
+        transition(&system(block), &pose, 0.0, EventFunction::Gap(Corner::Left));
     assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 1));
     assert_eq!(after.state.0[2..], [top.value, 0.0]);
 }
@@ -107,7 +108,7 @@ fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
             restraints: States::NONE,
         };
         let Transition { pose: after, event, counts, .. } =
-            transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+            transition(&system(block), &pose, 0.0, EventFunction::Gap(Corner::Left));
         assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
         assert!(!after.contacts.touches(Corner::Right), "{after:?}");
         assert_eq!(after.contacts.touches(Corner::Left), lifts == 1, "{after:?}");
@@ -162,7 +163,7 @@ fn evaluations_in_transitions_are_counted() {
         restraints: States::NONE,
     };
     let Transition { pose: after, counts, .. } =
-        transition(&system(block), &pose, 0.0, Surface::Reaction(Corner::Right));
+        transition(&system(block), &pose, 0.0, EventFunction::Reaction(Corner::Right));
     assert_eq!((after.contacts.regime(), counts.evaluations), (Regime::TiltingLeft, 1));
 }
 

@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, Data, Fit, Goodness, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
+    Assessment, CurveFit, Data, Goodness, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -263,7 +263,7 @@ fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
 pub fn surface(
     blocks: &str,
     data: &Data,
-    fit: &Fit,
+    fit: &CurveFit,
     headings: [&str; 2],
     limit: Limit,
 ) -> Result<String, PictureError> {

@@ -8,7 +8,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
-use rocking_block::block::restraints::MOST_TIES;
+use rocking_block::block::restraints::MAX_TIES;
 use rocking_block::block::{Block, Corner, Foundation, Regime};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
@@ -17,7 +17,7 @@ use rocking_studies::run::{History, Row};
 const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
 
 /// Names and line styles of the tensions.
-const TIES: [(&str, LineStyle); MOST_TIES] = [
+const TIES: [(&str, LineStyle); MAX_TIES] = [
     ("tie 1", LineStyle::BLUE),
     ("tie 2", LineStyle::ORANGE),
     ("tie 3", LineStyle::BLACK),

@@ -6,7 +6,7 @@ use std::mem::MaybeUninit;
 use rocking_block::fmi::fmi3::boundary::{self, Stepping};
 use rocking_block::fmi::fmi3::calls::Call;
 use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit};
-use rocking_block::fmi::fmi3::step::Step;
+use rocking_block::fmi::fmi3::step::StepOutcome;
 use rocking_block::fmi::fmi3::types::*;
 use rocking_block::fmi::fmi3::values::of_no_type;
 use rocking_block::unit::snapshot;
@@ -56,9 +56,9 @@ impl GuestCoSimulationInstance for Instance {
         communication_step_size: f64,
         _no_set_fmu_state_prior_to_current_point: bool,
     ) -> Result<DoStepResult, Status> {
-        let step = Step::new(current_communication_point, communication_step_size);
+        let step = StepOutcome::new(current_communication_point, communication_step_size);
         let result = Cell::new(None);
-        let done = |step: &Step| {
+        let done = |step: &StepOutcome| {
             result.set(Some(DoStepResult {
                 last_successful_time: step.reached,
                 event_handling_needed: step.event,

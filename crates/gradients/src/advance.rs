@@ -38,12 +38,12 @@ pub fn advance_with_samples(
         let mut steps = Steps::towards(simulation, until);
         loop {
             let peaks = simulation.peaks();
-            let Some((course, fall)) = steps.next(simulation, inputs)? else { break };
+            let Some((kind, fall)) = steps.next(simulation, inputs)? else { break };
             let inside = &times[first..];
             let inside = &inside[..inside.partition_point(|time| *time < simulation.time())];
             for (number, follower) in followers.iter_mut().enumerate() {
                 let mut next = first;
-                follower.take_step(course, fall, &peaks, simulation, inside, &mut |sample| {
+                follower.take_step(kind, fall, &peaks, simulation, inside, &mut |sample| {
                     observer(next, number, sample);
                     next += 1;
                 });

@@ -4,7 +4,7 @@ use rocking_block::block::{Contact, Corner};
 use rocking_block::excitation::{Excitation, Inputs};
 use rocking_block::numerics::State;
 use rocking_block::simulation::Simulation;
-use rocking_block::simulation::follow::{Course, Fall, Rates, Samples, repeat_step};
+use rocking_block::simulation::follow::{Rates, ReachedEvent, Samples, StepKind, repeat_step};
 use rocking_block::simulation::outputs::{Observation, observe};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::system::System;
@@ -78,7 +78,7 @@ impl Follower {
             start: follower.system.released(&follower.pose, &now).unwrap_or(follower.pose),
             start_shift: follower.shift,
             excitation,
-            course: Course::Stayed,
+            kind: StepKind::Stayed,
             end: time,
             end_shift: [0.0; BATCH],
         };
@@ -106,8 +106,8 @@ impl Follower {
     /// block at these `times` (s) inside it.
     pub(crate) fn take_step(
         &mut self,
-        course: &Course,
-        fall: Option<Fall>,
+        kind: &StepKind,
+        fall: Option<ReachedEvent>,
         peaks: &Peaks,
         simulation: &Simulation,
         times: &[f64],
@@ -115,30 +115,30 @@ impl Follower {
     ) {
         let start_shift = self.shift;
         let start = if *peaks == simulation.peaks() { None } else { Some(self.pose) };
-        self.advance(course, simulation, times, observer);
+        self.advance(kind, simulation, times, observer);
         let (end, slip_rate) = (simulation.time(), fall.map_or(0.0, |fall| fall.rates.slip));
         let end_shift = match fall {
             Some(fall) => {
-                self.shift = self.event_time(fall, course);
+                self.shift = self.event_time(fall, kind);
                 self.shift
             }
             // The excitation may jump where the pulse begins or ends.
             None => self.varied.kink(simulation.pulse(), end).map_or([0.0; BATCH], |(shift, _)| shift),
         };
         let Some(start) = start else { return };
-        let segment = Segment { start, start_shift, excitation: self.excitation, course: *course, end, end_shift };
+        let segment = Segment { start, start_shift, excitation: self.excitation, kind: *kind, end, end_shift };
         self.peak_segments.record(peaks, &simulation.peaks(), (self.slip, slip_rate), &segment);
     }
 
-    fn advance(&mut self, course: &Course, simulation: &Simulation, times: &[f64], observer: &mut dyn FnMut(&Sample)) {
+    fn advance(&mut self, kind: &StepKind, simulation: &Simulation, times: &[f64], observer: &mut dyn FnMut(&Sample)) {
         let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
         let end = simulation.time();
         let foot_at_start = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
         let follower = &*self;
         let mut sample = |pose: &Pose<Number>| observer(&Sample { follower, pose, foot_at_start });
-        match course {
-            Course::Stayed => return,
-            Course::Rested => {
+        match kind {
+            StepKind::Stayed => return,
+            StepKind::Rested => {
                 let mut state = self.pose.state;
                 for rate in [1, 3] {
                     state[rate] = Number::from(0.0);
@@ -148,9 +148,9 @@ impl Follower {
                 }
                 self.pose.state = state;
             }
-            Course::Step | Course::ShortStep | Course::Swing(_) => {
+            StepKind::Step | StepKind::ShortStep | StepKind::Swing(_) => {
                 let samples = Samples { times, seen: &mut sample };
-                let end = repeat_step(&self.system.block, &self.pose, &self.excitation, course, end, samples);
+                let end = repeat_step(&self.system.block, &self.pose, &self.excitation, kind, end, samples);
                 (self.pose.state, self.pose.footing) = end;
             }
         }
@@ -161,11 +161,11 @@ impl Follower {
         self.shift = [0.0; BATCH];
     }
 
-    /// Returns the derivatives of the time at which a surface falls through zero.
-    fn event_time(&self, Fall { surface, rate, grazes, .. }: Fall, course: &Course) -> [f64; BATCH] {
-        let Number { re: value, eps } = surface.value(&self.at(&self.pose, &self.excitation));
-        if matches!(course, Course::Stayed) && value < -surface.rounding(&self.system.block) {
-            // A jump of the excitation, or another event, took the surface below zero in this instant.
+    /// Returns the derivatives of the time at which an event function falls through zero.
+    fn event_time(&self, ReachedEvent { function, rate, grazes, .. }: ReachedEvent, kind: &StepKind) -> [f64; BATCH] {
+        let Number { re: value, eps } = function.value(&self.at(&self.pose, &self.excitation));
+        if matches!(kind, StepKind::Stayed) && value < -function.rounding(&self.system.block) {
+            // A jump of the excitation, or another event, took the event function below zero in this instant.
             return self.shift;
         }
         if grazes { [f64::NAN; BATCH] } else { eps.map(|eps| -eps / rate) }
@@ -173,12 +173,18 @@ impl Follower {
 
     /// Applies an event that the run has just passed; `after` are the run's rates after it.
     ///
-    /// The pose moves to the varied time of the event under the law before it, through the transition, and back to the time of the run
-    /// under the law after it.
-    pub(crate) fn pass_event(&mut self, fall: &Fall, happened: Option<Event>, after: &Rates, simulation: &Simulation) {
+    /// The pose moves to the varied time of the event under the mode before it, through the transition, and back to the time of the run
+    /// under the mode after it.
+    pub(crate) fn pass_event(
+        &mut self,
+        fall: &ReachedEvent,
+        happened: Option<Event>,
+        after: &Rates,
+        simulation: &Simulation,
+    ) {
         let (shift, time) = (self.shift, simulation.time());
         let before = moved(&self.pose, &fall.rates, shift);
-        self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), fall.surface).pose;
+        self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), fall.function).pose;
         self.adopt_values(simulation.pose());
         if shift.iter().any(|shift| !shift.is_finite()) && self.grazing.is_none() {
             self.grazing = Some(Grazing { time, kind: happened.map(|event| event.kind) });
@@ -245,13 +251,13 @@ impl Follower {
 
     /// Implements [`ObserveInside`](crate::peaks::ObserveInside).
     fn inside(&self, segment: &Segment, elapsed: f64) -> [Observation<Number>; 2] {
-        let Segment { start, excitation, course, .. } = segment;
+        let Segment { start, excitation, kind, .. } = segment;
         // A short step has no dense output, so a part of it is repeated as a step of order 8.
-        let course = if let Course::Swing(_) = course { course } else { &Course::Step };
+        let kind = if let StepKind::Swing(_) = kind { kind } else { &StepKind::Step };
         let mut pose = *start;
         if elapsed != 0.0 {
             let (samples, end) = (Samples { times: &[], seen: &mut |_| () }, start.time.re + elapsed);
-            let (state, footing) = repeat_step(&self.system.block, start, excitation, course, end, samples);
+            let (state, footing) = repeat_step(&self.system.block, start, excitation, kind, end, samples);
             pose = Pose { time: end.into(), state, footing, ..pose };
         }
         let now = self.at(&pose, excitation);

@@ -3,8 +3,8 @@
 use rocking_block::block::{Block, restraints};
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::sign_change;
-use rocking_block::simulation::follow::Course;
-use rocking_block::simulation::outputs::{MOST_FRICTION_DEMAND, Observation};
+use rocking_block::simulation::follow::StepKind;
+use rocking_block::simulation::outputs::{MAX_FRICTION_DEMAND, Observation};
 use rocking_block::simulation::peaks::{Channel, Peaks};
 use rocking_block::system::instant::Pose;
 
@@ -19,7 +19,7 @@ pub(crate) struct Segment {
     pub start_shift: [f64; BATCH],
     pub excitation: Excitation<Number>,
     /// Kind of the run's step.
-    pub course: Course,
+    pub kind: StepKind,
     /// Time at its end (s).
     pub end: f64,
     /// Derivatives of the time of the event at its end; zeros without an event.
@@ -45,7 +45,7 @@ const CHANNELS: [Channel; 5] =
 #[derive(Clone, Debug)]
 pub(crate) struct PeakSegments {
     channels: [Option<Box<Segment>>; CHANNELS.len()],
-    pulls: [Option<Box<Segment>>; restraints::MOST],
+    pulls: [Option<Box<Segment>>; restraints::MAX],
     /// Derivatives of the peak slip.
     slip: [f64; BATCH],
 }
@@ -105,7 +105,7 @@ impl PeakSegments {
             horizontal: channel(2),
             uplift: channel(3),
             // A limit of the numbers shown does not vary.
-            friction_demand: match peaks.friction_demand < MOST_FRICTION_DEMAND {
+            friction_demand: match peaks.friction_demand < MAX_FRICTION_DEMAND {
                 true => channel(4),
                 false => Number::from(peaks.friction_demand),
             },

@@ -13,7 +13,7 @@ use super::text::{FileText, fixed_width};
 const DATA: &str = "DATOS DE ACELERACION";
 
 /// Largest number of rows beyond the stated count.
-const MOST_REPEATED: usize = 2;
+const MAX_REPEATED: usize = 2;
 
 /// Returns whether a line names the format.
 pub(super) fn is_header_line(line: &str) -> bool {
@@ -90,7 +90,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
         Rows { columns: count, time: None, chosen }.read(source, rows, |text| fixed_width(text, width))?;
     // Some files repeat their last row.
     if let Some(repeated) =
-        raw.values.len().checked_sub(value_count).filter(|repeated| (1..=MOST_REPEATED).contains(repeated))
+        raw.values.len().checked_sub(value_count).filter(|repeated| (1..=MAX_REPEATED).contains(repeated))
     {
         raw.values.truncate(value_count);
         raw.doubt = Some(format!("line {count_line} states {value_count} values; {repeated} after them are left out"));

@@ -42,37 +42,37 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Simulate one block: a table, a picture and a summary
-    Simulate(Box<simulate::Options>),
+    Simulate(Box<simulate::SimulateCommand>),
     /// Draw a block with its foundation and dimensions
-    Sketch(Box<sketch::Options>),
+    Sketch(Box<sketch::SketchCommand>),
     /// Simulate equal columns under a freely supported beam, with the forces of the columns
-    Frame(Box<frame::Options>),
+    Frame(Box<frame::FrameCommand>),
     /// Compute peak rotations of blocks of all sizes on several foundations
-    Spectrum(Box<spectrum::Options>),
+    Spectrum(Box<spectrum::SpectrumCommand>),
     /// Vary any parameters, records and their strengths: a table of runs for fragility curves
-    Sweep(sweep::Options),
+    Sweep(sweep::SweepCommand),
     /// Incremental dynamic analysis: a table of runs at given or hunted levels, fractiles and a picture
-    Ida(Box<ida::Options>),
+    Ida(Box<ida::IdaCommand>),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
-    Fragility(Box<fragility::Options>),
+    Fragility(Box<fragility::FragilityCommand>),
     /// Compute the annual rate of overturning from a hazard curve and a fragility curve
-    Rate(Box<rate::Options>),
+    Rate(Box<rate::RateCommand>),
     /// Find the values at which a block begins to overturn or to leave the ground
-    Search(Box<search::Options>),
+    Search(Box<search::SearchCommand>),
     /// Fit the parameters of a block to measured tests, with intervals
-    Fit(Box<fit::Options>),
+    Fit(Box<fit::FitCommand>),
     /// Assess one object: a page with its fragility, annual rates, variants and sensitivity
-    Assess(Box<assess::Options>),
+    Assess(Box<assess::AssessCommand>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
-    Record(Box<record::Options>),
+    Record(Box<record::RecordCommand>),
     /// Fit a pulse to the velocity of an accelerogram
-    Pulse(Box<pulse::Options>),
+    Pulse(Box<pulse::PulseCommand>),
     /// List friction and restitution of pairs of surfaces, or compute supports of rubber or soil
-    Foundations(Box<foundations::Options>),
+    Foundations(Box<foundations::FoundationsCommand>),
     /// Recompute the figures of Palmeri and Makris (2008), as pictures with their tables
-    Figures(figures::Options),
+    Figures(figures::FiguresCommand),
     /// Print the JSON Schema of study files, with which editors complete and check them
-    Schema(schema::Options),
+    Schema(schema::SchemaCommand),
     /// Print a script that completes commands and options in a shell
     Completions(shell::Completions),
     /// Print the manual page, or write one for each command

@@ -4,7 +4,7 @@
 //! freely supported rigid beam, EESD 42 (2013) 431–449, doi:10.1002/eqe.2222. docs/frames.md has the derivation, which holds for
 //! any moment of inertia of the columns.
 
-use crate::output::table::{Column, Table};
+use crate::output::table::{Table, TableColumn};
 use crate::run::{History, Row};
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Supports};
 
@@ -150,7 +150,7 @@ impl Frame {
     pub fn table(&self, history: &History) -> Table {
         let row = |row| FrameRow { row, response: self.response_in(row) };
         let rows: Vec<FrameRow> = history.rows.iter().map(row).collect();
-        type Of<'a> = Column<'a, FrameRow<'a>>;
+        type Of<'a> = TableColumn<'a, FrameRow<'a>>;
         let mut columns = vec![
             Of::real("t", "s", |frame| frame.row.time),
             Of::real("theta", "rad", |frame| frame.row.observation.theta),
@@ -174,14 +174,14 @@ struct FrameRow<'a> {
 
 impl FrameResponse {
     /// The columns of responses in rows of any kind.
-    pub fn columns<'c, R: 'c>(of: fn(&R) -> &FrameResponse) -> [Column<'c, R>; 6] {
+    pub fn columns<'c, R: 'c>(of: fn(&R) -> &FrameResponse) -> [TableColumn<'c, R>; 6] {
         [
-            Column::real("beam_u", "m", move |row| of(row).beam[0]),
-            Column::real("beam_v", "m", move |row| of(row).beam[1]),
-            Column::real("base_H", "N", move |row| of(row).base[0]),
-            Column::real("base_N", "N", move |row| of(row).base[1]),
-            Column::real("top_H", "N", move |row| of(row).top[0]),
-            Column::real("top_N", "N", move |row| of(row).top[1]),
+            TableColumn::real("beam_u", "m", move |row| of(row).beam[0]),
+            TableColumn::real("beam_v", "m", move |row| of(row).beam[1]),
+            TableColumn::real("base_H", "N", move |row| of(row).base[0]),
+            TableColumn::real("base_N", "N", move |row| of(row).base[1]),
+            TableColumn::real("top_H", "N", move |row| of(row).top[0]),
+            TableColumn::real("top_N", "N", move |row| of(row).top[1]),
         ]
     }
 }

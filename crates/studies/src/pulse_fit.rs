@@ -26,9 +26,9 @@ pub const SHAPES: [PulseShape; 7] = [
     PulseShape::Gabor,
 ];
 
-/// Shortest period of a fit (s), also at least [`LEAST_STEPS`] time steps.
-const LEAST_PERIOD: f64 = 0.1;
-const LEAST_STEPS: f64 = 10.0;
+/// Shortest period of a fit (s), also at least [`MIN_STEPS`] time steps.
+const MIN_PERIOD: f64 = 0.1;
+const MIN_STEPS: f64 = 10.0;
 /// Ratio of two periods of the grid.
 const RATIO: f64 = 1.06;
 /// Cycles of a Gabor pulse on the grid, and the most of a fit.
@@ -75,7 +75,7 @@ pub fn fit(record: &Record, shape: PulseShape) -> Option<PulseFit> {
     let velocities = Velocities::of(record);
     let duration = record.duration();
     let cycles: &[f64] = if shape == PulseShape::Gabor { &CYCLES } else { &CYCLES[..1] };
-    let least = LEAST_PERIOD.max(LEAST_STEPS * record.time_step);
+    let least = MIN_PERIOD.max(MIN_STEPS * record.time_step);
     let mut candidates: Vec<(f64, Point)> = Vec::new();
     for &cycles in cycles {
         let unit = Pulse { shape, cycles, ..Pulse::NONE }.duration();

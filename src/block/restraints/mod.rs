@@ -5,8 +5,8 @@
 //! | [`tie`] | position and motion of the block → its pull; stretch and tension → whether it pulls, or breaks |
 //!
 //! A kind has parameters, a state, a pull, energies, and event functions that change the state. The functions here name the kinds: each
-//! destructures [`Restraints`] or [`States`], or matches [`Surface`] or [`Event`], so that the compiler lists them when a kind is added.
-//! All other modules know restraints only through them. Each restraint has a number below [`MOST`].
+//! destructures [`Restraints`] or [`States`], or matches [`RestraintFunction`] or [`RestraintEvent`], so that the compiler lists them when a kind is added.
+//! All other modules know restraints only through them. Each restraint has a number below [`MAX`].
 
 pub mod tie;
 
@@ -17,7 +17,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-pub use tie::{MOST_TIES, Tie, TieState, TieStates, Ties};
+pub use tie::{MAX_TIES, Tie, TieState, TieStates, Ties};
 
 /// The restraints of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +49,7 @@ impl<T> Restraints<T> {
 }
 
 /// Maximum number of restraints of a block.
-pub const MOST: usize = MOST_TIES;
+pub const MAX: usize = MAX_TIES;
 
 /// The states of all restraints of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -77,16 +77,16 @@ impl States {
     }
 
     /// Returns the function whose value is the pull of the restraint with this number, if it pulls.
-    pub fn pull_of(&self, number: usize) -> Option<Surface> {
+    pub fn pull_of(&self, number: usize) -> Option<RestraintFunction> {
         let States { ties } = self;
-        let surface = tie::switching::of_pull(*ties.get(number)?)?;
-        Some(Surface::Tie(number as u8, surface))
+        let function = tie::switching::of_pull(*ties.get(number)?)?;
+        Some(RestraintFunction::Tie(number as u8, function))
     }
 }
 
 /// Energies or powers, one account for each kind of restraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energies<T = f64> {
+pub struct RestraintEnergies<T = f64> {
     /// Energy dissipated by the dashpots of the ties and lost from the springs of broken ties.
     pub ties: T,
 }
@@ -94,40 +94,40 @@ pub struct Energies<T = f64> {
 /// Number of kinds of restraints.
 pub const KINDS: usize = 1;
 
-impl<T> Energies<T> {
+impl<T> RestraintEnergies<T> {
     /// Returns the accounts as an array.
     #[inline(always)]
     pub fn into_array(self) -> [T; KINDS] {
-        let Energies { ties } = self;
+        let RestraintEnergies { ties } = self;
         [ties]
     }
 
     /// Makes energies from the array of accounts.
     #[inline(always)]
-    pub fn from_array([ties]: [T; KINDS]) -> Energies<T> {
-        Energies { ties }
+    pub fn from_array([ties]: [T; KINDS]) -> RestraintEnergies<T> {
+        RestraintEnergies { ties }
     }
 
     /// Returns the same number in each account.
     #[inline(always)]
-    pub fn of_all(number: T) -> Energies<T>
+    pub fn of_all(number: T) -> RestraintEnergies<T>
     where
         T: Copy,
     {
-        Energies::from_array([number; KINDS])
+        RestraintEnergies::from_array([number; KINDS])
     }
 
     /// Applies `f` to each account.
     #[inline(always)]
-    pub fn map<U>(self, f: impl FnMut(T) -> U) -> Energies<U> {
-        Energies::from_array(self.into_array().map(f))
+    pub fn map<U>(self, f: impl FnMut(T) -> U) -> RestraintEnergies<U> {
+        RestraintEnergies::from_array(self.into_array().map(f))
     }
 }
 
-impl Energies {
+impl RestraintEnergies {
     /// Adds `others`, account by account.
-    pub fn add(&mut self, others: Energies) {
-        let Energies { ties } = self;
+    pub fn add(&mut self, others: RestraintEnergies) {
+        let RestraintEnergies { ties } = self;
         *ties += others.ties;
     }
 
@@ -137,9 +137,9 @@ impl Energies {
     }
 
     /// Adds the energy lost in an event.
-    pub fn lose(&mut self, event: Event, energy: f64) {
+    pub fn lose(&mut self, event: RestraintEvent, energy: f64) {
         match event {
-            Event::Tie(..) => self.ties += energy,
+            RestraintEvent::Tie(..) => self.ties += energy,
         }
     }
 }
@@ -156,11 +156,7 @@ pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
 }
 
 /// Returns the pulls of all restraints (N), by their numbers.
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
-    states: &States,
-    kinematics: &Kinematics<T>,
-) -> [T; MOST] {
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, kinematics: &Kinematics<T>) -> [T; MAX] {
     let States { ties } = states;
     tie::pull::tensions(block, ties, kinematics)
 }
@@ -201,28 +197,29 @@ pub fn powers<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States,
     kinematics: &Kinematics<T>,
-) -> Energies<T> {
+) -> RestraintEnergies<T> {
     let States { ties } = states;
-    Energies { ties: tie::pull::power(block, ties, kinematics) }
+    RestraintEnergies { ties: tie::pull::power(block, ties, kinematics) }
 }
 
 /// An event function of a restraint: positive until it falls through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Surface {
+pub enum RestraintFunction {
     /// That of the tie with this index.
-    Tie(u8, tie::Surface),
+    Tie(u8, tie::TieFunction),
 }
 
 /// Maximum number of watched functions.
-pub const WATCHED: usize = 2 * MOST_TIES;
+pub const WATCHED: usize = 2 * MAX_TIES;
 
 /// Returns the watched functions of restraints in these states.
-pub fn watched(block: &Block, states: &States) -> [Option<Surface>; WATCHED] {
+pub fn watched(block: &Block, states: &States) -> [Option<RestraintFunction>; WATCHED] {
     let (Restraints { ties }, mut watched) = (&block.restraints, [None; WATCHED]);
     for (i, tie) in (0..).zip(ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
         let first = 2 * usize::from(i);
         let of_tie = tie::switching::watched(tie, states.ties[usize::from(i)]);
-        [watched[first], watched[first + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
+        [watched[first], watched[first + 1]] =
+            of_tie.map(|function| function.map(|function| RestraintFunction::Tie(i, function)));
     }
     watched
 }
@@ -230,7 +227,7 @@ pub fn watched(block: &Block, states: &States) -> [Option<Surface>; WATCHED] {
 /// Number of watched functions of the restraints among the variables of the FMU, which come first.
 pub const INDICATORS: usize = 2 * tie::VARIABLES;
 
-impl Surface {
+impl RestraintFunction {
     /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
     pub fn sample<T: Elementary>(
         self,
@@ -242,35 +239,37 @@ impl Surface {
         Dual<T>: CombinesWith<T>,
     {
         match self {
-            Surface::Tie(tie, surface) => surface.sample(block, &block.ties()[usize::from(tie)], kinematics, rates),
+            RestraintFunction::Tie(tie, function) => {
+                function.sample(block, &block.ties()[usize::from(tie)], kinematics, rates)
+            }
         }
     }
 
     /// Returns the value.
     pub fn value<T: Elementary>(self, block: &Block<T>, kinematics: &Kinematics<T>) -> T {
         match self {
-            Surface::Tie(tie, surface) => surface.value(block, &block.ties()[usize::from(tie)], kinematics),
+            RestraintFunction::Tie(tie, function) => function.value(block, &block.ties()[usize::from(tie)], kinematics),
         }
     }
 
     /// Returns the size of its terms.
     pub fn size<T: Elementary>(self, block: &Block<T>) -> f64 {
         match self {
-            Surface::Tie(tie, surface) => surface.size(block, &block.ties()[usize::from(tie)]),
+            RestraintFunction::Tie(tie, function) => function.size(block, &block.ties()[usize::from(tie)]),
         }
     }
 
     /// Whether value and rate follow from the state and its rate alone.
     pub fn follows_from_state(self) -> bool {
         match self {
-            Surface::Tie(_, surface) => surface.follows_from_state(),
+            RestraintFunction::Tie(_, function) => function.follows_from_state(),
         }
     }
 
     /// Whether the block has the restraint.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
-            Surface::Tie(tie, _) => usize::from(tie) < block.ties().len(),
+            RestraintFunction::Tie(tie, _) => usize::from(tie) < block.ties().len(),
         }
     }
 
@@ -280,13 +279,13 @@ impl Surface {
         block: &Block<T>,
         states: &mut States,
         kinematics: impl Fn() -> Kinematics<T>,
-    ) -> Option<Event> {
+    ) -> Option<RestraintEvent> {
         match self {
-            Surface::Tie(tie, surface) => {
+            RestraintFunction::Tie(tie, function) => {
                 let i = usize::from(tie);
-                let (state, event) = surface.switched(block, &block.ties()[i], kinematics);
+                let (state, event) = function.switched(block, &block.ties()[i], kinematics);
                 states.ties[i] = state;
-                event.map(|event| Event::Tie(tie, event))
+                event.map(|event| RestraintEvent::Tie(tie, event))
             }
         }
     }
@@ -300,31 +299,31 @@ pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>,
 
 /// A reported event of a restraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum RestraintEvent {
     /// That of the tie with this index.
-    Tie(u8, tie::Event),
+    Tie(u8, tie::TieEvent),
 }
 
-impl Event {
+impl RestraintEvent {
     /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
-            Event::Tie(_, event) => event.word(),
+            RestraintEvent::Tie(_, event) => event.word(),
         }
     }
 
     /// Returns the name of the restraint, such as `tie 1`.
     pub fn location(self) -> Option<&'static str> {
         match self {
-            Event::Tie(tie, _) => tie::NAMES.get(usize::from(tie)).copied(),
+            RestraintEvent::Tie(tie, _) => tie::NAMES.get(usize::from(tie)).copied(),
         }
     }
 }
 
-impl std::fmt::Display for Event {
+impl std::fmt::Display for RestraintEvent {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Event::Tie(tie, event) => write!(f, "tie {} {event}", tie + 1),
+            RestraintEvent::Tie(tie, event) => write!(f, "tie {} {event}", tie + 1),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::fmi::boundary;
 use crate::fmi::fmi3::callbacks::{Messenger, UpdateReply, Updater, is_true};
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::instance::{Answer, Fmi3, Instance};
-use crate::fmi::fmi3::step::Step;
+use crate::fmi::fmi3::step::StepOutcome;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::log::Log;
 use crate::unit::fault::Fault;
@@ -33,9 +33,9 @@ pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Ins
 /// As for [`call`].
 pub unsafe fn do_step(
     instance: fmi3Instance,
-    step: Step,
+    step: StepOutcome,
     ready: impl Fn() -> Result<(), Fault>,
-    done: impl Fn(&Step) -> Answer,
+    done: impl Fn(&StepOutcome) -> Answer,
 ) -> fmi3Status {
     let mut step = step;
     let piece = |instance: &mut Instance, reply: Option<UpdateReply>| {

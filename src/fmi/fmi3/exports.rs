@@ -17,7 +17,7 @@ use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::instance::{Instance, write};
-use crate::fmi::fmi3::step::Step;
+use crate::fmi::fmi3::step::StepOutcome;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::fmi3::values::of_no_type;
 use crate::fmi::size_t;
@@ -381,7 +381,7 @@ pub unsafe extern "C" fn fmi3DoStep(
         };
         boundary::do_step(
             instance,
-            Step::new(time, step),
+            StepOutcome::new(time, step),
             || outputs().map(|_| ()),
             |step| {
                 let (event, terminates, early, reached) = outputs()?;

@@ -16,7 +16,7 @@ use crate::unit::life_cycle::Phase;
 const ROUNDING: f64 = 1e-6;
 
 /// Maximum number of intervals between updates in one step. In a longer step the intervals are longer.
-const MOST_UPDATES: f64 = 1e6;
+const MAX_UPDATES: f64 = 1e6;
 
 /// Returns the time of the next update (s): an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
 fn next_update(time: f64, interval: f64, until: f64) -> f64 {
@@ -26,7 +26,7 @@ fn next_update(time: f64, interval: f64, until: f64) -> f64 {
 
 /// A step in progress, and its result.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct StepOutcome {
     /// Its beginning (s).
     time: f64,
     /// Its requested length (s).
@@ -45,10 +45,10 @@ pub struct Step {
     pub reached: f64,
 }
 
-impl Step {
+impl StepOutcome {
     /// Makes a step that has not begun.
-    pub fn new(time: f64, size: f64) -> Step {
-        Step {
+    pub fn new(time: f64, size: f64) -> StepOutcome {
+        StepOutcome {
             time,
             size,
             end: None,
@@ -65,9 +65,9 @@ impl Instance {
     /// Advances a step to its end or to the importer's next update. Allocates no memory unless it fails.
     pub fn step_on(
         &mut self,
-        step: &mut Step,
+        step: &mut StepOutcome,
         reply: Option<UpdateReply>,
-        done: &impl Fn(&Step) -> Answer,
+        done: &impl Fn(&StepOutcome) -> Answer,
     ) -> Result<ControlFlow<Status, IntermediateUpdate>, Fault> {
         if let Some(update) = self.take_substeps(step, reply)? {
             return Ok(ControlFlow::Continue(update));
@@ -81,7 +81,7 @@ impl Instance {
     /// Advances a step to the importer's next update, or returns `None` if the step is done.
     fn take_substeps(
         &mut self,
-        step: &mut Step,
+        step: &mut StepOutcome,
         reply: Option<UpdateReply>,
     ) -> Result<Option<IntermediateUpdate>, Fault> {
         let Instance { log, unit, version, .. } = self;
@@ -111,7 +111,7 @@ impl Instance {
         while unit.time() < step.until {
             if let Some(updater) = version.updater.filter(|_| unit.needs_substep()) {
                 let time = match version.sets_inputs || !unit.rests() {
-                    true => next_update(unit.time(), unit.interval().max(step.size / MOST_UPDATES), step.until),
+                    true => next_update(unit.time(), unit.interval().max(step.size / MAX_UPDATES), step.until),
                     false => step.until,
                 };
                 unit.begin_setting_ahead(time);

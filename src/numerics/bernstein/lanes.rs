@@ -2,7 +2,7 @@
 //!
 //! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
-use super::{DEGREE, MOST_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
+use super::{DEGREE, MAX_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
 use crate::numerics::Real;
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
@@ -150,7 +150,7 @@ impl<V: Simd> Bernsteins<V> {
         let lanes = lanes.and(falls);
         let (zero, mut active) = (Wide::default(), lanes);
         let (mut low, mut high, mut place) = (zero, Wide::from(1.0), crossing);
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             if !active.any() {
                 break;
             }
@@ -180,7 +180,7 @@ impl<V: Simd> Bernsteins<V> {
         let Signs { constant, falls, rises, crossing } = signs(&differences, DEGREE);
         let (slopes, tops) = (slopes(&self.powers), exceeds.and(falls));
         let (mut low, mut high, mut place, mut active) = (zero, Wide::from(1.0), crossing, tops);
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             if !active.any() {
                 break;
             }
@@ -228,7 +228,7 @@ mod tests {
 
     use super::*;
     use crate::numerics::bernstein::{Bernstein, Zero};
-    use crate::numerics::wide::{Array, MOST_LANES, Task, VectorWidth};
+    use crate::numerics::wide::{Array, MAX_LANES, Task, VectorWidth};
 
     /// Polynomials, and numbers that they may exceed.
     struct Cases<'c> {
@@ -258,7 +258,7 @@ mod tests {
 
         #[test]
         fn each_lane_decides_as_a_single_polynomial_does(
-            powers in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 2..9), MOST_LANES),
+            powers in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 2..9), MAX_LANES),
             most in prop::array::uniform8(-2.0..2.0_f64),
         ) {
             for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {

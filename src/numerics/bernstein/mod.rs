@@ -22,7 +22,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const WIDTH: f64 = 1e-5;
 
 /// Maximum number of Newton's steps to a zero or a maximum.
-const MOST_NEWTON: u32 = 100;
+const MAX_NEWTON: u32 = 100;
 
 /// The highest degree.
 pub const DEGREE: usize = 16;
@@ -193,10 +193,10 @@ impl Bernstein {
     /// The first zero of a function with these `values`, which the polynomial approximates closely.
     pub fn zero_of(&self, mut values: impl FnMut(f64) -> f64) -> Zero {
         /// The polynomial's zero is so close that two steps suffice.
-        const MOST: u32 = 4;
+        const MAX: u32 = 4;
         let Zero::At(mut place) = self.zero() else { return self.zero() };
         let [_, slope] = self.value_and_slope(place);
-        for _ in 0..MOST {
+        for _ in 0..MAX {
             let next = place - values(place) / slope;
             if !(next > 0.0 && next <= 1.0) {
                 return Zero::Unclear;
@@ -231,7 +231,7 @@ impl Bernstein {
     /// polynomial is positive at the first place, and negative at the last.
     fn only_zero(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
         let mut place = low + (high - low) * near;
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let [value, slope] = self.value_and_slope(place);
             if value > 0.0 {
                 low = place;
@@ -263,7 +263,7 @@ impl Bernstein {
     /// [`Bernstein::highest`] of a part of the interval, if that exceeds the value that has been found.
     fn raise(&self, place: &mut Option<f64>, value: &mut f64, [low, high]: [f64; 2], coefficients: &Row) {
         /// Parts that are not divided further: extrema that close to each other are of round-off.
-        const LEAST: f64 = 1.0 / 1024.0;
+        const MIN: f64 = 1.0 / 1024.0;
         if coefficients.iter().all(|b| b <= value) {
             return;
         }
@@ -285,7 +285,7 @@ impl Bernstein {
                 include(at, self.at(at));
             }
             0 | 1 => {}
-            _ if high - low > LEAST => {
+            _ if high - low > MIN => {
                 let middle = 0.5 * (low + high);
                 let [left, right] = Bernstein::halves(coefficients);
                 self.raise(place, value, [low, middle], &left);
@@ -299,7 +299,7 @@ impl Bernstein {
     fn top(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
         let slopes = slopes(&self.powers);
         let mut place = low + (high - low) * near;
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let [slope, curvature] = value_and_slope(&slopes, self.degree, place);
             if slope > 0.0 {
                 low = place

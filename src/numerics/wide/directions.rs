@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::numerics::gradient::{Directions, Gradient, Varying};
+use crate::numerics::gradient::{Directions, Gradient, MultiDual};
 use crate::numerics::scalar::CombinesWith;
 use crate::numerics::wide::{Simd, Wide};
 
@@ -25,7 +25,7 @@ pub trait DirectionsTask {
     /// Runs the task. As in a [`Task`](super::Task), only inlined functions are compiled for the processor's vectors.
     fn run<D: Packed>(self) -> Self::Output
     where
-        Varying<D>: CombinesWith<Number>;
+        MultiDual<D>: CombinesWith<Number>;
 }
 
 /// A vector of [`DIRECTIONS`] numbers.
@@ -73,17 +73,17 @@ impl<V: DirectionVector> From<Wide<V>> for [f64; DIRECTIONS] {
     }
 }
 
-impl<V: DirectionVector> From<Number> for Varying<Wide<V>> {
+impl<V: DirectionVector> From<Number> for MultiDual<Wide<V>> {
     #[inline(always)]
-    fn from(Varying { re, eps }: Number) -> Self {
-        Varying { re, eps: eps.into() }
+    fn from(MultiDual { re, eps }: Number) -> Self {
+        MultiDual { re, eps: eps.into() }
     }
 }
 
 /// Implements an operator between a number in vectors and one in memory.
 macro_rules! operator {
     ($trait:ident, $operate:ident) => {
-        impl<V: DirectionVector> $trait<Number> for Varying<Wide<V>> {
+        impl<V: DirectionVector> $trait<Number> for MultiDual<Wide<V>> {
             type Output = Self;
 
             #[inline(always)]
@@ -112,14 +112,14 @@ mod tests {
 
         fn run<D: Packed>(self) -> Vec<Number>
         where
-            Varying<D>: CombinesWith<Number>,
+            MultiDual<D>: CombinesWith<Number>,
         {
             let Operations([x, other]) = self;
-            let [a, b] = [Varying::<D>::from(x), Varying::from(other)];
+            let [a, b] = [MultiDual::<D>::from(x), MultiDual::from(other)];
             let (sin, cos) = a.sin_cos();
             let made = [a + b, a - b, a * b, a / b, -a, a + 2.0, a - 2.0, a * 2.0, sin, cos, a.exp(), b.sqrt()];
-            let mixed = [a + other, a - other, a * other, Varying::from(0.7)];
-            made.into_iter().chain(mixed).map(Varying::stored).collect()
+            let mixed = [a + other, a - other, a * other, MultiDual::from(0.7)];
+            made.into_iter().chain(mixed).map(MultiDual::stored).collect()
         }
     }
 

@@ -20,17 +20,17 @@ use x86 as processor;
 pub use directions::{DIRECTIONS, DirectionsTask, Number, Packed};
 
 /// Maximum number of lanes of a vector.
-pub const MOST_LANES: usize = 8;
+pub const MAX_LANES: usize = 8;
 
 /// One number per lane; numbers beyond a vector's lanes are not read.
-pub type Array = [f64; MOST_LANES];
+pub type Array = [f64; MAX_LANES];
 
 /// Four numbers of one lane.
 pub type Four = [f64; 4];
 
 /// A processor's vector of `f64`.
 pub trait Simd: Copy + 'static {
-    /// Number of lanes, at most [`MOST_LANES`].
+    /// Number of lanes, at most [`MAX_LANES`].
     const LANES: usize;
     /// A Boolean per lane.
     type Mask: Copy;
@@ -39,8 +39,8 @@ pub trait Simd: Copy + 'static {
     fn load(numbers: &Array) -> Self;
     /// Transposes rows, four numbers of each lane, into four vectors; rows beyond the lanes are not read.
     #[inline(always)]
-    fn columns(rows: [&Four; MOST_LANES]) -> [Self; 4] {
-        let mut columns = [[0.0; MOST_LANES]; 4];
+    fn columns(rows: [&Four; MAX_LANES]) -> [Self; 4] {
+        let mut columns = [[0.0; MAX_LANES]; 4];
         for lane in 0..Self::LANES {
             for i in 0..4 {
                 columns[i][lane] = rows[lane][i];
@@ -114,7 +114,7 @@ impl VectorWidth {
 
     /// Returns the processor's widest vectors, or `None` if they have a single lane.
     pub fn widest() -> Option<VectorWidth> {
-        VectorWidth::at_most(MOST_LANES)
+        VectorWidth::at_most(MAX_LANES)
     }
 
     /// Returns the number of lanes.
@@ -146,7 +146,7 @@ impl<V: Simd> Wide<V> {
     /// A vector of `number(lane)` for each lane.
     #[inline(always)]
     pub fn each(mut number: impl FnMut(usize) -> f64) -> Wide<V> {
-        let mut numbers = [0.0; MOST_LANES];
+        let mut numbers = [0.0; MAX_LANES];
         for (lane, slot) in numbers.iter_mut().enumerate().take(V::LANES) {
             *slot = number(lane);
         }
@@ -167,7 +167,7 @@ impl<V: Simd> Wide<V> {
 
     /// Transposes rows, four numbers of each lane, into four vectors, many times faster than number by number.
     #[inline(always)]
-    pub fn columns(rows: [&Four; MOST_LANES]) -> [Wide<V>; 4] {
+    pub fn columns(rows: [&Four; MAX_LANES]) -> [Wide<V>; 4] {
         let [a, b, c, d] = V::columns(rows);
         [Wide(a), Wide(b), Wide(c), Wide(d)]
     }
@@ -300,7 +300,7 @@ mod tests {
         [0.3, 0.0, 4e200, -7.25, 2.0, 5.0, f64::NAN, -1e-3],
     ];
 
-    const ROWS: [Four; MOST_LANES] = [
+    const ROWS: [Four; MAX_LANES] = [
         [0.0, 0.1, 0.2, 0.3],
         [1.0, 1.1, 1.2, 1.3],
         [2.0, 2.1, 2.2, 2.3],
@@ -347,14 +347,14 @@ mod tests {
     }
 
     /// Bits of the numbers, except that a NaN is like any other.
-    fn bits(arrays: &[Array]) -> Vec<[u64; MOST_LANES]> {
+    fn bits(arrays: &[Array]) -> Vec<[u64; MAX_LANES]> {
         arrays.iter().map(|array| array.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })).collect()
     }
 
     fn check(lanes: usize, (made, masks): (Vec<Array>, Vec<u32>)) {
         let [a, b] = NUMBERS;
         let each = |number: &dyn Fn(usize) -> f64| {
-            let mut array = [0.0; MOST_LANES];
+            let mut array = [0.0; MAX_LANES];
             array.iter_mut().enumerate().take(lanes).for_each(|(i, place)| *place = number(i));
             array
         };

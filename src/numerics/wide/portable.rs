@@ -1,6 +1,6 @@
 //! Pairs of numbers, for processors without intrinsics here: the compiler may turn them into vectors.
 
-use crate::numerics::wide::{Array, BELOW_EXPONENT, MOST_LANES, Simd, TO_EXPONENT, Task};
+use crate::numerics::wide::{Array, BELOW_EXPONENT, MAX_LANES, Simd, TO_EXPONENT, Task};
 
 /// Vectors of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Simd for Pair {
 
     #[inline(always)]
     fn store(self) -> Array {
-        let mut numbers = [0.0; MOST_LANES];
+        let mut numbers = [0.0; MAX_LANES];
         numbers[..2].copy_from_slice(&self.0);
         numbers
     }

@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Sub};
 use crate::numerics::dual::{Dual, constants_with_duals};
 use crate::numerics::numbers::Numbers;
 use crate::numerics::scalar::{Real, Scalar};
-use crate::numerics::wide::{Array, MOST_LANES, Simd, Wide};
+use crate::numerics::wide::{Array, MAX_LANES, Simd, Wide};
 
 impl<V: Simd> Scalar for Wide<V> {
     type Real = Wide<V>;
@@ -157,7 +157,7 @@ fn nearest_whole<V: Simd>(x: Wide<V>) -> Wide<V> {
 #[cold]
 #[inline(never)]
 fn sin_cos_by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array; 2]) -> [Array; 2] {
-    for i in (0..MOST_LANES).filter(|i| lanes >> i & 1 == 1) {
+    for i in (0..MAX_LANES).filter(|i| lanes >> i & 1 == 1) {
         (sines[i], cosines[i]) = libm::sincos(angles[i]);
     }
     [sines, cosines]
@@ -204,7 +204,7 @@ fn exp_in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
 #[cold]
 #[inline(never)]
 fn exp_by_libm(numbers: &Array, far: u32, mut powers: Array) -> Array {
-    for i in (0..MOST_LANES).filter(|i| far >> i & 1 == 1) {
+    for i in (0..MAX_LANES).filter(|i| far >> i & 1 == 1) {
         powers[i] = libm::exp(numbers[i]);
     }
     powers

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 
 use crate::numerics::wide::directions::DirectionVector;
-use crate::numerics::wide::{Array, BELOW_EXPONENT, DirectionsTask, Four, MOST_LANES, Simd, TO_EXPONENT, Task, Wide};
+use crate::numerics::wide::{Array, BELOW_EXPONENT, DirectionsTask, Four, MAX_LANES, Simd, TO_EXPONENT, Task, Wide};
 
 /// A vector type that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn columns(rows: [&Four; MOST_LANES]) -> [$name; 4] {
+            fn columns(rows: [&Four; MAX_LANES]) -> [$name; 4] {
                 // SAFETY: each row has the four numbers that are read; for the instructions, see the module.
                 let [a, b, c, d] = unsafe { $rest!(columns, rows) };
                 [$name(a), $name(b), $name(c), $name(d)]
@@ -99,7 +99,7 @@ macro_rules! vector {
 
             #[inline(always)]
             fn store(self) -> Array {
-                let mut numbers = [0.0; MOST_LANES];
+                let mut numbers = [0.0; MAX_LANES];
                 // SAFETY: the array has room for `LANES` numbers; for the instruction, see the module.
                 unsafe { $store(numbers.as_mut_ptr(), self.0) };
                 numbers
@@ -201,7 +201,7 @@ macro_rules! vector {
 
 macro_rules! sse2 {
     (columns, $rows:expr) => {{
-        let [first, second, ..]: [&Four; MOST_LANES] = $rows;
+        let [first, second, ..]: [&Four; MAX_LANES] = $rows;
         let (a, b) = (_mm_loadu_pd(first.as_ptr()), _mm_loadu_pd(second.as_ptr()));
         let (c, d) = (_mm_loadu_pd(first[2..].as_ptr()), _mm_loadu_pd(second[2..].as_ptr()));
         [_mm_unpacklo_pd(a, b), _mm_unpackhi_pd(a, b), _mm_unpacklo_pd(c, d), _mm_unpackhi_pd(c, d)]
@@ -231,7 +231,7 @@ macro_rules! sse2 {
 
 macro_rules! avx2 {
     (columns, $rows:expr) => {{
-        let rows: [&Four; MOST_LANES] = $rows;
+        let rows: [&Four; MAX_LANES] = $rows;
         let (a, b) = (_mm256_loadu_pd(rows[0].as_ptr()), _mm256_loadu_pd(rows[1].as_ptr()));
         let (c, d) = (_mm256_loadu_pd(rows[2].as_ptr()), _mm256_loadu_pd(rows[3].as_ptr()));
         // Numbers 0 and 2, or 1 and 3, of two rows.
@@ -272,7 +272,7 @@ macro_rules! avx512 {
         _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(_mm256_loadu_pd($low.as_ptr())), _mm256_loadu_pd($high.as_ptr()))
     };
     (columns, $rows:expr) => {{
-        let rows: [&Four; MOST_LANES] = $rows;
+        let rows: [&Four; MAX_LANES] = $rows;
         let (a, b) = (avx512!(two, rows[0], rows[2]), avx512!(two, rows[1], rows[3]));
         let (c, d) = (avx512!(two, rows[4], rows[6]), avx512!(two, rows[5], rows[7]));
         // Numbers 0 and 2, or 1 and 3, of four rows.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::excitation::Inputs;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Pending, Simulation};
-use crate::system::events::Surface;
+use crate::system::events::EventFunction;
 use crate::system::instant::Pose;
 
 /// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
@@ -23,8 +23,8 @@ const TOLERANCE_AHEAD: f64 = 1e-12;
 pub(super) struct Foreseen {
     /// The block right before the event.
     pub pose: Pose,
-    /// The surface that it falls through.
-    pub surface: Surface,
+    /// The event function that reaches zero.
+    pub function: EventFunction,
     /// The greatest values until then.
     pub peaks: Peaks,
     /// The inputs that lead there.
@@ -39,9 +39,9 @@ impl Foreseen {
 }
 
 impl Simulation {
-    /// The surface of the next event, if it is known.
-    pub(in crate::simulation) fn foreseen_surface(&self) -> Option<Surface> {
-        self.foreseen().map(|foreseen| foreseen.surface)
+    /// The event function of the next event, if it is known.
+    pub(in crate::simulation) fn foreseen_surface(&self) -> Option<EventFunction> {
+        self.foreseen().map(|foreseen| foreseen.function)
     }
 
     pub(super) fn foreseen(&self) -> Option<Foreseen> {
@@ -59,10 +59,10 @@ impl Simulation {
         ahead.settings.tolerance = TOLERANCE_AHEAD;
         let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
         ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
-        let Pending { surface, .. } = ahead.pending?;
+        let Pending { function, .. } = ahead.pending?;
         // A corner may be held or let go on the way, which is not reported.
         let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
-        direct.then_some(Foreseen { pose: ahead.pose, surface, peaks: ahead.peaks, inputs: *inputs })
+        direct.then_some(Foreseen { pose: ahead.pose, function, peaks: ahead.peaks, inputs: *inputs })
     }
 
     /// Forgets an event that was foreseen under other inputs than these.

@@ -1,6 +1,6 @@
 //! The block stepped from outside: its continuous states, their derivatives, event indicators, and the effects of events.
 //!
-//! The equations, surfaces and transitions are those of [`Simulation::advance`]; the importer's solver only has to find where an
+//! The equations, event functions and transitions are those of [`Simulation::advance`]; the importer's solver only has to find where an
 //! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated as well, so that inputs
 //! may be any functions of time.
 
@@ -16,16 +16,16 @@ use crate::numerics::dop853::DenseOutput;
 use crate::numerics::dual::Dual64;
 use crate::numerics::roots::Sample;
 use crate::simulation::energies::{WORKS, powers};
-use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
+use crate::simulation::step_interior::{Between, StepInterior};
 use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::{foot_height, instant, instant_held};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
-use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
+use crate::system::events::{Event, EventFunction, ROUNDING, extended_event_functions, watched};
 use crate::system::forces::energy;
 use crate::system::instant::Pose;
 use crate::system::instant::{Footing, Held, Powers, State};
-use crate::system::law::{AnyLaw, Law};
+use crate::system::motion_mode::{AnyMode, MotionMode};
 use foresight::Foreseen;
 
 pub use crate::system::events::INDICATORS;
@@ -38,7 +38,7 @@ pub const STATES: usize = 6 + WORKS;
 ///
 /// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these
 /// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
-pub type States = [f64; STATES];
+pub type ContinuousStates = [f64; STATES];
 
 /// Depth of a corner below the rigid base when its landing is found, as a fraction of R0: far less than the height of the last
 /// bounce, which begins with 1e-9 p.
@@ -55,7 +55,7 @@ const IDLE: f64 = 1.0;
 pub(super) struct ExchangePiece {
     /// Beginning of the piece (s); at its end the excitation is still that of the piece.
     since: f64,
-    /// Rounding that is added to each indicator: a motion that begins on a surface has not fallen through it.
+    /// Rounding that is added to each indicator: a function that is zero at the beginning has not fallen through it.
     offsets: [f64; INDICATORS],
     /// The block at the end of the last completed step, or right after the last event.
     last: Option<Pose>,
@@ -95,7 +95,7 @@ impl Simulation {
     }
 
     /// The continuous states; without rates once the block is held.
-    pub fn states(&self, inputs: &Inputs) -> States {
+    pub fn states(&self, inputs: &Inputs) -> ContinuousStates {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let x = self.now(block, &excitation).instant;
         let works = self.sums.works().map(|work| work * block.mass);
@@ -105,7 +105,7 @@ impl Simulation {
 
     /// Sets the continuous states at `time` (s); the contacts stay. A block that is held keeps the rates, and with them the
     /// energies, of the end of its run.
-    pub fn set_states(&mut self, time: f64, states: &States) {
+    pub fn set_states(&mut self, time: f64, states: &ContinuousStates) {
         let [theta, theta_dot, v, v_dot, u, u_dot, ref works @ ..] = *states;
         let (system, regime) = (Arc::clone(&self.system), self.regime());
         let block = &system.block;
@@ -135,7 +135,7 @@ impl Simulation {
     }
 
     /// The derivatives of the states, per second; zeros once the run has ended.
-    pub fn derivatives(&self, inputs: &Inputs) -> States {
+    pub fn derivatives(&self, inputs: &Inputs) -> ContinuousStates {
         if self.ending.is_some() {
             return [0.0; STATES];
         }
@@ -155,20 +155,20 @@ impl Simulation {
         let offsets = self.piece.map_or([IDLE; INDICATORS], |piece| piece.offsets);
         let surfaces = self.all_surfaces().into_iter().zip(offsets);
         let mut indicators = [IDLE; INDICATORS];
-        for (indicator, (surface, offset)) in indicators.iter_mut().zip(surfaces) {
-            *indicator = surface.map_or(IDLE, |surface| indicator_of(surface, &now, offset));
+        for (indicator, (function, offset)) in indicators.iter_mut().zip(surfaces) {
+            *indicator = function.map_or(IDLE, |function| indicator_of(function, &now, offset));
         }
         indicators
     }
 
-    fn all_surfaces(&self) -> [Option<Surface>; INDICATORS] {
-        let law = AnyLaw::of(self.block(), &self.pose);
-        let beyond = watched_beyond(law, self.block());
-        let mut all = watched(law).into_iter().chain(beyond);
+    fn all_surfaces(&self) -> [Option<EventFunction>; INDICATORS] {
+        let mode = AnyMode::of(self.block(), &self.pose);
+        let beyond = extended_event_functions(mode, self.block());
+        let mut all = watched(mode).into_iter().chain(beyond);
         std::array::from_fn(|_| all.next().flatten())
     }
 
-    /// Begins a new smooth piece of the excitation, applies the events of all surfaces that the motion has fallen through, and
+    /// Begins a new smooth piece of the excitation, applies the events of all event functions below zero, and
     /// reports them to `observer`. The inputs act at least until `until` (s).
     pub fn pass_events(
         &mut self,
@@ -186,20 +186,20 @@ impl Simulation {
             (self.pose, self.peaks) = (pose, peaks);
         }
         let mut now = self.now(block, &excitation);
-        if let Some(Foreseen { surface, .. }) = foreseen {
-            now = self.apply(surface, &now, observer)?;
+        if let Some(Foreseen { function, .. }) = foreseen {
+            now = self.apply(function, &now, observer)?;
         }
         // At the beginning no offset is known.
         let mut offsets =
             offsets.filter(|o| foreseen.is_none() && *o != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
         while self.ending.is_none() {
             let surfaces = self.all_surfaces().into_iter().zip(offsets);
-            let fallen = surfaces.filter_map(|(surface, offset)| {
-                let below = indicator_of(surface?, &now, offset);
-                (below <= 0.0).then_some((surface?, below))
+            let fallen = surfaces.filter_map(|(function, offset)| {
+                let below = indicator_of(function?, &now, offset);
+                (below <= 0.0).then_some((function?, below))
             });
-            let Some((surface, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            now = self.apply(surface, &now, observer)?;
+            let Some((function, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            now = self.apply(function, &now, observer)?;
             offsets = self.offsets(&now);
         }
         self.peaks.include(&now.channels());
@@ -229,12 +229,12 @@ impl Simulation {
         }
         let last = self.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
-            let law = AnyLaw::of(block, &last);
-            match law.extended() {
-                Some(law) => {
-                    self.take_in_step::<EXTENDED>(Motion::under(law, block, &last, &excitation), &last, &there)
+            let mode = AnyMode::of(block, &last);
+            match mode.extended() {
+                Some(mode) => {
+                    self.accumulate_step::<EXTENDED>(Motion::under(mode, block, &last, &excitation), &last, &there)
                 }
-                None => self.take_in_step::<4>(Motion::under(law, block, &last, &excitation), &last, &there),
+                None => self.accumulate_step::<4>(Motion::under(mode, block, &last, &excitation), &last, &there),
             }
         }
         self.peaks.include(&channels);
@@ -244,15 +244,15 @@ impl Simulation {
     }
 
     /// Includes the peaks of a step from the pose `last` to `there`.
-    fn take_in_step<const N: usize>(&mut self, motion: Motion<impl Law, N>, last: &Pose, there: &Evaluation) {
+    fn accumulate_step<const N: usize>(&mut self, motion: Motion<impl MotionMode, N>, last: &Pose, there: &Evaluation) {
         let here = motion.at(last.time, motion.state_at(last));
         let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
         let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
         // An importer may step as far as it wants: the rates of all channels are compared.
         let near = 0.0;
-        let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
+        let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
         self.update_peaks(&here, there, near, &mut inside);
-        self.take_in_slip(&here, there);
+        self.accumulate_slip(&here, there);
         self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
     }
 
@@ -261,7 +261,7 @@ impl Simulation {
     pub fn directional(
         &self,
         at: &Inputs,
-        states: &States,
+        states: &ContinuousStates,
         inputs: &Inputs,
         time: f64,
     ) -> (Observation<Dual64>, Energies) {
@@ -308,32 +308,32 @@ impl Simulation {
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
-    /// The rounding of each indicator, twice; where an event left a surface without a rate, but beyond it by the importer's
+    /// The rounding of each indicator, twice; where an event left a function without a rate, but below zero by the importer's
     /// tolerance, also the way back.
     fn offsets(&self, now: &Evaluation) -> [f64; INDICATORS] {
-        self.all_surfaces().map(|surface| {
-            let Some(surface) = surface else { return IDLE };
-            let rounding = match (surface, now.block.foundation) {
+        self.all_surfaces().map(|function| {
+            let Some(function) = function else { return IDLE };
+            let rounding = match (function, now.block.foundation) {
                 // Its gaps are zero at θ = 0 without rounding, and rocking that dies out has ever smaller ones.
-                (Surface::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.block.r0,
-                _ => 2.0 * surface.rounding(now.block),
+                (EventFunction::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.block.r0,
+                _ => 2.0 * function.rounding(now.block),
             };
-            let Sample { value, rate } = surface.sample(now);
-            let rateless = rate.abs() <= NO_RATE * surface.rounding(now.block) * now.block.p;
-            let jumps = (surface, now.block.foundation) == (Surface::Slide, Foundation::Rigid);
-            let follows = surface.follows_from_state(now.block.foundation) && !jumps;
+            let Sample { value, rate } = function.sample(now);
+            let rateless = rate.abs() <= NO_RATE * function.rounding(now.block) * now.block.p;
+            let jumps = (function, now.block.foundation) == (EventFunction::Slide, Foundation::Rigid);
+            let follows = function.follows_from_state(now.block.foundation) && !jumps;
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
     }
 }
 
 /// The states of this motion with these works, or their derivatives.
-fn with_works(motion: [f64; 6], works: [f64; WORKS]) -> States {
+fn with_works(motion: [f64; 6], works: [f64; WORKS]) -> ContinuousStates {
     std::array::from_fn(|i| if i < 6 { motion[i] } else { works[i - 6] })
 }
 
 /// Typical magnitudes of the states for error control, none of them zero.
-pub fn nominals(block: &Block) -> States {
+pub fn nominals(block: &Block) -> ContinuousStates {
     let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *block;
     let (vertical, rate) = match foundation {
         Foundation::Viscoelastic => (block.static_deflection(), omega_v),
@@ -343,16 +343,16 @@ pub fn nominals(block: &Block) -> States {
     with_works([alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p], [barrier; WORKS])
 }
 
-/// The indicator of a surface with its `offset`, as a part of the function's size.
+/// The indicator of an event function with its `offset`, as a part of the function's size.
 ///
 /// A function falls through zero only while it falls. So the indicator is positive while the function rises, and clearly
 /// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of
 /// the rate right, but may get that of the value wrong.
-fn indicator_of(surface: Surface, now: &Evaluation, offset: f64) -> f64 {
-    let size = surface.rounding(now.block) / ROUNDING;
-    let sample = surface.sample(now);
+fn indicator_of(function: EventFunction, now: &Evaluation, offset: f64) -> f64 {
+    let size = function.rounding(now.block) / ROUNDING;
+    let sample = function.sample(now);
     let value = sample.value + offset;
     // Elsewhere the rate depends on those of the inputs, which are not known.
-    let has_rate = surface.follows_from_state(now.block.foundation);
+    let has_rate = function.follows_from_state(now.block.foundation);
     (if has_rate { value.max(sample.rate / now.block.p) } else { value }) / size
 }

@@ -5,12 +5,12 @@ use crate::numerics::Real;
 use crate::numerics::bernstein::DEGREE;
 use crate::numerics::bernstein::lanes::{Highest, Pairs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
-use crate::simulation::force_peaks::{MOST_ROUNDS, PRESSED, friction_demand};
+use crate::simulation::force_peaks::{MAX_ROUNDS, PRESSED, friction_demand};
 use crate::system::swing::Pivoting;
 use crate::system::swing::lanes::Swings;
 
 /// Swings up to a part, with what acts on them.
-pub struct Ways<'a, V: Simd> {
+pub struct SwingSegments<'a, V: Simd> {
     pub pivoting: &'a Pivoting<Wide<V>>,
     pub mass: Wide<V>,
     pub excitation: &'a Excitation<Wide<V>>,
@@ -19,7 +19,7 @@ pub struct Ways<'a, V: Simd> {
     pub part: Wide<V>,
 }
 
-impl<V: Simd> Ways<'_, V> {
+impl<V: Simd> SwingSegments<'_, V> {
     /// N/M and H/M (m/s²) at a place, by the equations of motion.
     #[inline(always)]
     fn forces_at(&self, place: Wide<V>) -> [Wide<V>; 2] {
@@ -50,19 +50,25 @@ impl<V: Simd> ForcePeaks<V> {
 
     /// Includes the forces at a place of some lanes, by the equations of motion.
     #[inline(always)]
-    fn include_at(&mut self, lanes: Lanes<V>, ways: &Ways<V>, place: Wide<V>) {
+    fn include_at(&mut self, lanes: Lanes<V>, segments: &SwingSegments<V>, place: Wide<V>) {
         if lanes.any() {
-            self.include(lanes, ways.mass, ways.forces_at(place));
+            self.include(lanes, segments.mass, segments.forces_at(place));
             self.evaluations = (self.evaluations + 1.0).in_lanes(lanes, self.evaluations);
         }
     }
 
-    /// Includes the forces on the ways of some lanes, those at the end unless the next swing begins with them. Returns the lanes in which the
+    /// Includes the forces on the segments of some lanes, those at the end unless the next swing begins with them. Returns the lanes in which the
     /// corner is certainly pressed on and all peaks are known.
     #[inline(always)]
-    pub fn raise(&mut self, lanes: Lanes<V>, ways: &Ways<V>, next_is_swing: Lanes<V>, visible: Wide<V>) -> Lanes<V> {
-        let (forces, mass) = (ways.swings.forces(ways.part, ways.pivoting.gravity), ways.mass);
-        let (coefficients, pressed) = (forces.coefficients(), ways.pivoting.gravity * PRESSED);
+    pub fn raise(
+        &mut self,
+        lanes: Lanes<V>,
+        segments: &SwingSegments<V>,
+        next_is_swing: Lanes<V>,
+        visible: Wide<V>,
+    ) -> Lanes<V> {
+        let (forces, mass) = (segments.swings.forces(segments.part, segments.pivoting.gravity), segments.mass);
+        let (coefficients, pressed) = (forces.coefficients(), segments.pivoting.gravity * PRESSED);
         self.include(lanes, mass, coefficients[0]);
         let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
         let (mut holds, mut exceeds) = (lanes, lanes.except(lanes));
@@ -76,28 +82,34 @@ impl<V: Simd> ForcePeaks<V> {
         if !exceeds.any() {
             return holds;
         }
-        self.include_at(exceeds.and(exceeds_at_end).except(next_is_swing), ways, Wide::from(1.0));
-        let unknown = exceeds.except(self.search(exceeds, ways, &forces, visible));
+        self.include_at(exceeds.and(exceeds_at_end).except(next_is_swing), segments, Wide::from(1.0));
+        let unknown = exceeds.except(self.search(exceeds, segments, &forces, visible));
         holds.except(unknown)
     }
 
     /// Includes the forces at the places in some lanes at which one of them exceeds its peak and its values at both ends. Returns the lanes
     /// in which all of these places are known.
     #[inline(always)]
-    fn search(&mut self, lanes: Lanes<V>, ways: &Ways<V>, forces: &Pairs<V>, visible: Wide<V>) -> Lanes<V> {
-        let (zero, one, per_mass) = (Wide::default(), Wide::from(1.0), visible / ways.mass);
+    fn search(
+        &mut self,
+        lanes: Lanes<V>,
+        segments: &SwingSegments<V>,
+        forces: &Pairs<V>,
+        visible: Wide<V>,
+    ) -> Lanes<V> {
+        let (zero, one, per_mass) = (Wide::default(), Wide::from(1.0), visible / segments.mass);
         let mut searched = lanes;
         let Highest { place, exceeds, known } = forces.highest(searched, [one, zero], per_mass * self.reaction);
         searched = searched.and(known);
-        self.include_at(exceeds, ways, place);
+        self.include_at(exceeds, segments, place);
         let at_end = friction_demand(forces.coefficients()[DEGREE]);
         for side in [one, -one] {
             let Highest { place, exceeds, known } = forces.highest(searched, [zero, side], per_mass * self.horizontal);
             searched = searched.and(known);
-            self.include_at(exceeds, ways, place);
+            self.include_at(exceeds, segments, place);
             let mut demand = self.friction_demand.max(at_end);
             let (mut steepest, mut rising, mut found) = (zero, searched, searched.except(searched));
-            for _ in 0..MOST_ROUNDS {
+            for _ in 0..MAX_ROUNDS {
                 let Highest { place, exceeds, known } = forces.highest(rising, [-visible * demand, side], zero);
                 searched = searched.except(rising.except(known));
                 rising = exceeds;
@@ -108,7 +120,7 @@ impl<V: Simd> ForcePeaks<V> {
                 steepest = place.in_lanes(rising, steepest);
                 demand = friction_demand(forces.at(place)).in_lanes(rising, demand);
             }
-            self.include_at(found, ways, steepest);
+            self.include_at(found, segments, steepest);
         }
         searched
     }

@@ -7,31 +7,31 @@
 
 mod bounds;
 mod force_peaks;
-mod fours;
 mod kernel;
 mod pulses;
 mod swings;
+mod transposed;
 
 use std::sync::Arc;
 
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
-use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
+use crate::simulation::smooth_piece::{MAX_STEPS, StepStart};
 use crate::simulation::stepping::Limits;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
 use crate::system::events::Event;
 use crate::system::forces;
 use crate::system::instant::State;
-use crate::system::law::Gripping;
-use fours::Fours;
-use kernel::Stepped;
-use swings::Swinging;
+use crate::system::motion_mode::Gripping;
+use kernel::StepBatch;
+use swings::LaneSwing;
+use transposed::TransposedInputs;
 
 /// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
@@ -54,14 +54,14 @@ pub struct Lane {
     /// The longest step that the pulse allows (s).
     longest_under_pulse: f64,
     /// How runs in the present contacts are stepped together, if they are.
-    course: Option<Course>,
+    mode: Option<LaneMode>,
     /// Whether the smooth piece begins at the present time.
     begins: bool,
     budget: u64,
     /// Limits of a step in each regime without a pulse.
     limits: [Limits; 3],
     /// The numbers that steps on supports read.
-    fours: Fours,
+    transposed: TransposedInputs,
     /// The longest step (s).
     longest: f64,
     /// The step that comes next.
@@ -73,14 +73,14 @@ pub struct Lane {
     /// Whether the step that comes next is a shorter attempt of one of order 8 that made too great an error.
     retries: bool,
     /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
-    accepted: Option<Step>,
+    accepted: Option<DenseStep>,
     /// The swings of a run on the rigid base.
-    swinging: Swinging,
+    swing: LaneSwing,
 }
 
 /// The way in which runs are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum LaneMode {
     /// By steps on supports, in this regime.
     Steps(Regime),
     /// By swings about a corner of the rigid base.
@@ -89,7 +89,7 @@ enum Course {
 
 /// The kind of a step: runs whose next steps are of the same kind are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum BatchKind {
     /// A step on supports.
     Step {
         /// The regime.
@@ -106,7 +106,7 @@ pub enum Kind {
     },
 }
 
-impl Kind {
+impl BatchKind {
     /// The number of kinds.
     pub const COUNT: usize = 10;
 
@@ -115,16 +115,16 @@ impl Kind {
     /// Its number, from 0.
     pub fn number(self) -> usize {
         match self {
-            Kind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
-            Kind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
+            BatchKind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
+            BatchKind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
         }
     }
 
     /// The kind of a number.
-    pub fn numbered(number: usize) -> Kind {
+    pub fn numbered(number: usize) -> BatchKind {
         match number {
-            0..6 => Kind::Step { regime: Kind::REGIMES[number % 3], short: number < 3 },
-            _ => Kind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
+            0..6 => BatchKind::Step { regime: BatchKind::REGIMES[number % 3], short: number < 3 },
+            _ => BatchKind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
         }
     }
 }
@@ -140,15 +140,15 @@ fn regime_index(regime: Regime) -> Option<usize> {
 }
 
 /// The way in which runs in the present contacts are stepped together; none for other runs.
-fn course_in_lanes(Simulation { pose, system, .. }: &Simulation) -> Option<Course> {
+fn lane_mode(Simulation { pose, system, .. }: &Simulation) -> Option<LaneMode> {
     let gripping = pose.footing.grips() && pose.contacts.held().is_none();
     if !gripping || forces::switch(&system.block) {
         return None;
     }
     let regime = pose.contacts.regime();
     match system.block.foundation {
-        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(Course::Steps(regime)),
-        Foundation::Rigid => regime.pivot().is_some().then_some(Course::Swings),
+        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
+        Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
     }
 }
 
@@ -160,25 +160,25 @@ pub enum Next {
     /// A step that it takes alone.
     Alone,
     /// A step that it may take together with others of the kind.
-    Together(Kind),
+    Together(BatchKind),
 }
 
 impl Lane {
     /// A run that takes no step before [`Lane::send`] has given it a stop.
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
         let time = simulation.time();
-        let course = course_in_lanes(&simulation);
-        let swinging = Swinging::of(&simulation);
+        let mode = lane_mode(&simulation);
+        let swing = LaneSwing::of(&simulation);
         let limits = [
             simulation.limits(Gripping::<true, true, false>, 0.0),
             simulation.limits(Gripping::<true, false, false>, 0.0),
             simulation.limits(Gripping::<false, true, false>, 0.0),
         ];
-        let mut fours = Fours::default();
-        fours.read(&simulation, &limits);
+        let mut transposed = TransposedInputs::default();
+        transposed.read(&simulation, &limits);
         Lane {
             tag,
-            course,
+            mode,
             system: Arc::clone(&simulation.system),
             simulation,
             until: time,
@@ -190,14 +190,14 @@ impl Lane {
             begins: true,
             budget: 0,
             limits,
-            fours,
+            transposed,
             longest: f64::INFINITY,
             attempt: Attempt::to_stop(0.0),
             grows: false,
             short_failed: false,
             retries: false,
             accepted: None,
-            swinging,
+            swing,
         }
     }
 
@@ -209,7 +209,7 @@ impl Lane {
     /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does. All further calls until it arrives need the same inputs.
     #[inline(always)]
     pub fn send(&mut self, until: f64, inputs: &Inputs) {
-        (self.until, self.budget) = (until, MOST_STEPS);
+        (self.until, self.budget) = (until, MAX_STEPS);
         self.stop = self.simulation.pose.time;
         if self.stop < until && self.simulation.ending.is_none() {
             self.begin_piece(inputs);
@@ -225,17 +225,17 @@ impl Lane {
         let wave = if on_supports && inputs.is_ground_motion() && !pulse.acts_at(pose.time) {
             self.without_moment = true;
             let Inputs { time, a_gx, a_gz, .. } = *inputs;
-            self.fours.set_ground(time, [a_gx, a_gz]);
+            self.transposed.set_ground(time, [a_gx, a_gz]);
             None
         } else {
             let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
             if !on_supports {
-                self.swinging.begin_piece(&system.block, &excitation);
+                self.swing.begin_piece(&system.block, &excitation);
             }
             let ground = excitation.without_moment().filter(|_| on_supports);
             self.without_moment = ground.is_some();
             ground.and_then(|(time, ramps, wave)| {
-                self.fours.set_ground(time, ramps);
+                self.transposed.set_ground(time, ramps);
                 wave
             })
         };
@@ -269,11 +269,11 @@ impl Lane {
 
     /// The kind of the step that comes next, if it can be taken in a lane.
     #[inline]
-    fn kind(&mut self) -> Option<Kind> {
-        let regime = match self.course? {
-            Course::Steps(regime) if self.without_moment => regime,
-            Course::Steps(_) => return None,
-            Course::Swings => return self.swing_kind(),
+    fn kind(&mut self) -> Option<BatchKind> {
+        let regime = match self.mode? {
+            LaneMode::Steps(regime) if self.without_moment => regime,
+            LaneMode::Steps(_) => return None,
+            LaneMode::Swings => return self.swing_kind(),
         };
         let longest = self.limits[regime_index(regime)?].longest.min(self.longest_under_pulse);
         self.longest = longest;
@@ -294,28 +294,28 @@ impl Lane {
             self.attempt = control.attempt(size, longest, shortest(time, stop));
             self.grows = short == ShortStepTo::NotYet;
         }
-        self.fours.step = [time, self.end_time(), self.attempt.size, longest];
-        Some(Kind::Step { regime, short: is_short })
+        self.transposed.step = [time, self.end_time(), self.attempt.size, longest];
+        Some(BatchKind::Step { regime, short: is_short })
     }
 
     /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let landing = self.take_landing();
-        let rests = self.course.is_none();
+        let rests = self.mode.is_none();
         let attempt = std::mem::take(&mut self.retries).then_some(self.attempt);
-        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
+        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swing, budget, .. } = self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
             true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
-            false => swinging.excitation,
+            false => swing.excitation,
         };
-        let done = if let Some(surface) = landing {
-            simulation.apply_alone(surface, block, &excitation, observer)
+        let done = if let Some(function) = landing {
+            simulation.apply_alone(function, block, &excitation, observer)
         } else {
             let start = StepStart { of_piece: *begins, short_failed: *short_failed, attempt };
             (*begins, *short_failed) = (false, false);
-            let known = swinging.known.take();
+            let known = swing.known.take();
             let (step, swing) = (accepted.as_ref(), known.as_deref());
             let done = simulation.single_step(*stop, block, &excitation, !rests, start, step, swing, budget, observer);
             // A step is large: it is not moved.
@@ -323,10 +323,10 @@ impl Lane {
             done
         };
         // There may have been an event.
-        self.course = course_in_lanes(&self.simulation);
+        self.mode = lane_mode(&self.simulation);
         match on_supports {
-            true => self.fours.read(&self.simulation, &self.limits),
-            false => self.swinging.turn(&self.simulation),
+            true => self.transposed.read(&self.simulation, &self.limits),
+            false => self.swing.turn(&self.simulation),
         }
         done
     }
@@ -344,34 +344,34 @@ impl Lane {
 
     /// Comes to the end of a step.
     #[inline]
-    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
+    fn arrive(&mut self, batch: &StepBatch, lane: usize, short: bool) {
         if short {
             self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
-            self.accept(stepped, lane);
+            self.accept(batch, lane);
         }
-        let Lane { simulation, fours, .. } = self;
+        let Lane { simulation, transposed, .. } = self;
         simulation.counts.steps += 1;
         simulation.events_in_this_instant = 0;
-        simulation.pose.time = fours.step[1];
-        let [theta, theta_dot, w, w_dot] = &stepped.state;
+        simulation.pose.time = transposed.step[1];
+        let [theta, theta_dot, w, w_dot] = &batch.state;
         simulation.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
-        let [input, dashpots] = &stepped.sums;
-        let [theta, reaction, horizontal, uplift, friction_demand] = &stepped.peaks;
-        fours.sums = [input[lane], dashpots[lane], friction_demand[lane], 0.0];
-        fours.peaks = [theta[lane], reaction[lane], horizontal[lane], uplift[lane]];
+        let [input, dashpots] = &batch.sums;
+        let [theta, reaction, horizontal, uplift, friction_demand] = &batch.peaks;
+        transposed.sums = [input[lane], dashpots[lane], friction_demand[lane], 0.0];
+        transposed.peaks = [theta[lane], reaction[lane], horizontal[lane], uplift[lane]];
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
-        [*theta, *reaction, *horizontal, *uplift] = fours.peaks;
-        [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = fours.sums;
+        [*theta, *reaction, *horizontal, *uplift] = transposed.peaks;
+        [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = transposed.sums;
         (self.begins, self.short_failed, self.retries) = (false, false, false);
         self.budget -= 1;
     }
 
     /// Takes note that the error of a step of order 8 is small enough.
     #[inline]
-    fn accept(&mut self, stepped: &Stepped, lane: usize) {
+    fn accept(&mut self, batch: &StepBatch, lane: usize) {
         let Lane { simulation, attempt, longest, .. } = self;
-        simulation.control.accept(attempt, size_factor(stepped.root[lane]), *longest);
+        simulation.control.accept(attempt, size_factor(batch.root[lane]), *longest);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
         if self.grows {
             simulation.control.grow_short();
@@ -403,52 +403,52 @@ impl Lane {
 /// Takes the next step, of this kind, of each run of a group of at most one run per lane.
 ///
 /// Returns a bit for each run that has stepped, or for which another kind of step comes next; the others must take the step alone.
-pub fn step_group(width: VectorWidth, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
+pub fn step_group(width: VectorWidth, kind: BatchKind, group: &mut [Box<Lane>]) -> u32 {
     match kind {
-        Kind::Step { regime, short } => step(width, regime, short, group),
-        Kind::Swing { is_wave, .. } => swing(width, is_wave, group),
+        BatchKind::Step { regime, short } => step(width, regime, short, group),
+        BatchKind::Swing { is_wave, .. } => swing(width, is_wave, group),
     }
 }
 
 /// The same for swings.
 fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
-    let mut swung = swings::swing(width, is_wave, group);
+    let mut batch = swings::swing(width, is_wave, group);
     for (lane, run) in group.iter_mut().enumerate() {
-        if swung.taken >> lane & 1 == 1 {
-            run.arrive_by_swing(&swung, lane);
+        if batch.taken >> lane & 1 == 1 {
+            run.arrive_by_swing(&batch, lane);
         } else {
-            run.swinging.known = swung.known[lane].take();
+            run.swing.known = batch.known[lane].take();
         }
     }
-    swung.taken
+    batch.taken
 }
 
 /// The same for steps on supports.
 fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]) -> u32 {
-    let mut stepped = kernel::step(width, regime, short, group);
+    let mut batch = kernel::step(width, regime, short, group);
     let mut rejected = 0;
     for (lane, run) in group.iter_mut().enumerate() {
-        if stepped.taken >> lane & 1 == 1 {
-            run.arrive(&stepped, lane, short);
+        if batch.taken >> lane & 1 == 1 {
+            run.arrive(&batch, lane, short);
         } else if !short {
-            let fails = stepped.failed >> lane & 1 == 1;
-            rejected |= u32::from(fails && run.reject(stepped.root[lane])) << lane;
-        } else if (stepped.failed | stepped.eventful) >> lane & 1 == 1 {
-            if stepped.failed >> lane & 1 == 1 {
-                run.simulation.control.reject_short(run.attempt.size, stepped.root[lane]);
+            let fails = batch.failed >> lane & 1 == 1;
+            rejected |= u32::from(fails && run.reject(batch.root[lane])) << lane;
+        } else if (batch.failed | batch.eventful) >> lane & 1 == 1 {
+            if batch.failed >> lane & 1 == 1 {
+                run.simulation.control.reject_short(run.attempt.size, batch.root[lane]);
             }
             run.rule_out_short_step();
         }
     }
-    for (lane, mut step) in std::mem::take(&mut stepped.accepted) {
+    for (lane, mut step) in std::mem::take(&mut batch.accepted) {
         let run = &mut group[lane];
-        run.accept(&stepped, lane);
+        run.accept(&batch, lane);
         run.simulation.counts.steps += 1;
         step.end_time = run.end_time();
         (run.accepted, run.short_failed, run.retries) = (Some(step), true, false);
     }
-    let ruled_out = if short { stepped.failed | stepped.eventful } else { rejected };
-    stepped.taken | ruled_out
+    let ruled_out = if short { batch.failed | batch.eventful } else { rejected };
+    batch.taken | ruled_out
 }
 
 #[cfg(test)]

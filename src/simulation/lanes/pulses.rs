@@ -3,17 +3,17 @@
 //! They do not depend on the motion, so that no stage waits for a sine, and the code for them is not copied into the steps of each regime.
 
 use crate::excitation::{Form, Wave};
-use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{dop853, short};
 use crate::simulation::lanes::Lane;
 
 /// The number of stages of a step, with its beginning.
-const MOST_STAGES: usize = 12;
+const MAX_STAGES: usize = 12;
 
 /// Accelerations (m/s²) by the pulses of a group in a step; zeros in lanes without one.
 pub struct Pulses {
     /// At the times of the stages; the first is the beginning.
-    pub stages: [Array; MOST_STAGES],
+    pub stages: [Array; MAX_STAGES],
     /// At the end.
     pub end: Array,
     /// Rates at both ends (m/s³).
@@ -23,10 +23,10 @@ pub struct Pulses {
 impl Pulses {
     /// No pulses.
     pub const NONE: Pulses =
-        Pulses { stages: [[0.0; MOST_LANES]; MOST_STAGES], end: [0.0; MOST_LANES], rates: [[0.0; MOST_LANES]; 2] };
+        Pulses { stages: [[0.0; MAX_LANES]; MAX_STAGES], end: [0.0; MAX_LANES], rates: [[0.0; MAX_LANES]; 2] };
 
     /// The pulses of a group in a short step or one of order 8.
-    pub fn of(width: VectorWidth, short: bool, runs: &[&Lane; MOST_LANES]) -> Pulses {
+    pub fn of(width: VectorWidth, short: bool, runs: &[&Lane; MAX_LANES]) -> Pulses {
         let mut pulses = Pulses::NONE;
         for (i, run) in runs.iter().enumerate() {
             let Some(form) = run.wave.as_ref().map(|wave| wave.form) else { continue };
@@ -48,7 +48,7 @@ fn wave_of(run: &Lane, form: Form) -> Option<&Wave> {
 struct OfForm<'g> {
     form: Form,
     short: bool,
-    runs: &'g [&'g Lane; MOST_LANES],
+    runs: &'g [&'g Lane; MAX_LANES],
     pulses: &'g mut Pulses,
 }
 

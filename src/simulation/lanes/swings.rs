@@ -5,20 +5,20 @@ use crate::block::{Block, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::Real;
 use crate::numerics::control::is_resolved;
-use crate::numerics::wide::{Array, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{PRESSED, visible};
-use crate::simulation::lanes::force_peaks::{ForcePeaks, Ways};
-use crate::simulation::lanes::{Kind, Lane};
+use crate::simulation::lanes::force_peaks::{ForcePeaks, SwingSegments};
+use crate::simulation::lanes::{BatchKind, Lane};
 use crate::simulation::rigid_base::{UPRIGHT, allowed_error, longest_swing};
-use crate::system::events::Surface;
+use crate::system::events::EventFunction;
 use crate::system::instant::State;
 use crate::system::swing::lanes::Swings;
 use crate::system::swing::{Pivoting, Swing};
 
 /// What a run on the rigid base needs for a swing in a lane.
 #[derive(Clone, Debug)]
-pub struct Swinging {
+pub struct LaneSwing {
     /// The excitation of the present piece.
     pub excitation: Excitation,
     /// The longest swing in it (s).
@@ -37,9 +37,9 @@ pub struct Swinging {
     pub known: Option<Box<Swing>>,
 }
 
-impl Swinging {
-    pub fn of(simulation: &Simulation) -> Swinging {
-        let mut swinging = Swinging {
+impl LaneSwing {
+    pub fn of(simulation: &Simulation) -> LaneSwing {
+        let mut swing = LaneSwing {
             excitation: Excitation::none(),
             longest: 0.0,
             allowed: allowed_error(simulation.block(), simulation.settings.tolerance),
@@ -49,8 +49,8 @@ impl Swinging {
             landing: None,
             known: None,
         };
-        swinging.turn(simulation);
-        swinging
+        swing.turn(simulation);
+        swing
     }
 
     /// Adopts the pivot of a run.
@@ -70,7 +70,7 @@ impl Swinging {
 }
 
 /// Swings in all lanes.
-pub struct Swung {
+pub struct SwingBatch {
     /// A bit for each lane in which the swing was taken; the numbers of the other lanes are meaningless.
     pub taken: u32,
     /// A bit for each of them that ends with a landing.
@@ -86,13 +86,13 @@ pub struct Swung {
     /// Evaluations of the equations of motion for these peaks.
     evaluations: Array,
     /// The swings of the lanes in which they were not taken.
-    pub known: [Option<Box<Swing>>; MOST_LANES],
+    pub known: [Option<Box<Swing>>; MAX_LANES],
 }
 
 /// Takes a swing of each run of a group, which has at least one run and at most one per lane.
-pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> Swung {
+pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> SwingBatch {
     let count = group.len();
-    let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
+    let mut runs: [&Lane; MAX_LANES] = [&group[count - 1]; MAX_LANES];
     for (lane, run) in group.iter().enumerate() {
         runs[lane] = run;
     }
@@ -104,7 +104,7 @@ struct GroupSwing<'g> {
     /// Whether pulses act, or only what is linear in time.
     is_wave: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
-    runs: [&'g Lane; MOST_LANES],
+    runs: [&'g Lane; MAX_LANES],
     /// The number of runs in the group.
     count: usize,
 }
@@ -118,25 +118,25 @@ impl GroupSwing<'_> {
 }
 
 impl Task for GroupSwing<'_> {
-    type Output = Swung;
+    type Output = SwingBatch;
 
     #[inline(always)]
-    fn run<V: Simd>(self) -> Swung {
+    fn run<V: Simd>(self) -> SwingBatch {
         let pivoting = Pivoting::<Wide<V>> {
-            offset: self.each(|lane| lane.swinging.offset),
+            offset: self.each(|lane| lane.swing.offset),
             h: self.each(|lane| lane.block().h),
             i0: self.each(|lane| lane.block().i0),
             gravity: self.each(|lane| lane.block().gravity),
-            away: self.each(|lane| lane.swinging.away),
+            away: self.each(|lane| lane.swing.away),
         };
-        let excitation = Excitation::in_lanes(self.is_wave, |lane| &self.runs[lane].swinging.excitation);
+        let excitation = Excitation::in_lanes(self.is_wave, |lane| &self.runs[lane].swing.excitation);
         let (time, stop) = (self.each(|lane| lane.simulation.pose.time), self.each(|lane| lane.stop));
         let start = [self.each(|lane| lane.simulation.pose.state[0]), self.each(|lane| lane.simulation.pose.state[1])];
         let remaining = stop - time;
-        let most: Wide<V> = self.each(|lane| lane.swinging.longest);
+        let most: Wide<V> = self.each(|lane| lane.swing.longest);
         let longest = remaining.in_lanes(remaining.less(most), most);
         let mut swings = Swings::under(&excitation, time);
-        swings.make(&pivoting, start, longest, self.each(|lane| lane.swinging.allowed));
+        swings.make(&pivoting, start, longest, self.each(|lane| lane.swing.allowed));
         let bounds = swings.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
@@ -190,23 +190,24 @@ impl Task for GroupSwing<'_> {
             .and(bounds.horizontal.less(peaks.friction_demand * least));
         let others = taken.except(is_below);
         if others.any() {
-            let ways = Ways { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, part };
-            let visible = self.each(|lane| lane.swinging.visible);
-            let holds = peaks.raise(others, &ways, ends_before.except(lands), visible);
+            let segments =
+                SwingSegments { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, part };
+            let visible = self.each(|lane| lane.swing.visible);
+            let holds = peaks.raise(others, &segments, ends_before.except(lands), visible);
             taken = taken.except(others.except(holds));
         }
 
         let runs = ((1_u64 << self.count) - 1) as u32;
         let taken = taken.bits() & runs;
         let made = bounds.theta.less(infinite).and(zero.less(size)).bits() & runs;
-        let mut known = [const { None }; MOST_LANES];
+        let mut known = [const { None }; MAX_LANES];
         for (lane, known) in known.iter_mut().enumerate().take(self.count) {
             if (made & !taken) >> lane & 1 == 1 {
                 *known = Some(Box::new(swings.of_lane(lane)));
             }
         }
         let input = self.each::<V>(|lane| lane.simulation.sums.input) + swings.work(part);
-        Swung {
+        SwingBatch {
             taken,
             lands: taken & lands.bits(),
             end: [end_time.store(), theta.store(), theta_dot.store()],
@@ -222,49 +223,49 @@ impl Task for GroupSwing<'_> {
 impl Lane {
     /// Comes to the end of a swing.
     #[inline]
-    pub(super) fn arrive_by_swing(&mut self, swung: &Swung, lane: usize) {
-        let Lane { simulation, swinging, begins, budget, .. } = self;
-        let [end, theta, theta_dot] = [swung.end[0][lane], swung.end[1][lane], swung.end[2][lane]];
-        simulation.counts.evaluations += 1 + swung.evaluations[lane] as u64;
+    pub(super) fn arrive_by_swing(&mut self, batch: &SwingBatch, lane: usize) {
+        let Lane { simulation, swing, begins, budget, .. } = self;
+        let [end, theta, theta_dot] = [batch.end[0][lane], batch.end[1][lane], batch.end[2][lane]];
+        simulation.counts.evaluations += 1 + batch.evaluations[lane] as u64;
         simulation.counts.steps += 1;
-        simulation.raise_rotation(swung.highest[lane]);
+        simulation.raise_rotation(batch.highest[lane]);
         simulation.raise_rotation(theta.abs());
-        let [reaction, horizontal, friction_demand] = swung.peaks;
+        let [reaction, horizontal, friction_demand] = batch.peaks;
         let peaks = &mut simulation.peaks;
         (peaks.reaction, peaks.horizontal, peaks.friction_demand) =
             (reaction[lane], horizontal[lane], friction_demand[lane]);
-        simulation.sums.input = swung.input[lane];
+        simulation.sums.input = batch.input[lane];
         simulation.pose.state = State::from([theta, theta_dot, 0.0, 0.0]);
         if end > simulation.pose.time {
             (simulation.pose.time, simulation.events_in_this_instant) = (end, 0);
         }
-        swinging.landing = if swung.lands >> lane & 1 == 1 { simulation.pose.contacts.regime().pivot() } else { None };
+        swing.landing = if batch.lands >> lane & 1 == 1 { simulation.pose.contacts.regime().pivot() } else { None };
         *begins = false;
         *budget -= 1;
     }
 
     /// The kind of the swing that comes next, if it can be taken in a lane.
     #[inline]
-    pub(super) fn swing_kind(&self) -> Option<Kind> {
-        let Swinging { excitation, longest, away, .. } = &self.swinging;
+    pub(super) fn swing_kind(&self) -> Option<BatchKind> {
+        let LaneSwing { excitation, longest, away, .. } = &self.swing;
         let remaining = self.stop - self.simulation.pose.time;
         let can = excitation.has_series() && self.budget > 0 && is_resolved(remaining, *longest);
         // Without an excitation, and as if at the base all the time.
         let [theta, theta_dot, ..] = self.simulation.pose.state.0;
         let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);
         let last = away * (theta + theta_dot * size) - 0.5 * alpha * p * p * size * size;
-        can.then(|| Kind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })
+        can.then(|| BatchKind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })
     }
 
     /// Whether the block has come down in a lane, and its impact is to be applied.
     #[inline]
     pub(super) fn is_landing(&self) -> bool {
-        self.swinging.landing.is_some()
+        self.swing.landing.is_some()
     }
 
     /// The event at the end of the last swing in a lane, which is to be applied.
     #[inline]
-    pub(super) fn take_landing(&mut self) -> Option<Surface> {
-        self.swinging.landing.take().map(|pivot| Surface::Gap(pivot.other()))
+    pub(super) fn take_landing(&mut self) -> Option<EventFunction> {
+        self.swing.landing.take().map(|pivot| EventFunction::Gap(pivot.other()))
     }
 }

@@ -59,7 +59,7 @@ pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// The fate of a corner that no longer bears anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Leaving {
+pub(super) enum Release {
     /// It lifts.
     Lifts,
     /// It stays on its support and slides.
@@ -69,7 +69,7 @@ pub(super) enum Leaving {
 }
 
 /// A change of the pose in progress.
-pub struct Change<'a, T = f64> {
+pub struct PoseUpdate<'a, T = f64> {
     pub(super) system: &'a System<T>,
     excitation: &'a Excitation<T>,
     pub pose: Pose<T>,
@@ -79,9 +79,9 @@ pub struct Change<'a, T = f64> {
     pub(super) landed: bool,
 }
 
-impl<'a, T: Elementary> Change<'a, T> {
-    pub fn begin(system: &'a System<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Change<'a, T> {
-        Change {
+impl<'a, T: Elementary> PoseUpdate<'a, T> {
+    pub fn begin(system: &'a System<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> PoseUpdate<'a, T> {
+        PoseUpdate {
             system,
             excitation,
             pose: *pose,

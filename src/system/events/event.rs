@@ -14,7 +14,7 @@ pub enum EventKind {
     /// The foot stopped sliding.
     Grip,
     /// A restraint changed its state.
-    Restraint(restraints::Event),
+    Restraint(restraints::RestraintEvent),
     /// The block reached a quarter turn: a side lies on the ground.
     Overturning,
 }

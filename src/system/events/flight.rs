@@ -6,12 +6,12 @@ use crate::block::{Contact, Corner, Foot, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, greatest};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::PoseUpdate;
 use crate::system::events::landing::{self, without_gain};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {

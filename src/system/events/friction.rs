@@ -5,7 +5,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING};
 use crate::system::events::event::EventKind;
 use crate::system::events::grip;
 use crate::system::events::placement::Placement;
@@ -67,7 +67,7 @@ pub(super) fn speed_rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * (block.p * block.r0).value()
 }
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {

@@ -9,7 +9,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, least};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
@@ -68,7 +68,7 @@ pub fn pressure_if_gripped<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, 
     touching.map(pressed).fold(T::from(f64::INFINITY), least)
 }
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {

@@ -9,7 +9,7 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, Leaving};
+use crate::system::events::change::{PoseUpdate, Release};
 use crate::system::events::friction;
 use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
@@ -42,7 +42,7 @@ pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     Sample { value: (x.u_dot - q * x.theta_dot) * direction, rate: acceleration * direction }
 }
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
@@ -66,7 +66,7 @@ where
     }
 
     /// Handles two corners without load, so that nothing holds the block horizontally. The paper's analysis ends here.
-    pub(super) fn lose_support(&mut self, x: &Instant<T>) -> Leaving {
+    pub(super) fn lose_support(&mut self, x: &Instant<T>) -> Release {
         let placement = Placement::of(x);
         if self.system.flies && self.system.block.friction.value() == 0.0 {
             self.release(x);
@@ -76,6 +76,6 @@ where
             }
         }
         self.settle(Regime::FullContact, placement);
-        if self.regime() == Regime::FullContact { Leaving::Slides } else { Leaving::Lifts }
+        if self.regime() == Regime::FullContact { Release::Slides } else { Release::Lifts }
     }
 }

@@ -6,7 +6,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
@@ -33,7 +33,7 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
 }
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {

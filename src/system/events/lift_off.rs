@@ -8,7 +8,7 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, Leaving, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING, Release};
 use crate::system::events::friction;
 use crate::system::events::placement::Placement;
 use crate::system::forces::support;
@@ -84,19 +84,19 @@ fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> 
     after.corner_ddot[corner.index()]
 }
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
     /// Handles a reaction of `corner` that fell through zero, or, if it `was_held`, a corner that would no longer be pressed on.
-    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
+    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Release {
         match self.system.block.foundation {
             Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
             Foundation::Rigid => self.leave_rigid_base(corner, now),
         }
     }
 
-    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
+    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Release {
         let x = &now.instant;
         let opens = self.lets_go(corner, x.corner_dot[corner.index()], now);
         match self.regime() {
@@ -108,21 +108,21 @@ where
                 }
                 if !opens && !was_held {
                     self.hold_corner(corner, x.corner[corner.index()]);
-                    return Leaving::Held;
+                    return Release::Held;
                 }
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
                 if !opens && self.system.block.friction.value() == 0.0 =>
             {
                 self.release(x);
-                return Leaving::Slides;
+                return Release::Slides;
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => {}
         }
         let (before, placement) = (self.regime(), Placement::of(x));
         self.take_off(corner, &placement);
         self.settle(before, placement);
-        Leaving::Lifts
+        Release::Lifts
     }
 
     /// Whether the gap under `corner`, which no longer bears anything, would open.
@@ -141,29 +141,29 @@ where
     }
 
     /// Lets `corner` leave the rigid base, and then the other one if it would have to be pulled.
-    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
+    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> Release {
         let first = self.let_go(corner, now);
         match self.settle_on_rigid_base() {
-            Some(Leaving::Lifts) => Leaving::Lifts,
-            Some(Leaving::Slides | Leaving::Held) | None => first,
+            Some(Release::Lifts) => Release::Lifts,
+            Some(Release::Slides | Release::Held) | None => first,
         }
     }
 
     /// Lifts `corner` off the rigid base, or lets it slide if it is the last one and would be pressed on without a horizontal hold.
     ///
     /// The paper's analysis ends when the last corner bears nothing.
-    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
+    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> Release {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
         let holds = self.pose.footing.grips() && self.system.block.friction.value() == 0.0;
         if last && self.system.flies && holds && acceleration_if_let_go(now, corner).value() < 0.0 {
             self.release(x);
-            return Leaving::Slides;
+            return Release::Slides;
         }
         self.lift(corner);
         self.counts.liftoffs += 1;
         self.continue_from(&Placement::of(x));
-        Leaving::Lifts
+        Release::Lifts
     }
 
     /// Marks `corner` as lifted off the rigid base.

@@ -41,8 +41,8 @@ use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::instant::Pose;
-use crate::system::law::Law;
-use change::{Change, Leaving};
+use crate::system::motion_mode::MotionMode;
+use change::{PoseUpdate, Release};
 use placement::Placement;
 
 pub(crate) use change::ROUNDING;
@@ -52,7 +52,7 @@ pub use lift_off::gap_opening;
 
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Surface {
+pub enum EventFunction {
     /// The reaction N_I/M of a touching corner (m/s²).
     Reaction(Corner),
     /// The gap `v_I − y_I` between a lifted corner and its support (m).
@@ -71,19 +71,19 @@ pub enum Surface {
     /// The speed of the corner that stands while the other one is held and the middle of the base slides (m/s).
     StandingSlide,
     /// A function of a restraint.
-    Restraint(restraints::Surface),
+    Restraint(restraints::RestraintFunction),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
 
-/// Returns the watched surfaces under a law, in the order of Model Exchange's indicators.
+/// Returns the watched event functions under a mode, in the order of Model Exchange's indicators.
 ///
 /// They are those of L, of R, of the quarter turn, and of a sliding foot or a held corner. If two fall at the same time, the first counts.
 #[inline(always)]
-pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
+pub fn watched(mode: impl MotionMode) -> [Option<EventFunction>; 4] {
     use Corner::{Left, Right};
-    use Surface::{Gap, Held, QuarterTurn, Reaction, Slide, Unloaded};
-    let (left, right, contact) = match (law.regime(), law.held()) {
+    use EventFunction::{Gap, Held, QuarterTurn, Reaction, Slide, Unloaded};
+    let (left, right, contact) = match (mode.regime(), mode.held()) {
         (Regime::FullContact, None) => (Reaction(Left), Reaction(Right), None),
         (Regime::FullContact, Some(Left)) => (Held(Left), Reaction(Right), Some(Unloaded(Left))),
         (Regime::FullContact, Some(Right)) => (Reaction(Left), Held(Right), Some(Unloaded(Right))),
@@ -91,41 +91,41 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
         (Regime::TiltingRight, _) => (Gap(Left), Reaction(Right), None),
         (Regime::Separated, _) => (Gap(Left), Gap(Right), None),
     };
-    let slides = match law.regime() {
-        Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !law.grips() && !law.has_friction(),
+    let slides = match mode.regime() {
+        Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !mode.grips() && !mode.has_friction(),
         Regime::Separated => false,
     };
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
 }
 
-/// Returns the further surfaces of a block with friction or restraints: two of the foot, then those of the restraints.
+/// Returns the further event functions of a block with friction or restraints: two of the foot, then those of the restraints.
 #[inline(never)]
-pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
-    let mut watched = [None; BEYOND];
-    if law.has_friction() && law.regime() != Regime::Separated {
-        if law.grips() {
-            watched[0] = Some(Surface::Friction(Corner::Left));
-            watched[1] = Some(Surface::Friction(Corner::Right));
+pub fn extended_event_functions(mode: impl MotionMode, block: &Block) -> [Option<EventFunction>; EXTENDED_COUNT] {
+    let mut watched = [None; EXTENDED_COUNT];
+    if mode.has_friction() && mode.regime() != Regime::Separated {
+        if mode.grips() {
+            watched[0] = Some(EventFunction::Friction(Corner::Left));
+            watched[1] = Some(EventFunction::Friction(Corner::Right));
         } else {
-            watched[0] = Some(Surface::Speed);
-            watched[1] = law.held().map(|_| Surface::StandingSlide);
+            watched[0] = Some(EventFunction::Speed);
+            watched[1] = mode.held().map(|_| EventFunction::StandingSlide);
         }
     }
     if !block.restraints.is_empty() {
-        for (slot, surface) in watched[2..].iter_mut().zip(restraints::watched(block, &law.restraints())) {
-            *slot = surface.map(Surface::Restraint);
+        for (slot, function) in watched[2..].iter_mut().zip(restraints::watched(block, &mode.restraints())) {
+            *slot = function.map(EventFunction::Restraint);
         }
     }
     watched
 }
 
-/// Number of surfaces of [`watched_beyond`].
-pub const BEYOND: usize = 2 + restraints::WATCHED;
+/// Number of event functions of [`extended_event_functions`].
+pub const EXTENDED_COUNT: usize = 2 + restraints::WATCHED;
 
-/// Number of Model Exchange's event indicators: the surfaces of [`watched`], and those of [`watched_beyond`] with variables of the FMU.
+/// Number of Model Exchange's event indicators: the event functions of [`watched`], and those of [`extended_event_functions`] with variables of the FMU.
 pub const INDICATORS: usize = 4 + 2 + restraints::INDICATORS;
 
-impl Surface {
+impl EventFunction {
     /// Returns value and rate at an instant.
     #[inline(always)]
     pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Sample<T>
@@ -142,75 +142,80 @@ impl Surface {
         Dual<T>: CombinesWith<T>,
     {
         match self {
-            Surface::Reaction(corner) => lift_off::reaction(foundation, at, corner),
-            Surface::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner),
-            Surface::Held(corner) => held::pressed_on(at, corner),
-            Surface::Unloaded(corner) => held::unloading(at, corner),
-            Surface::Slide => grip::slide(at),
-            Surface::Friction(push) => friction::margin(at, push),
-            Surface::Speed => friction::speed(at),
-            Surface::StandingSlide => held::standing_slide(at),
-            Surface::Restraint(surface) => restraint::sample(surface, at),
-            Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]),
+            EventFunction::Reaction(corner) => lift_off::reaction(foundation, at, corner),
+            EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner),
+            EventFunction::Held(corner) => held::pressed_on(at, corner),
+            EventFunction::Unloaded(corner) => held::unloading(at, corner),
+            EventFunction::Slide => grip::slide(at),
+            EventFunction::Friction(push) => friction::margin(at, push),
+            EventFunction::Speed => friction::speed(at),
+            EventFunction::StandingSlide => held::standing_slide(at),
+            EventFunction::Restraint(function) => restraint::sample(function, at),
+            EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]),
         }
     }
 
     /// Returns the value at an instant.
     pub fn value<T: Elementary>(self, at: &Evaluation<T>) -> T {
         match self {
-            Surface::Reaction(corner) => at.instant.reaction[corner.index()],
-            Surface::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
-            Surface::Held(corner) => held::pressed_on(at, corner).value,
-            Surface::Unloaded(corner) => held::unloading(at, corner).value,
-            Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
-            Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
-            Surface::Speed => friction::speed(at).value,
-            Surface::StandingSlide => held::standing_slide(at).value,
-            Surface::Restraint(surface) => surface.value(at.block, &Kinematics::of(&at.instant)),
-            Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]).value,
+            EventFunction::Reaction(corner) => at.instant.reaction[corner.index()],
+            EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
+            EventFunction::Held(corner) => held::pressed_on(at, corner).value,
+            EventFunction::Unloaded(corner) => held::unloading(at, corner).value,
+            EventFunction::Slide => grip::distance(at.block, at.regime, &at.instant),
+            EventFunction::Friction(push) => friction::distance(at.block, &at.instant, push),
+            EventFunction::Speed => friction::speed(at).value,
+            EventFunction::StandingSlide => held::standing_slide(at).value,
+            EventFunction::Restraint(function) => function.value(at.block, &Kinematics::of(&at.instant)),
+            EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]).value,
         }
     }
 
     /// Whether value and rate follow from the state and its rate, without the rates of the inputs, and an event may leave it at zero.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
-            Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::StandingSlide => true,
-            Surface::Restraint(surface) => surface.follows_from_state(),
-            Surface::Reaction(_) => match foundation {
+            EventFunction::Gap(_) | EventFunction::Slide | EventFunction::Speed | EventFunction::StandingSlide => true,
+            EventFunction::Restraint(function) => function.follows_from_state(),
+            EventFunction::Reaction(_) => match foundation {
                 Foundation::Viscoelastic => true,
                 Foundation::Rigid => false,
             },
-            Surface::Held(_) | Surface::Unloaded(_) | Surface::Friction(_) | Surface::QuarterTurn => false,
+            EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Friction(_)
+            | EventFunction::QuarterTurn => false,
         }
     }
 
-    /// Whether the block has the watched restraint, if this surface belongs to one.
+    /// Whether the block has the watched restraint, if this event function belongs to one.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
-            Surface::Restraint(surface) => surface.is_of(block),
-            Surface::Reaction(_)
-            | Surface::Gap(_)
-            | Surface::Held(_)
-            | Surface::Unloaded(_)
-            | Surface::Slide
-            | Surface::Friction(_)
-            | Surface::Speed
-            | Surface::StandingSlide
-            | Surface::QuarterTurn => true,
+            EventFunction::Restraint(function) => function.is_of(block),
+            EventFunction::Reaction(_)
+            | EventFunction::Gap(_)
+            | EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Slide
+            | EventFunction::Friction(_)
+            | EventFunction::Speed
+            | EventFunction::StandingSlide
+            | EventFunction::QuarterTurn => true,
         }
     }
 
-    /// Returns the round-off of a zero of this surface.
+    /// Returns the round-off of a zero of this event function.
     #[inline]
     pub fn rounding<T: Elementary>(self, block: &Block<T>) -> f64 {
         match self {
-            Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => lift_off::rounding(block),
-            Surface::Gap(_) => landing::rounding(block),
-            Surface::Slide => grip::rounding(block),
-            Surface::Friction(_) => friction::margin_rounding(block),
-            Surface::Speed | Surface::StandingSlide => friction::speed_rounding(block),
-            Surface::Restraint(surface) => ROUNDING * surface.size(block),
-            Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
+            EventFunction::Reaction(_) | EventFunction::Held(_) | EventFunction::Unloaded(_) => {
+                lift_off::rounding(block)
+            }
+            EventFunction::Gap(_) => landing::rounding(block),
+            EventFunction::Slide => grip::rounding(block),
+            EventFunction::Friction(_) => friction::margin_rounding(block),
+            EventFunction::Speed | EventFunction::StandingSlide => friction::speed_rounding(block),
+            EventFunction::Restraint(function) => ROUNDING * function.size(block),
+            EventFunction::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
     }
 }
@@ -232,18 +237,18 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Returns the transition of a pose at `now`, when the motion has fallen through a surface.
-    pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, surface: Surface) -> Transition<T> {
-        let mut change = Change::begin(self, pose, now.excitation);
-        let event = match surface {
-            Surface::Reaction(corner) | Surface::Held(corner) => {
-                match change.lift_off(corner, matches!(surface, Surface::Held(_)), now) {
-                    Leaving::Lifts => Some(EventKind::LiftOff(corner)),
-                    Leaving::Slides => Some(EventKind::Slip),
-                    Leaving::Held => None,
+    /// Returns the transition of a pose at `now`, when an event function has reached zero.
+    pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, function: EventFunction) -> Transition<T> {
+        let mut change = PoseUpdate::begin(self, pose, now.excitation);
+        let event = match function {
+            EventFunction::Reaction(corner) | EventFunction::Held(corner) => {
+                match change.lift_off(corner, matches!(function, EventFunction::Held(_)), now) {
+                    Release::Lifts => Some(EventKind::LiftOff(corner)),
+                    Release::Slides => Some(EventKind::Slip),
+                    Release::Held => None,
                 }
             }
-            Surface::Gap(corner) => {
+            EventFunction::Gap(corner) => {
                 match (self.block.foundation, pose.footing.grips()) {
                     (Foundation::Viscoelastic, _) if self.block.friction.value() > 0.0 => {
                         change.land_with_friction(corner, now)
@@ -258,40 +263,40 @@ where
                 }
                 Some(EventKind::Landing(corner))
             }
-            Surface::Slide => {
+            EventFunction::Slide => {
                 change.grip_from(Placement::of(&now.instant));
                 Some(EventKind::Grip)
             }
-            Surface::Unloaded(_) => {
+            EventFunction::Unloaded(_) => {
                 change.pose.contacts.let_bear();
                 None
             }
-            Surface::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
-            Surface::Speed => Some(change.slide_or_grip(None, now)),
-            Surface::StandingSlide => now.held.map(|held| {
+            EventFunction::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
+            EventFunction::Speed => Some(change.slide_or_grip(None, now)),
+            EventFunction::StandingSlide => now.held.map(|held| {
                 change.stop_standing_corner(&held, now);
                 EventKind::LiftOff(held.corner)
             }),
-            Surface::Restraint(surface) => change.switch(surface, now),
-            Surface::QuarterTurn => Some(EventKind::Overturning),
+            EventFunction::Restraint(function) => change.switch(function, now),
+            EventFunction::QuarterTurn => Some(EventKind::Overturning),
         };
-        let Change { pose, counts, path, .. } = change;
+        let PoseUpdate { pose, counts, path, .. } = change;
         Transition { pose, event, counts, path }
     }
 
-    /// Returns the surface that a jump of the excitation has taken below zero, if any.
+    /// Returns the event function that a jump of the excitation has taken below zero, if any.
     ///
     /// It is a reaction on the rigid base, or the distance of H from the limit of friction.
     #[inline]
-    pub fn fallen(&self, now: &Evaluation<T>) -> Option<Surface> {
+    pub fn fallen(&self, now: &Evaluation<T>) -> Option<EventFunction> {
         if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
-            let slides = |surface: &Surface| surface.value(now).value() < -surface.rounding(&self.block);
+            let slides = |function: &EventFunction| function.value(now).value() < -function.rounding(&self.block);
             // Friction first, since a sliding foot has other reactions.
-            if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
-                return Some(surface);
+            if let Some(function) = Corner::BOTH.map(EventFunction::Friction).into_iter().find(slides) {
+                return Some(function);
             }
         }
-        self.leaving_rigid_base(now).map(Surface::Reaction)
+        self.leaving_rigid_base(now).map(EventFunction::Reaction)
     }
 
     /// Returns the pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides.

@@ -4,13 +4,13 @@ use crate::block::{Contacts, Corner};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, greatest, least};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::PoseUpdate;
 use crate::system::events::landing::without_gain;
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
 use crate::system::instant::State;
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {

@@ -10,7 +10,7 @@ pub(crate) const SIZE: f64 = FRAC_PI_2;
 
 /// Returns the rest of the quarter turn, `π/2 − |θ|` (rad), and its rate, from θ and θ̇.
 #[inline(always)]
-pub fn rest<R: Scalar>([theta, theta_dot]: [R; 2]) -> Sample<R> {
+pub fn remaining_angle<R: Scalar>([theta, theta_dot]: [R; 2]) -> Sample<R> {
     let (side, zero) = (theta.value(), R::Real::default());
     Sample {
         value: -R::select_less(side, zero, -theta, theta) + FRAC_PI_2,

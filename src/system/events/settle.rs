@@ -5,7 +5,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{Change, Leaving};
+use crate::system::events::change::{PoseUpdate, Release};
 use crate::system::events::friction;
 use crate::system::events::grip::{self, pressure_if_gripped};
 use crate::system::events::lift_off;
@@ -14,7 +14,7 @@ use crate::system::forces::support::{reaction, reaction_rate};
 use crate::system::impact;
 use crate::system::instant::{Footing, creeping};
 
-impl<T: Elementary> Change<'_, T>
+impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
@@ -54,15 +54,15 @@ where
                 // For a reaction of zero the rate decides.
                 let n = if n.abs() <= lift_off::rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {
-                    Some(Leaving::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
+                    Some(Release::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
                         leaving = Some((corner, n));
                     }
-                    Some(Leaving::Lifts) | None => {}
-                    Some(Leaving::Held) => {
+                    Some(Release::Lifts) | None => {}
+                    Some(Release::Held) => {
                         self.pose.contacts.let_bear();
                         self.hold_corner(corner, height);
                     }
-                    Some(Leaving::Slides) => self.release(&now.instant),
+                    Some(Release::Slides) => self.release(&now.instant),
                 }
             }
             let Some((corner, _)) = leaving else { break };
@@ -123,9 +123,9 @@ where
     }
 
     /// Returns whether and how a touching corner with the reaction `n` per mass (m/s²) and the rate `corner_dot` (m/s) leaves its support.
-    fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Leaving> {
+    fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Release> {
         if n < 0.0 {
-            return Some(Leaving::Lifts);
+            return Some(Release::Lifts);
         }
         let falling = {
             let corner_ddot = now.instant.corner_ddot[corner.index()];
@@ -136,28 +136,28 @@ where
         if !falling {
             None
         } else if self.lets_go(corner, corner_dot, now) {
-            Some(Leaving::Lifts)
+            Some(Release::Lifts)
         } else {
             match now.regime {
-                Regime::FullContact => Some(Leaving::Held),
+                Regime::FullContact => Some(Release::Held),
                 Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
                     if self.system.block.friction.value() > 0.0 =>
                 {
-                    Some(Leaving::Lifts)
+                    Some(Release::Lifts)
                 }
-                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => Some(Leaving::Slides),
+                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => Some(Release::Slides),
             }
         }
     }
 
     /// Lets corners leave the rigid base that it would have to pull, and returns how the last of them left.
-    pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
+    pub(super) fn settle_on_rigid_base(&mut self) -> Option<Release> {
         self.apply_friction_here();
         self.settle_under_friction()
     }
 
-    /// Does the same as [`Change::settle_on_rigid_base`] after friction has been applied.
-    pub(super) fn settle_under_friction(&mut self) -> Option<Leaving> {
+    /// Does the same as [`PoseUpdate::settle_on_rigid_base`] after friction has been applied.
+    pub(super) fn settle_under_friction(&mut self) -> Option<Release> {
         let mut leaving = None;
         loop {
             let now = self.now();
@@ -200,6 +200,6 @@ impl Evaluation<'_> {
         let rounding = lift_off::rounding(self.block);
         self.regime == Regime::FullContact
             && self.footing.grips()
-            && self.unrest().into_iter().all(|acceleration| acceleration <= rounding)
+            && self.rest_residuals().into_iter().all(|acceleration| acceleration <= rounding)
     }
 }

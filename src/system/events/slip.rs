@@ -4,10 +4,10 @@
 //! [`super::lift_off`] and [`super::settle`] decide it when a reaction falls through zero.
 
 use crate::numerics::scalar::Elementary;
-use crate::system::events::change::Change;
+use crate::system::events::change::PoseUpdate;
 use crate::system::instant::{Footing, Instant};
 
-impl<T: Elementary> Change<'_, T> {
+impl<T: Elementary> PoseUpdate<'_, T> {
     /// Releases the block horizontally.
     pub(super) fn release(&mut self, x: &Instant<T>) {
         self.pose.footing = Footing::Free { u: x.u, u_dot: x.u_dot };

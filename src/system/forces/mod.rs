@@ -15,7 +15,7 @@ pub mod load;
 pub mod support;
 pub mod weight;
 
-use crate::block::restraints::{self, MOST, States};
+use crate::block::restraints::{self, MAX, States};
 use crate::block::{Block, Kinematics, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -70,12 +70,12 @@ pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
 
 /// Returns the pulls of the restraints (N), by their numbers.
 #[inline(always)]
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: &Instant<T>) -> [T; MOST] {
-    if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MOST] }
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: &Instant<T>) -> [T; MAX] {
+    if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MAX] }
 }
 
 #[inline(never)]
-fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: Instant<T>) -> [T; MOST] {
+fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: Instant<T>) -> [T; MAX] {
     restraints::pulls(block, states, &Kinematics::of(&x))
 }
 
@@ -85,8 +85,12 @@ pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States,
     x: &Instant<T>,
-) -> restraints::Energies<T> {
-    if states.dissipate() { powers_called(block, states, *x) } else { restraints::Energies::of_all(T::from(0.0)) }
+) -> restraints::RestraintEnergies<T> {
+    if states.dissipate() {
+        powers_called(block, states, *x)
+    } else {
+        restraints::RestraintEnergies::of_all(T::from(0.0))
+    }
 }
 
 #[inline(never)]
@@ -94,7 +98,7 @@ fn powers_called<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States,
     x: Instant<T>,
-) -> restraints::Energies<T> {
+) -> restraints::RestraintEnergies<T> {
     restraints::powers(block, states, &Kinematics::of(&x))
 }
 

@@ -14,10 +14,10 @@ pub(super) const TOP_WIDTH: f64 = 1e-5;
 pub(super) const LANDING_ROUNDING: f64 = 1e-12;
 
 /// The least part of a swing after which a block that leaves the base without a rate comes down other than by round-off.
-pub(super) const LEAST_LANDING: f64 = 1e-3;
+pub(super) const MIN_LANDING: f64 = 1e-3;
 
 /// Maximum number of Newton's steps to a landing or to the greatest rotation.
-pub(super) const MOST_NEWTON: u32 = 60;
+pub(super) const MAX_NEWTON: u32 = 60;
 
 /// The part of a place below which the next one by Newton's method is a step.
 pub(super) const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
@@ -30,7 +30,7 @@ impl Swing {
     #[inline]
     pub fn landing(&self) -> f64 {
         let mut part = 1.0;
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let [theta, slope] = self.theta_at(part);
             let next = part - theta / slope;
             if next >= STILL * part {
@@ -53,7 +53,7 @@ impl Swing {
         let mut rest = [0.0; DEGREE + 1];
         rest[..ORDER + 1 - zeros].copy_from_slice(&theta[zeros..]);
         match Bernstein::of(rest, self.order - zeros).zero() {
-            Zero::At(part) if zeros > 1 && part < LEAST_LANDING => Zero::Unclear,
+            Zero::At(part) if zeros > 1 && part < MIN_LANDING => Zero::Unclear,
             zero => zero,
         }
     }
@@ -82,7 +82,7 @@ impl Swing {
             return None;
         }
         let (mut low, mut high, mut place) = (0.0, part, part * (first / (first - last)));
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let [theta, slope, half_curvature] = self.curve_at(place);
             let rises = slope * away > 0.0;
             let end = if rises { high } else { low };

@@ -4,10 +4,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::events::{LANDING_ROUNDING, LEAST_LANDING, MOST_NEWTON, STILL, TOP_WIDTH};
-use super::{
-    LEAST, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment,
-};
+use super::events::{LANDING_ROUNDING, MAX_NEWTON, MIN_LANDING, STILL, TOP_WIDTH};
+use super::{MIN, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment};
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};
 use crate::numerics::bernstein::DEGREE;
@@ -131,8 +129,8 @@ impl<V: Simd> Swings<V> {
                     (series.x[N], series.q[N]) = (zero.in_lanes(done, x), zero.in_lanes(done, q));
                     series.order = N;
                     *orders = orders.in_lanes(done, Wide::from(N as f64));
-                    if N >= LEAST {
-                        rest = rest.in_lanes(done, series.rest(N, slope[N].abs() + slope[N - 1].abs(), scale));
+                    if N >= MIN {
+                        rest = rest.in_lanes(done, series.tail(N, slope[N].abs() + slope[N - 1].abs(), scale));
                         done = done.or(rest.less(allowed));
                         if done.all() {
                             return;
@@ -190,7 +188,7 @@ impl<V: Simd> Swings<V> {
     #[inline(always)]
     pub fn landing(&self, lanes: Lanes<V>) -> Wide<V> {
         let mut part = Wide::from(1.0);
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let [theta, slope] = self.series.theta_at(part);
             let next = part - theta / slope;
             let moves = next.less(part * STILL).and(lanes);
@@ -221,7 +219,7 @@ impl<V: Simd> Swings<V> {
         let stays = lanes.and(rotation.is_positive());
         let others = lanes.except(stays);
         let (part, lands) = rotation.only_zero(others);
-        let is_early = part.less(Wide::from(LEAST_LANDING)).and(lands.except(moves));
+        let is_early = part.less(Wide::from(MIN_LANDING)).and(lands.except(moves));
         (stays, lands.except(is_early), part)
     }
 
@@ -269,7 +267,7 @@ impl<V: Simd> Swings<V> {
         let mut active = lanes.and(zero.less(first * away)).and((last * away).less(zero));
         let mut found = zero.less(zero);
         let (mut low, mut high, mut place) = (zero, part, part * (first / (first - last)));
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             if !active.any() {
                 break;
             }

@@ -119,7 +119,7 @@ const fn numbers(row: usize) -> Series {
 }
 
 /// The least order, by which reactions and their changes are known.
-const LEAST: usize = 4;
+const MIN: usize = 4;
 
 /// Part of the flight at constant acceleration.
 const OF_FLIGHT: f64 = 1.25;
@@ -176,7 +176,7 @@ impl<T: Real> Swing<T> {
     ///
     /// `scale` is the square of the swing's duration over the moment of inertia.
     #[inline(always)]
-    fn rest(&self, n: usize, last: T, scale: T) -> T {
+    fn tail(&self, n: usize, last: T, scale: T) -> T {
         let Swing { q, forcing, .. } = self;
         if forcing.terms == 2 {
             return last;
@@ -313,8 +313,8 @@ impl Swing {
                         sums = [sums[0] + rate * lever[0], sums[1] + rate * lever[1]];
                     }
                     (self.x[N], self.q[N]) = (sums[0] * RECIPROCAL[N], sums[1] * RECIPROCAL[N]);
-                    rest = self.rest(N, slope[N].abs() + slope[N - 1].abs(), scale);
-                    if N >= LEAST && rest < allowed {
+                    rest = self.tail(N, slope[N].abs() + slope[N - 1].abs(), scale);
+                    if N >= MIN && rest < allowed {
                         return rest;
                     }
                 })*

@@ -20,7 +20,7 @@
 use super::{ORDER, RECIPROCAL, Swing};
 use crate::block::{Block, Corner, Foot};
 use crate::excitation::Excitation;
-use crate::numerics::gradient::{Directions, Varying};
+use crate::numerics::gradient::{Directions, MultiDual};
 use crate::numerics::scalar::CombinesWith;
 use crate::numerics::wide::{DIRECTIONS, DirectionsTask, Number, Packed, with_directions};
 
@@ -81,13 +81,13 @@ struct Changes<D> {
 
 impl<D: Packed> Changes<D>
 where
-    Varying<D>: CombinesWith<Number>,
+    MultiDual<D>: CombinesWith<Number>,
 {
     /// Expands the changes of an excitation, whose series in x has no more than `TERMS` terms, over a swing of this size (s).
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "an iterator would put the changes into memory")]
     fn of<const TERMS: usize>(excitation: &Excitation<Number>, time: Number, size: f64) -> Changes<D> {
-        let mut forcing = excitation.series::<TERMS, Varying<D>>(time.into());
+        let mut forcing = excitation.series::<TERMS, MultiDual<D>>(time.into());
         forcing.scale(size);
         let mut x = [D::zeros(); ORDER + 1];
         for k in 0..TERMS {
@@ -118,13 +118,13 @@ impl DirectionsTask for Task<'_> {
     #[inline(always)]
     fn run<D: Packed>(self) -> Self::Output
     where
-        Varying<D>: CombinesWith<Number>,
+        MultiDual<D>: CombinesWith<Number>,
     {
         let Task(vary, series) = self;
         let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot], part } = vary;
         let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *swing;
         let (sin, cos) = libm::sincos(rotation[0]);
-        let lever = block.lever(Foot::Corner(corner), Varying::<D>::from(sin), Varying::from(cos));
+        let lever = block.lever(Foot::Corner(corner), MultiDual::<D>::from(sin), MultiDual::from(cos));
         let square = lever.x * lever.x + lever.q * lever.q;
         let inertia = square + block.i0;
         let stretch = ((lever.x * x[0] + lever.q * q[0]) * (1.0 / square.re)).eps;

@@ -9,7 +9,7 @@ use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Supports};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::numerics::bernstein::Zero;
 use crate::numerics::control::LONGEST;
-use crate::numerics::dop853::Step;
+use crate::numerics::dop853::DenseStep;
 use crate::system::evaluation::Motion;
 use crate::system::instant::{Footing, Pose, State};
 
@@ -98,7 +98,7 @@ proptest! {
             prop_assert!(least - slack <= n && n <= most + slack, "N {} beyond {:?}", n, bounds);
             prop_assert!(h.abs() <= bounds.horizontal + slack, "H {} beyond {:?}", h, bounds);
             prop_assert!(theta.abs() <= bounds.theta * (1.0 + 1e-14), "{} beyond {:?}", theta, bounds);
-            let next = Step::attempt(now.time, size, now.state, motion.rate_of(&now), &motion);
+            let next = DenseStep::attempt(now.time, size, now.state, motion.rate_of(&now), &motion);
             work += next.work[0];
             now = motion.at(next.end_time, next.end);
         }

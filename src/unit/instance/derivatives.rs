@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crate::block::Block;
 use crate::excitation::records::{Ground, VariedRecord};
 use crate::excitation::{Excitation, Inputs, Pulse, Ramp};
-use crate::numerics::gradient::Along;
-use crate::simulation::exchange::States;
+use crate::numerics::gradient::DirectionalDual;
+use crate::simulation::exchange::ContinuousStates;
 use crate::simulation::outputs::Observation;
 use crate::simulation::{Energies, InitialDerivatives, Simulation, Slip, Start};
 use crate::unit::derived::{DerivedSource, derived};
@@ -73,8 +73,8 @@ impl Direction {
     }
 
     /// Returns the value of a variable with its component.
-    fn lifted(&self, values: &Values, variable: Variable) -> Along {
-        Along::new(values[variable], [self.numbers[variable as usize]])
+    fn lifted(&self, values: &Values, variable: Variable) -> DirectionalDual {
+        DirectionalDual::new(values[variable], [self.numbers[variable as usize]])
     }
 
     fn of(&self, variable: Variable) -> f64 {
@@ -106,9 +106,9 @@ enum Derivatives {
 
 struct InitialSensitivities {
     derivatives: InitialDerivatives,
-    block: Block<Along>,
+    block: Block<DirectionalDual>,
     /// The block as it would stand on its supports.
-    on_supports: Block<Along>,
+    on_supports: Block<DirectionalDual>,
     /// Component of the start time.
     time: f64,
     /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::derived::OfGround).
@@ -135,7 +135,7 @@ impl Derivatives {
 /// A variable with derivatives in Initialization Mode.
 enum Unknown {
     Output(Output),
-    Derived(DerivedSource<Along>),
+    Derived(DerivedSource<DirectionalDual>),
 }
 
 fn unknown(reference: u32) -> Result<Unknown, Fault> {
@@ -193,7 +193,7 @@ impl Unit {
     ) -> Result<Derivatives, Fault> {
         finite(Fmi3Variable::Time.name(), time)?;
         unknowns.iter().try_for_each(|&reference| output(reference, "can be differentiated").map(|_| ()))?;
-        let (mut along, mut states) = (Inputs::default(), None::<States>);
+        let (mut along, mut states) = (Inputs::default(), None::<ContinuousStates>);
         for (&reference, &component) in knowns.iter().zip(direction) {
             finite(known(reference, Kind::Real)?.name, component)?;
             match known(reference, Kind::Real)?.role {
@@ -233,15 +233,15 @@ impl Unit {
         });
         let component = |variable| direction.lifted(values, variable);
         let block = values.varied_block(component);
-        let time = Along::new(simulation.time(), [direction.time]);
+        let time = DirectionalDual::new(simulation.time(), [direction.time]);
         let motion = records.each_ref().map(|record| record.as_ref().map_or(0.0, |record| record.at(time).eps[0]));
         let input = |input: Input, motion: f64| Ramp {
-            value: Along::new(inputs[input].value, [direction.of(input.variable()) + motion]),
-            rate: Along::from(inputs[input].rate),
+            value: DirectionalDual::new(inputs[input].value, [direction.of(input.variable()) + motion]),
+            rate: DirectionalDual::from(inputs[input].rate),
         };
         let acting = Inputs {
             // The records' derivatives are those at the start time.
-            time: Along::new(inputs.time, [direction.time]),
+            time: DirectionalDual::new(inputs.time, [direction.time]),
             a_gx: input(Input::AGx, motion[0]),
             a_gz: input(Input::AGz, motion[1]),
             f_x: input(Input::FX, 0.0),
@@ -285,7 +285,7 @@ impl Unit {
 ///
 /// The position of a sliding foot is that of the centre of mass less `h sin θ + e_x cos θ`, whose derivative with respect to θ is the height
 /// Q of the centre of mass over the foot.
-fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]: &States) -> Slip {
+fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]: &ContinuousStates) -> Slip {
     let now = simulation.observe(inputs);
     let Some(foot) = simulation.regime().foot().filter(|_| simulation.slides()) else { return Slip::default() };
     let (sin, cos) = libm::sincos(now.theta);
@@ -296,7 +296,7 @@ fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]:
 /// Returns the pulse if it acts at `time`.
 ///
 /// A pulse that begins and ends at zero has derivatives at these times; the direction decides whether it acts.
-fn acting_pulse(pulse: Pulse<Along>, time: Along) -> Option<Pulse<Along>> {
+fn acting_pulse(pulse: Pulse<DirectionalDual>, time: DirectionalDual) -> Option<Pulse<DirectionalDual>> {
     let since = time - pulse.start;
     let acts = match pulse.ends_at_zero() {
         true => [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps[0] >= 0.0)),

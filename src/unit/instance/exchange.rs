@@ -1,7 +1,7 @@
 //! Model Exchange: the importer's solver steps the block.
 
 use crate::excitation::Inputs;
-use crate::simulation::exchange::{INDICATORS, STATES, States, nominals};
+use crate::simulation::exchange::{ContinuousStates, INDICATORS, STATES, nominals};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::{Interface, Unit, with_ground};
@@ -77,7 +77,8 @@ impl Unit {
 
     /// Sets the continuous states.
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), Fault> {
-        let states: States = counted(states.len(), STATES, "states").map(|()| std::array::from_fn(|i| states[i]))?;
+        let states: ContinuousStates =
+            counted(states.len(), STATES, "states").map(|()| std::array::from_fn(|i| states[i]))?;
         if let Some(i) = states.iter().position(|state| !state.is_finite()) {
             return Err(Fault::new(format!("state {i} = {}; expected a finite number", states[i])));
         }
@@ -86,7 +87,7 @@ impl Unit {
         Ok(())
     }
 
-    fn put(&mut self, time: f64, states: States) {
+    fn put(&mut self, time: f64, states: ContinuousStates) {
         self.states = states;
         if let Some(simulation) = &mut self.simulation {
             simulation.set_states(time, &states);
@@ -95,7 +96,7 @@ impl Unit {
     }
 
     /// Returns the continuous states, as set or as the last event left them.
-    pub fn states(&mut self) -> Result<States, Fault> {
+    pub fn states(&mut self) -> Result<ContinuousStates, Fault> {
         if self.phase.is_initialized() {
             return Ok(self.states);
         }
@@ -104,7 +105,7 @@ impl Unit {
     }
 
     /// Returns the derivatives of the states. Those of displacements are the velocities among the states.
-    pub fn derivatives(&mut self) -> Result<States, Fault> {
+    pub fn derivatives(&mut self) -> Result<ContinuousStates, Fault> {
         let states = self.states()?;
         let (simulation, inputs) = self.preview()?;
         let mut derivatives = simulation.derivatives(&inputs);
@@ -122,7 +123,7 @@ impl Unit {
     }
 
     /// Returns the nominal values of the states.
-    pub fn nominals(&mut self) -> Result<States, Fault> {
+    pub fn nominals(&mut self) -> Result<ContinuousStates, Fault> {
         match &self.simulation {
             Some(simulation) => Ok(nominals(simulation.block())),
             None => self.block().map(|block| nominals(&block)),

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::excitation::records::Ground;
-use crate::simulation::exchange::States;
+use crate::simulation::exchange::ContinuousStates;
 use crate::simulation::{Progress, Settings, Simulation, SimulationError};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
@@ -62,7 +62,7 @@ pub struct Unit {
     /// needs no file.
     ground: Option<Arc<Ground>>,
     /// Model Exchange: the continuous states, as set or as the last event left them.
-    states: States,
+    states: ContinuousStates,
     /// Model Exchange: the inputs at the end of the last completed step.
     last_inputs: Inputs,
     /// Cached observation and energies at the present time.
@@ -74,11 +74,11 @@ pub struct Unit {
 const CLOCK_ROUNDING: f64 = 1e-9;
 
 /// Largest fraction of a communication step that a master's clock may skip.
-const MOST_SKIPPED: f64 = 1e-3;
+const MAX_SKIPPED: f64 = 1e-3;
 
 /// Returns the largest accepted error (s) of a master's clock near `time` (s), for a communication step of `step` (s).
 fn clock_slack(step: f64, time: f64) -> f64 {
-    (CLOCK_ROUNDING * step.max(time.abs())).min(MOST_SKIPPED * step)
+    (CLOCK_ROUNDING * step.max(time.abs())).min(MAX_SKIPPED * step)
 }
 
 impl Unit {
@@ -96,7 +96,7 @@ impl Unit {
             at_end: None,
             left: None,
             ground: None,
-            states: States::default(),
+            states: ContinuousStates::default(),
             last_inputs: Inputs::default(),
             observed: ObservationCache::default(),
         }
@@ -211,7 +211,7 @@ impl Unit {
         if !self.rates_are_new {
             self.inputs = self.inputs.held();
         }
-        let (progress, _) = self.go_on(until, |simulation, until, acting| {
+        let (progress, _) = self.advance_by_intervals(until, |simulation, until, acting| {
             simulation.advance(until, acting, observer).map(|progress| (progress, false))
         })?;
         self.rates_are_new = false;
@@ -251,7 +251,7 @@ impl Unit {
     /// Advances to `until` (s) under the inputs and the FMU's own records, from sample to sample.
     ///
     /// `advance` steps over one interval between samples, and returns its progress and whether it stopped there.
-    fn go_on(
+    fn advance_by_intervals(
         &mut self,
         until: f64,
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
@@ -266,7 +266,7 @@ impl Unit {
             let acting = acting.insert(piece.as_ref().map_or(*inputs, |piece| piece.inputs.plus(inputs)));
             let end = piece.as_ref().map_or(until, |piece| piece.end.min(until));
             match (advance(simulation, end, acting), &mut piece) {
-                (Ok((Progress::Reached, false)), Some(piece)) if end < until => ground.go_on(piece),
+                (Ok((Progress::Reached, false)), Some(piece)) if end < until => ground.next_interval(piece),
                 (Ok(progress), _) => break progress,
                 (Err(error), _) => {
                     *phase = Phase::Error;

@@ -4,7 +4,7 @@ use crate::simulation::peaks;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
-use crate::unit::outputs::{Rates, source};
+use crate::unit::outputs::{OutputRates, source};
 use crate::unit::variables::{Kind, Metadata, Role, VARIABLES};
 
 impl Unit {
@@ -43,7 +43,7 @@ impl Unit {
         }
         let (simulation, inputs) = self.preview()?;
         let observed = simulation.observe_rates(&inputs);
-        let now = Rates {
+        let now = OutputRates {
             observed: observed.map(|x| x.re),
             rates: observed.map(|x| x.eps),
             energies: simulation.energy_rates(&inputs),

@@ -82,7 +82,7 @@ impl Unit {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Reached, Fault> {
         let end = self.at_end.map_or(until, |at_end| at_end.time.min(until));
-        let (progress, stopped) = self.go_on(end, |simulation, until, acting| match after {
+        let (progress, stopped) = self.advance_by_intervals(end, |simulation, until, acting| match after {
             Some(after) => {
                 let progress = simulation.advance_to_event(until, after, acting, observer)?;
                 Ok((progress.unwrap_or(Progress::Reached), progress.is_none()))

@@ -5,7 +5,7 @@ mod friction;
 mod random;
 mod ties;
 
-use rocking_block::block::restraints::{Event, tie::Event as TieEvent};
+use rocking_block::block::restraints::{RestraintEvent, tie::TieEvent};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Footing;
@@ -45,10 +45,12 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                 simulation
                     .settle(&inputs, &mut |event| {
                         changes.push(match event.kind {
-                            EventKind::Restraint(Event::Tie(tie, TieEvent::Taut | TieEvent::Slack)) => {
+                            EventKind::Restraint(RestraintEvent::Tie(tie, TieEvent::Taut | TieEvent::Slack)) => {
                                 Some(format!("tie{tie}"))
                             }
-                            EventKind::Restraint(Event::Tie(tie, TieEvent::Break)) => Some(format!("break{tie}")),
+                            EventKind::Restraint(RestraintEvent::Tie(tie, TieEvent::Break)) => {
+                                Some(format!("break{tie}"))
+                            }
                             _ => None,
                         });
                     })

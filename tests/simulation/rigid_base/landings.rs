@@ -11,7 +11,7 @@ use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Simulation};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
-use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::events::{Event, EventFunction, EventKind};
 use rocking_block::system::impact::Velocities;
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, State};
@@ -195,7 +195,7 @@ fn a_level_landing_gains_no_energy() {
     };
     let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
     let before = at(&pose);
-    let transition = system.transition(&pose, &before, Surface::Gap(Corner::Left));
+    let transition = system.transition(&pose, &before, EventFunction::Gap(Corner::Left));
     let after = at(&transition.pose);
     assert!(after.energy() <= before.energy() && after.energy() > 0.5 * before.energy(), "{after:?}");
 }
@@ -216,7 +216,7 @@ fn a_sliding_corner_grips_if_the_grip_presses_it_down() {
         };
         let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
         let before = at(&pose);
-        let transition = system.transition(&pose, &before, Surface::Slide);
+        let transition = system.transition(&pose, &before, EventFunction::Slide);
         let after = at(&transition.pose);
         assert_eq!((transition.event, after.regime), (Some(EventKind::Grip), Regime::on(corner)));
         // The impulse acts at the corner, r0 cos φ below the centre of mass.

@@ -12,11 +12,11 @@ use serde_json::Value;
 const ENVIRONMENT: [(&str, &str); 2] =
     [("PROPTEST_MAX_SHRINK_ITERS", "0"), ("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true")];
 
-/// A test that takes this many times the processor time, and more than [`LEAST_TIMEOUT`], notices the mutant.
+/// A test that takes this many times the processor time, and more than [`MIN_TIMEOUT`], notices the mutant.
 const TIMEOUT: u64 = 10;
 
 /// Least limit on the processor time of a test (s).
-const LEAST_TIMEOUT: u64 = 5;
+const MIN_TIMEOUT: u64 = 5;
 
 /// Number of the signal that ends a test beyond its limit.
 const SIGXCPU: i32 = 24;
@@ -165,7 +165,7 @@ impl Program {
             Verdict::Failed | Verdict::TimedOut => return Err(format!("{} fails without a mutant", self.name)),
         }
         let time = start.elapsed();
-        self.timeout = Some((TIMEOUT * time.as_secs()).max(LEAST_TIMEOUT));
+        self.timeout = Some((TIMEOUT * time.as_secs()).max(MIN_TIMEOUT));
         Ok(time)
     }
 

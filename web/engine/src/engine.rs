@@ -292,7 +292,9 @@ fn broken(run: &Run, history: &History) -> Vec<Option<f64>> {
         history
             .events
             .iter()
-            .find(|event| event.kind == EventKind::Restraint(restraints::Event::Tie(tie, tie::Event::Break)))
+            .find(|event| {
+                event.kind == EventKind::Restraint(restraints::RestraintEvent::Tie(tie, tie::TieEvent::Break))
+            })
             .map(|event| event.time)
     };
     (0..run.block.ties().len() as u8).map(time).collect()

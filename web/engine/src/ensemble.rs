@@ -10,7 +10,7 @@ use rocking_studies::input::parameters::Parameter;
 use rocking_studies::intensity::Measure;
 use rocking_studies::run::limit::Limit;
 use rocking_studies::sweep::Sweep;
-use rocking_studies::sweep::ensemble::{Distribution, Ensemble, Spread, SpreadTarget, SpreadWidth};
+use rocking_studies::sweep::ensemble::{Distribution, Ensemble, SpreadTarget, SpreadWidth, UncertainQuantity};
 use rocking_studies::sweep::ground_motion::GroundMotion;
 use rocking_studies::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use rocking_studies::sweep::strength::Strengths;
@@ -61,7 +61,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
     let ensemble = Ensemble {
         samples: samples as u32,
         seed: 0,
-        spreads: vec![Spread { target, distribution, width }],
+        spreads: vec![UncertainQuantity { target, distribution, width }],
         limits: vec![Limit::Overturned],
     };
     let file = file(&inputs, vertical, &parameters, &strengths, spread, samples);

@@ -13,7 +13,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, tick};
 use crate::page::Symbol;
 use rocking_block::block::BlockError;
-use rocking_studies::output::table::{Column, Table as Rows};
+use rocking_studies::output::table::{Table as Rows, TableColumn};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
 use rocking_studies::spectrum::Base;
@@ -81,11 +81,11 @@ impl OutcomeRow for TowerRow<'_> {
 }
 
 /// Returns the columns of the table.
-fn columns<'a>(sources: &[GroundMotion], bases: &'a [Base]) -> Vec<Column<'a, TowerRow<'a>>> {
+fn columns<'a>(sources: &[GroundMotion], bases: &'a [Base]) -> Vec<TableColumn<'a, TowerRow<'a>>> {
     let motion =
-        Column::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0.0 / bases.len());
+        TableColumn::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0.0 / bases.len());
     let names = bases.iter().map(ToString::to_string);
-    let foundation = Column::choice("foundation", names, |row: &TowerRow| row.0.0 % bases.len());
+    let foundation = TableColumn::choice("foundation", names, |row: &TowerRow| row.0.0 % bases.len());
     [motion, foundation].into_iter().chain(outcome::columns(Holds::default())).collect()
 }
 

@@ -4,7 +4,7 @@ use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Supports};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
-use rocking_block::simulation::follow::{Course, Samples, repeat_step};
+use rocking_block::simulation::follow::{Samples, StepKind, repeat_step};
 use rocking_block::system::instant::{Footing, Pose};
 use rocking_block::system::swing::Swing;
 use rocking_gradients::{BATCH, Number};
@@ -76,13 +76,13 @@ fn tangents_of_a_swing_follow_the_equations_of_motion() {
         };
         let swing = Swing::of(&plain, corner, &acts, [START, tilt.re, rate.re], 0.3, 1e-14);
         let end = |step: u32| START + PART * swing.size * f64::from(step) / f64::from(STEPS);
-        let repeat = |pose: &Pose<Number>, course: &Course, end: f64| {
+        let repeat = |pose: &Pose<Number>, course: &StepKind, end: f64| {
             let samples = Samples { times: &[], seen: &mut |_| () };
             let (state, footing) = repeat_step(&block, pose, &excitation, course, end, samples);
             Pose { time: end.into(), state, footing, ..*pose }
         };
-        let found = repeat(&pose, &Course::Swing(swing), end(STEPS));
-        let expected = (1..=STEPS).fold(pose, |pose, step| repeat(&pose, &Course::Step, end(step)));
+        let found = repeat(&pose, &StepKind::Swing(swing), end(STEPS));
+        let expected = (1..=STEPS).fold(pose, |pose, step| repeat(&pose, &StepKind::Step, end(step)));
         for (x, (found, expected)) in found.state.0.into_iter().zip(expected.state.0).enumerate() {
             assert!((found.re - expected.re).abs() < TOLERANCE, "case {case}, {x}: {found:?} instead of {expected:?}");
             for direction in 0..BATCH {

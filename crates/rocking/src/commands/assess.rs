@@ -18,7 +18,7 @@ use rocking_studies::input::study_file::StudyFileError;
 
 /// Options of `rocking assess`.
 #[derive(Parser)]
-pub struct Options {
+pub struct AssessCommand {
     /// Study file in TOML with an [assess] table, as examples/assess/statue.toml; `-` for standard input
     #[arg(value_name = "STUDY.toml")]
     file: PathBuf,
@@ -41,8 +41,8 @@ struct AssessResult<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
-    let Options { file, out, processor, report } = options;
+pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
+    let AssessCommand { file, out, processor, report } = options;
     let (name, text) = input::text(file)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     // The page names the file without its folder, so that its bytes do not depend on where the study lies.

@@ -20,7 +20,7 @@ use rocking_studies::spec::words::Words;
 
 /// Options of `rocking figures`.
 #[derive(Parser)]
-pub struct Options {
+pub struct FiguresCommand {
     /// Folder for the pictures and tables, created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -40,7 +40,7 @@ pub struct Options {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &FiguresCommand) -> anyhow::Result<()> {
     let mut numbers: Vec<u8> = if options.only.is_empty() { NUMBERS.to_vec() } else { options.only.clone() };
     numbers.sort_unstable();
     numbers.dedup();

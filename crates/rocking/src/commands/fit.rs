@@ -20,7 +20,7 @@ use rocking_studies::input::study_file::StudyFileError;
 
 /// Options of `rocking fit`.
 #[derive(Parser)]
-pub struct Options {
+pub struct FitCommand {
     /// Study file in TOML with [fit] and [[tests]], as examples/fit/release.toml; `-` for standard input
     #[arg(value_name = "STUDY.toml")]
     file: PathBuf,
@@ -39,8 +39,8 @@ pub struct Options {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { file: study, csv, residuals, picture, threads, report } = options;
+pub fn run(options: &FitCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let FitCommand { file: study, csv, residuals, picture, threads, report } = options;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     [csv, residuals].into_iter().flatten().try_for_each(|path| check_table(path))?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);

@@ -13,7 +13,7 @@ use rocking_studies::foundations::{Pad, Pair, Soil, Support, pairs};
 /// Options of `rocking foundations`.
 #[derive(Parser)]
 #[command(args_conflicts_with_subcommands = true)]
-pub struct Options {
+pub struct FoundationsCommand {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -94,7 +94,7 @@ struct SupportValues {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &FoundationsCommand) -> anyhow::Result<()> {
     match &options.command {
         None => {
             let json = BTreeMap::from([("pairs", pairs())]);

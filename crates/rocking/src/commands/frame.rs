@@ -23,7 +23,7 @@ use rocking_studies::run::{History, Run};
 
 /// Options of `rocking frame`.
 #[derive(Parser)]
-pub struct Options {
+pub struct FrameCommand {
     #[command(flatten, next_help_heading = "Excitation")]
     excitation: ExcitationOptions,
     #[command(flatten)]
@@ -145,7 +145,7 @@ impl Peaks {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let csv = options.csv.as_deref();
     csv.map_or(Ok(()), check_table)?;
     let frame = options.frame.frame()?;
@@ -171,7 +171,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     options.report.print("frame", &written, &[], &(summary.text(&frame) + &written.lines()), &summary)
 }
 
-impl Options {
+impl FrameCommand {
     /// Returns the run of the equivalent block and a description of its excitation.
     fn run(&self, explicit: &ExplicitOptions, frame: &Frame) -> anyhow::Result<(Run, String)> {
         let block = frame.block;

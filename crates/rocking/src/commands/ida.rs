@@ -20,7 +20,7 @@ use rocking_studies::sweep::strength::Strengths;
 
 /// Options of `rocking ida`.
 #[derive(Parser)]
-pub struct Options {
+pub struct IdaCommand {
     #[command(flatten)]
     sweep: SweepOptions,
     #[command(flatten)]
@@ -31,8 +31,8 @@ pub struct Options {
 const FRACTILES: [f64; 3] = [0.16, 0.5, 0.84];
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { sweep: options, picture } = options;
+pub fn run(options: &IdaCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let IdaCommand { sweep: options, picture } = options;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let plot = picture.plot.as_deref();
     let format = picture.format()?;

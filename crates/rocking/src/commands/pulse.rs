@@ -25,7 +25,7 @@ use rocking_studies::spec::words::Words;
 
 /// Options of `rocking pulse`.
 #[derive(Parser)]
-pub struct Options {
+pub struct PulseCommand {
     /// Accelerogram in any format of docs/records.md; `-` for standard input
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -47,8 +47,8 @@ pub struct Options {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { file, reading, g, shape, csv, picture, report } = options;
+pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let PulseCommand { file, reading, g, shape, csv, picture, report } = options;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     anyhow::ensure!(
         pulse_fit::SHAPES.contains(shape),

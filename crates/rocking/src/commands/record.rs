@@ -24,7 +24,7 @@ const LARGEST_DISPLACEMENT: f64 = 1.0;
 /// Options of `rocking record`, which scales no ground motion: `--scale` is that of the values.
 #[derive(Parser)]
 #[command(mut_arg("value_scale", |option| option.visible_alias("scale")))]
-pub struct Options {
+pub struct RecordCommand {
     /// Accelerograms in any format of docs/records.md, among them PEER, COSMOS, CSMIP, ESM, K-NET, GeoNet and tables; `-` for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
@@ -50,8 +50,8 @@ pub struct Options {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
-    let Options { files, transverse, rotate, csv, g, periods, .. } = options;
+pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
+    let RecordCommand { files, transverse, rotate, csv, g, periods, .. } = options;
     let one = transverse.is_none() || files.len() == 1;
     anyhow::ensure!(one, "--transverse with {} records; expected one", files.len());
     anyhow::ensure!(csv.is_none() || files.len() == 1, "--csv with {} records; expected one", files.len());

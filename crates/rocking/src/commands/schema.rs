@@ -8,7 +8,7 @@ use rocking_studies::spec::study::{FitFile, StudyFile};
 
 /// Options of `rocking schema`.
 #[derive(Parser)]
-pub struct Options {
+pub struct SchemaCommand {
     /// Kind of file, as in `rocking schema study > study.schema.json`
     #[arg(value_enum, default_value_t = Kind::Study)]
     kind: Kind,
@@ -23,7 +23,7 @@ enum Kind {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &SchemaCommand) -> anyhow::Result<()> {
     let schema = match options.kind {
         Kind::Study => schema::of_file::<StudyFile>(),
         Kind::Fit => schema::of_file::<FitFile>(),

@@ -29,7 +29,7 @@ use rocking_studies::spec::{GaborSpec, HoldSpec};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
-pub struct Options {
+pub struct SearchCommand {
     #[command(subcommand)]
     target: Target,
 }
@@ -151,7 +151,7 @@ struct SearchOptions {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &SearchCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     match &options.target {
         Target::Damping(damping) => {
             let Damping { rate, from, to, resolution, .. } = **damping;

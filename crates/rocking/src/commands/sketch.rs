@@ -20,7 +20,7 @@ use rocking_charts::sketch::Sketch;
 
 /// Options of `rocking sketch`.
 #[derive(Parser)]
-pub struct Options {
+pub struct SketchCommand {
     #[command(flatten)]
     block: BlockSpec,
     #[command(flatten)]
@@ -63,8 +63,8 @@ struct Supports {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { block: given, picture, report } = options;
+pub fn run(options: &SketchCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let SketchCommand { block: given, picture, report } = options;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let block = block::block(given)?;

@@ -31,7 +31,7 @@ use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
-pub struct Options {
+pub struct SpectrumCommand {
     #[command(flatten, next_help_heading = "Excitation")]
     excitation: ManyExcitationOptions,
     /// With --vertical: also draw curves of the horizontal motion alone
@@ -118,7 +118,7 @@ fn base(text: &str) -> anyhow::Result<Base> {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     explicit.refuse_unless(options.picture.plot.is_some(), &["over", "plot-format"], "without --plot")?;
     explicit.refuse_unless(explicit.has("vertical"), &["also-horizontal"], "without --vertical")?;
     let (csv, plot) = (options.study.csv(), options.picture.plot.as_deref());
@@ -176,7 +176,7 @@ struct SpectrumResult<'a> {
     curves: &'a [CurveSummary],
 }
 
-impl Options {
+impl SpectrumCommand {
     /// Returns the spectrum and a description of its excitation.
     fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
         let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction, .. } =

@@ -20,7 +20,7 @@ use rocking_studies::sweep::parameters::SweptParameter;
 /// Options of `rocking sweep`.
 #[derive(Parser)]
 #[command(mut_arg("csv", |csv| csv.required(false).required_unless_present_any(["part", "dry_run"])))]
-pub struct Options {
+pub struct SweepCommand {
     #[command(flatten)]
     sweep: SweepOptions,
     #[command(flatten)]
@@ -81,8 +81,8 @@ impl SweepOptions {
 }
 
 /// Runs the command.
-pub fn run(options: &Options) -> anyhow::Result<()> {
-    let Options { sweep: options, part: PartOptions { part, out, part_format, dry_run } } = options;
+pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
+    let SweepCommand { sweep: options, part: PartOptions { part, out, part_format, dry_run } } = options;
     let study = &options.study;
     let default = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
     let part = part.zip(out.as_deref()).map(|(number, folder)| {

@@ -1,7 +1,7 @@
 //! A record, a building → the absolute accelerations of its floors.
 
 use crate::building::{Building, Mode};
-use crate::intensity::{Step, pga};
+use crate::intensity::{OscillatorStep, pga};
 use rocking_records::Record;
 
 /// The horizontal motion of a floor.
@@ -28,7 +28,8 @@ impl Building {
     /// floors last until the free vibration after the record has decayed.
     pub fn floor_motions(&self, ground: &Record) -> Vec<FloorMotion> {
         let step = ground.time_step;
-        let steps: Vec<Step> = self.modes().iter().map(|mode| Step::new(mode.omega(), mode.damping, step)).collect();
+        let steps: Vec<OscillatorStep> =
+            self.modes().iter().map(|mode| OscillatorStep::new(mode.omega(), mode.damping, step)).collect();
         let weights: Vec<Vec<f64>> = (0..self.floors())
             .map(|floor| self.modes().iter().map(|mode| mode.participation * mode.shape[floor]).collect())
             .collect();

@@ -57,7 +57,7 @@ fn wrong<T>(name: &'static str, found: impl Into<String>, expected: impl Into<St
 }
 
 /// Least damping ratio: with less, floors would vibrate for minutes after the earthquake.
-const LEAST_DAMPING: f64 = 0.001;
+const MIN_DAMPING: f64 = 0.001;
 const EXPECTED_DAMPING: &str = "0.001 to less than 1";
 /// Greatest number of floors; its eigenproblem takes seconds.
 const MAX_FLOORS: usize = 500;
@@ -152,7 +152,7 @@ impl Building {
 
     fn damped(mut self, damping: &Damping) -> Result<Building, BuildingError> {
         let count = self.modes.len();
-        let is_valid = |ratio: f64| (LEAST_DAMPING..1.0).contains(&ratio);
+        let is_valid = |ratio: f64| (MIN_DAMPING..1.0).contains(&ratio);
         let ratios = match damping {
             Damping::All(ratio) => vec![*ratio; count],
             Damping::Each(ratios) if ratios.len() == count => ratios.clone(),

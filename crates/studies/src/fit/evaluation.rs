@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::fit::least_squares::Linearization;
-use crate::fit::model::{Course, course};
+use crate::fit::model::{TimeSeries, course};
 use crate::fit::problem::{FitError, Problem, Test};
 use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
 
@@ -60,7 +60,7 @@ impl Evaluator<'_> {
         values: &[f64],
         times: impl Iterator<Item = f64>,
         with_gradients: bool,
-    ) -> Result<Course, Option<FitError>> {
+    ) -> Result<TimeSeries, Option<FitError>> {
         let test = &self.problem.tests[number];
         let mut parameters = self.problem.parameters(test);
         for (i, unknown) in self.of_test(number) {
@@ -109,7 +109,7 @@ impl Evaluator<'_> {
     pub fn linearize(&self, point: &DVector<f64>, counts: &[usize]) -> Result<Linearization, Option<FitError>> {
         let values = self.values(point);
         let slopes: Vec<f64> = self.unknowns.iter().zip(point).map(|(unknown, &at)| unknown.slope(at)).collect();
-        let tests: Vec<Course> = (0..self.problem.tests.len())
+        let tests: Vec<TimeSeries> = (0..self.problem.tests.len())
             .into_par_iter()
             .map(|number| {
                 let times = self.problem.tests[number].times[..counts[number]].iter().copied();

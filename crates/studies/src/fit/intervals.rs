@@ -7,7 +7,7 @@ use crate::fit::least_squares::{Linearization, Minimum, Triangle};
 
 /// An end of a coordinate's interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End {
+pub enum IntervalEnd {
     /// The end inside the bounds.
     At(f64),
     /// The last point of a search that has not settled within its evaluations.
@@ -50,7 +50,7 @@ impl Profile<'_> {
     ///
     /// The search begins at the quadratic end. Each evaluation gives the sum of squares and its decrease over the other coordinates by the
     /// linear model, and with both the next distance.
-    pub fn end(&self, i: usize, side: f64) -> Result<End, Lower> {
+    pub fn end(&self, i: usize, side: f64) -> Result<IntervalEnd, Lower> {
         /// Relative error of the deviate below which a secant gives the end, and greatest gain of the other coordinates there.
         const NEAR: [f64; 2] = [0.1, 0.02];
         /// Part of the variance by which a lower minimum must lie below.
@@ -59,7 +59,7 @@ impl Profile<'_> {
         let center = minimum.point[i];
         let range = if side < 0.0 { center } else { 1.0 - center };
         if range <= 0.0 {
-            return Ok(End::Open);
+            return Ok(IntervalEnd::Open);
         }
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut distance = (deviate * (variance * self.covariance[(i, i)]).sqrt()).min(range);
@@ -89,11 +89,11 @@ impl Profile<'_> {
                 continue;
             }
             if distance >= range && found <= deviate {
-                return Ok(End::Open);
+                return Ok(IntervalEnd::Open);
             }
             let ratio = deviate / found.max(1e-3 * deviate);
             if (ratio - 1.0).abs() <= NEAR[0] {
-                return Ok(End::At((center + side * distance * ratio).clamp(0.0, 1.0)));
+                return Ok(IntervalEnd::At((center + side * distance * ratio).clamp(0.0, 1.0)));
             }
             if found < deviate {
                 low = distance
@@ -103,7 +103,7 @@ impl Profile<'_> {
             let next = (distance * ratio.clamp(0.2, 5.0)).min(range);
             distance = if next > low && next < high { next } else { 0.5 * (low + high.min(range)) };
         }
-        Ok(End::Unsettled(from[i]))
+        Ok(IntervalEnd::Unsettled(from[i]))
     }
 
     fn linearize(&self, point: &DVector<f64>) -> Option<(Linearization, Triangle)> {

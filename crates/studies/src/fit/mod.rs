@@ -36,7 +36,7 @@ use serde::Serialize;
 
 use crate::fit::combinations::{Combination, combinations};
 use crate::fit::evaluation::{Evaluator, Runs};
-use crate::fit::intervals::{EVALUATIONS, End, Lower, Profile};
+use crate::fit::intervals::{EVALUATIONS, IntervalEnd, Lower, Profile};
 use crate::fit::least_squares::{Minimum, minimize};
 use crate::fit::unknowns::{set, unknowns};
 use crate::statistics::normal;
@@ -139,7 +139,7 @@ pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) +
 }
 
 /// Ends of the intervals of the shared parameters, as coordinates.
-type Ends = Vec<[End; 2]>;
+type Ends = Vec<[IntervalEnd; 2]>;
 
 /// Maximum number of searches from lower minima that are found on the way to the ends of intervals.
 const RESTARTS: usize = 4;
@@ -172,7 +172,7 @@ fn with_intervals(
                 let profile = Profile { evaluator, from, least, covariance, variance, deviate, evaluations };
                 let end = |k: usize| profile.end(k / 2, [-1.0, 1.0][k % 2]);
                 let ends = (0..2 * shared).into_par_iter().map(end).collect::<Vec<_>>();
-                let ends = ends.into_iter().collect::<Result<Vec<End>, Lower>>()?;
+                let ends = ends.into_iter().collect::<Result<Vec<IntervalEnd>, Lower>>()?;
                 Ok(ends.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
             })
             .collect();
@@ -192,12 +192,13 @@ fn with_intervals(
 
 /// Returns the intervals that cover both sets.
 fn hull(one: Ends, other: Ends) -> Ends {
-    let end = |one: End, other: End, outer: fn(f64, f64) -> f64| match (one, other) {
-        (End::At(one), End::At(other)) => End::At(outer(one, other)),
-        (End::At(one) | End::Unsettled(one), End::At(other) | End::Unsettled(other)) => {
-            End::Unsettled(outer(one, other))
-        }
-        (End::Open, _) | (_, End::Open) => End::Open,
+    let end = |one: IntervalEnd, other: IntervalEnd, outer: fn(f64, f64) -> f64| match (one, other) {
+        (IntervalEnd::At(one), IntervalEnd::At(other)) => IntervalEnd::At(outer(one, other)),
+        (
+            IntervalEnd::At(one) | IntervalEnd::Unsettled(one),
+            IntervalEnd::At(other) | IntervalEnd::Unsettled(other),
+        ) => IntervalEnd::Unsettled(outer(one, other)),
+        (IntervalEnd::Open, _) | (_, IntervalEnd::Open) => IntervalEnd::Open,
     };
     let both = one.into_iter().zip(other);
     both.map(|([low, high], [lower, higher])| [end(low, lower, f64::min), end(high, higher, f64::max)]).collect()
@@ -213,9 +214,9 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Optio
     let deviate = normal::quantile(0.5 + 0.5 * level);
     let estimate = |i: usize| {
         let unknown = &unknowns[i];
-        let at = |end: &End| match end {
-            End::At(coordinate) | End::Unsettled(coordinate) => Some(unknown.value(*coordinate)),
-            End::Open => None,
+        let at = |end: &IntervalEnd| match end {
+            IntervalEnd::At(coordinate) | IntervalEnd::Unsettled(coordinate) => Some(unknown.value(*coordinate)),
+            IntervalEnd::Open => None,
         };
         let deviation = covariance[(i, i)].sqrt();
         let standard_error = deviation * unknown.slope(best.point[i]);
@@ -266,7 +267,8 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Optio
     match ends {
         None => fit.notes.push(notes::NO_INTERVALS.into()),
         Some(ends) => {
-            let is_unsettled = |(_, ends): &(_, &[End; 2])| ends.iter().any(|end| matches!(end, End::Unsettled(_)));
+            let is_unsettled =
+                |(_, ends): &(_, &[IntervalEnd; 2])| ends.iter().any(|end| matches!(end, IntervalEnd::Unsettled(_)));
             let unsettled = unknowns.iter().zip(&ends).filter(is_unsettled);
             fit.notes.extend(unsettled.map(|(unknown, _)| notes::unsettled(&unknown.full_name())));
         }

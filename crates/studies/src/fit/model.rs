@@ -7,7 +7,7 @@ use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_gradients::{Follower, Number, Parameters, Sample, Varied, advance_with_samples};
 
 use crate::run::gradients::add_rows;
-use crate::run::table::{Column, columns};
+use crate::run::table::{HistoryColumn, columns};
 use crate::run::{Row, Run};
 
 /// A quantity of a run at one time.
@@ -23,7 +23,7 @@ pub struct Point {
 
 /// A quantity of a run over time.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct TimeSeries {
     /// The points.
     pub points: Vec<Point>,
     /// Time at which an event grazes, if one does (s).
@@ -43,7 +43,7 @@ pub fn course(
     output: &str,
     times: &[f64],
     with_rate: bool,
-) -> Result<Course, SimulationError> {
+) -> Result<TimeSeries, SimulationError> {
     let quantity = Quantity::named(output, run);
     let mut simulation = run.begin();
     let start = simulation.time();
@@ -105,7 +105,7 @@ pub fn course(
                 &mut record,
             )?;
             if stop == piece.end {
-                run.ground.go_on(&mut piece);
+                run.ground.next_interval(&mut piece);
             }
             if followers.is_empty() && simulation.time() >= times[next] {
                 break;
@@ -115,12 +115,12 @@ pub fn course(
         next += 1;
     }
     let grazing = followers.iter().filter_map(Follower::grazing).map(|grazing| grazing.time).reduce(f64::min);
-    Ok(Course { points, grazing, ended: simulation.ending().map(|(_, time)| time) })
+    Ok(TimeSeries { points, grazing, ended: simulation.ending().map(|(_, time)| time) })
 }
 
 /// The measured quantity.
 struct Quantity {
-    column: Column,
+    column: HistoryColumn,
     /// Its index among the states, if it is one, which needs no equations of motion.
     state: Option<usize>,
     /// A row as argument of the column.

@@ -8,5 +8,5 @@
 mod pairs;
 mod supports;
 
-pub use pairs::{Kind, Pair, Quantity, Source, pairs};
+pub use pairs::{Pair, Quantity, Source, ValueMeaning, pairs};
 pub use supports::{Pad, Soil, Support, SupportError};

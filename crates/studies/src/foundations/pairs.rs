@@ -22,7 +22,7 @@ pub struct Pair {
     /// Greatest value (1); the least one if the source has a single value.
     pub high: f64,
     /// Meaning of the values.
-    pub kind: Kind,
+    pub kind: ValueMeaning,
     /// Explanation of the values by the source.
     pub basis: String,
     /// The source.
@@ -53,7 +53,7 @@ impl Quantity {
 /// Meaning of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum ValueMeaning {
     /// The spread of tests.
     Measured,
     /// The least value of tests.
@@ -62,13 +62,13 @@ pub enum Kind {
     Design,
 }
 
-impl Kind {
+impl ValueMeaning {
     /// Returns the word of a meaning.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Measured => "measured",
-            Kind::Lowest => "lowest",
-            Kind::Design => "design",
+            ValueMeaning::Measured => "measured",
+            ValueMeaning::Lowest => "lowest",
+            ValueMeaning::Design => "design",
         }
     }
 }
@@ -102,7 +102,7 @@ struct Row {
     /// In degrees.
     friction_angle: Option<[f64; 2]>,
     restitution_factor: Option<[f64; 2]>,
-    kind: Kind,
+    kind: ValueMeaning,
     basis: String,
     source: String,
 }

@@ -8,10 +8,10 @@ use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::goodness::{Goodness, Group, groups};
 use crate::fragility::likelihood::Link;
-use crate::fragility::observation::{FitError, Observation};
-use crate::fragility::profile::{Interval, Profile};
+use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::profile::{Interval, LikelihoodProfile};
 use crate::fragility::quality::{auc, brier, efficiency, sufficiency};
-use crate::fragility::regression::Fit;
+use crate::fragility::regression::CurveFit;
 use crate::fragility::table::Case;
 
 /// The method for intervals.
@@ -38,7 +38,7 @@ pub struct Assessment {
     /// The cases with a value of the measure.
     pub data: Data,
     /// The curve.
-    pub fit: Fit,
+    pub fit: CurveFit,
     /// Interval of the median.
     pub median: Interval,
     /// Interval of the dispersion.
@@ -81,7 +81,7 @@ impl Assessment {
         link: Link,
         confidence: f64,
         uncertainty: Uncertainty,
-    ) -> Result<Assessment, FitError> {
+    ) -> Result<Assessment, CurveFitError> {
         let pairs: Vec<(&Case, f64)> =
             cases.iter().zip(measures).filter_map(|(case, measure)| Some((case, (*measure)?))).collect();
         let observation = |(case, measure): &(&Case, f64)| Observation::with_probability(&[*measure], case.fraction);
@@ -97,13 +97,13 @@ impl Assessment {
         let (median, dispersion, bootstrap) = match uncertainty {
             Uncertainty::Profile => {
                 let deviate = independence.deviate(confidence);
-                let profile = Profile::clustered(&data, &fit, deviate, covariance.clone())?;
+                let profile = LikelihoodProfile::clustered(&data, &fit, deviate, covariance.clone())?;
                 (profile.median(), profile.dispersion(), None)
             }
             Uncertainty::Bootstrap(samples, seed) => {
                 let found = bootstrap(&data, &records, link, samples, seed)?;
-                let interval = |feature: fn(&Fit) -> f64| found.interval(confidence, feature);
-                (interval(Fit::median), interval(Fit::dispersion), Some(found))
+                let interval = |feature: fn(&CurveFit) -> f64| found.interval(confidence, feature);
+                (interval(CurveFit::median), interval(CurveFit::dispersion), Some(found))
             }
         };
         Ok(Assessment {
@@ -135,7 +135,7 @@ impl Assessment {
             }
             None => {
                 let deviate = self.independence.deviate(self.confidence);
-                match Profile::clustered(&self.data, &self.fit, deviate, self.covariance.clone()) {
+                match LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone()) {
                     Ok(profile) => measures.par_iter().map(|&measure| profile.probability(measure)).collect(),
                     Err(_) => unreachable!("the data have one measure"),
                 }
@@ -144,7 +144,7 @@ impl Assessment {
     }
 
     /// Interval of a feature over the curves of the bootstrap, if a bootstrap was made.
-    pub fn bootstrap_interval(&self, of: impl Fn(&Fit) -> f64) -> Option<Interval> {
+    pub fn bootstrap_interval(&self, of: impl Fn(&CurveFit) -> f64) -> Option<Interval> {
         self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
     }
 
@@ -177,14 +177,14 @@ impl Assessment {
 /// Least peak |θ|/α (1) that counts as rocking.
 ///
 /// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
-const LEAST_ROCKING: f64 = 1e-3;
+const MIN_ROCKING: f64 = 1e-3;
 
 fn rocking_peak(case: &Case) -> Option<f64> {
-    case.peak.filter(|peak| *peak >= LEAST_ROCKING)
+    case.peak.filter(|peak| *peak >= MIN_ROCKING)
 }
 
 /// Standard errors of the coefficients of a fit from their covariance, clustered by record.
-fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &Fit) -> Vec<f64> {
+fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &CurveFit) -> Vec<f64> {
     match covariance {
         Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
         None => vec![f64::INFINITY; fit.coefficients.len()],
@@ -196,7 +196,7 @@ pub struct Surface {
     /// The cases with values of both.
     pub data: Data,
     /// The surface.
-    pub fit: Fit,
+    pub fit: CurveFit,
     /// Standard errors of the coefficients, as in [`Assessment`].
     pub standard_errors: Vec<f64>,
     /// Area under the receiver operating characteristic.
@@ -215,7 +215,7 @@ impl Surface {
         measures: &[Option<f64>],
         others: &[Option<f64>],
         link: Link,
-    ) -> Result<Surface, FitError> {
+    ) -> Result<Surface, CurveFitError> {
         let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
             Some((Observation::with_probability(&[(*measure)?, (*other)?], case.fraction), case.motion))
         });
@@ -238,7 +238,7 @@ pub fn sufficiency_of_cases(
     measures: &[Option<f64>],
     others: &[Option<f64>],
     link: Link,
-) -> Result<f64, FitError> {
+) -> Result<f64, CurveFitError> {
     let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
         Some((Observation::with_probability(&[(*measure)?], case.fraction), ((*other)?, case.motion)))
     });

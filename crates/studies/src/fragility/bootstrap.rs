@@ -5,9 +5,9 @@ use chacha20::rand_core::{Rng, SeedableRng};
 
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
-use crate::fragility::observation::FitError;
+use crate::fragility::observation::CurveFitError;
 use crate::fragility::profile::Interval;
-use crate::fragility::regression::Fit;
+use crate::fragility::regression::CurveFit;
 
 /// Least number of groups for intervals.
 ///
@@ -20,7 +20,7 @@ pub(super) const MIN_GROUPS: usize = 10;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bootstrap {
     /// The curves of the samples that have one.
-    pub fits: Vec<Fit>,
+    pub fits: Vec<CurveFit>,
     /// Number of samples without a curve: a single class, or classes that do not overlap.
     pub without: usize,
     /// Number of groups: records, or rows where no record repeats.
@@ -29,7 +29,7 @@ pub struct Bootstrap {
 
 impl Bootstrap {
     /// The central interval that holds this fraction of a feature's values; unbounded for fewer than two curves or ten groups.
-    pub fn interval(&self, confidence: f64, of: impl Fn(&Fit) -> f64) -> Interval {
+    pub fn interval(&self, confidence: f64, of: impl Fn(&CurveFit) -> f64) -> Interval {
         let mut values: Vec<f64> = self.fits.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
         if values.len() < 2 || self.groups < MIN_GROUPS {
@@ -54,7 +54,13 @@ impl Bootstrap {
 ///
 /// # Errors
 /// [`FitError::OneMotion`] for fewer than two groups.
-pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: u64) -> Result<Bootstrap, FitError> {
+pub fn bootstrap(
+    data: &Data,
+    groups: &[usize],
+    link: Link,
+    samples: u32,
+    seed: u64,
+) -> Result<Bootstrap, CurveFitError> {
     let count = groups.iter().max().map_or(0, |last| last + 1);
     let mut members = vec![Vec::new(); count];
     for (observation, &group) in data.observations().iter().zip(groups) {
@@ -62,7 +68,7 @@ pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: 
     }
     let members: Vec<_> = members.into_iter().filter(|members| !members.is_empty()).collect();
     if members.len() < 2 {
-        return Err(FitError::OneMotion { found: members.len() });
+        return Err(CurveFitError::OneMotion { found: members.len() });
     }
     let mut found = Bootstrap { fits: Vec::new(), without: 0, groups: members.len() };
     for sample in 0..samples {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fragility::data::Data;
-use crate::fragility::regression::{Design, Fit};
+use crate::fragility::regression::{CurveFit, Predictor};
 use crate::statistics::normal;
 use rocking_block::numerics::roots::sign_change;
 
@@ -64,7 +64,7 @@ impl std::fmt::Display for Independence {
 const MAX_REFITS: usize = 100;
 
 /// Change of the coefficients when a record is left out; `None` if the others have no best fit.
-fn without(data: &Data, fit: &Fit, records: &[usize], record: usize) -> Option<DVector<f64>> {
+fn without(data: &Data, fit: &CurveFit, records: &[usize], record: usize) -> Option<DVector<f64>> {
     let kept = data.observations().iter().zip(records).filter(|(_, of)| **of != record);
     let others = Data::new(kept.map(|(row, _)| row.clone()).collect()).ok()?.fit(fit.link).ok()?;
     Some(others.coefficients - &fit.coefficients)
@@ -76,12 +76,12 @@ fn without(data: &Data, fit: &Fit, records: &[usize], record: usize) -> Option<D
 /// J. G. MacKinnon, M. Ø. Nielsen, M. D. Webb, Cluster-robust inference: a guide to empirical practice, J. Econometrics 232
 /// (2023) 272–299). `records` has the record of each row; independent rows have the covariance of the fit. `None` if one record
 /// alone determines a coefficient.
-pub(super) fn covariance(data: &Data, fit: &Fit, records: &[usize]) -> Option<DMatrix<f64>> {
+pub(super) fn covariance(data: &Data, fit: &CurveFit, records: &[usize]) -> Option<DMatrix<f64>> {
     let size = fit.coefficients.len();
     let Independence::Records(count) = Independence::of(records) else {
         return Some(fit.covariance.clone());
     };
-    let design = Design::full(data.observations());
+    let design = Predictor::full(data.observations());
     let terms = design.terms(fit.link, &fit.coefficients);
     let last = records.iter().max().map_or(0, |last| last + 1);
     let mut sums = vec![(DVector::zeros(size), DMatrix::zeros(size, size)); last];

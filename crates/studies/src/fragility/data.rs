@@ -1,6 +1,6 @@
 //! Observations → data with a unique best curve or surface.
 
-use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::separation;
 
 /// Observations with a unique best curve or surface.
@@ -14,8 +14,8 @@ impl Data {
     ///
     /// # Errors
     /// The first invalid row, a single class, constant or dependent measures, or classes that do not overlap.
-    pub fn new(observations: Vec<Observation>) -> Result<Data, FitError> {
-        let measures = observations.first().ok_or(FitError::Empty)?.measures.len();
+    pub fn new(observations: Vec<Observation>) -> Result<Data, CurveFitError> {
+        let measures = observations.first().ok_or(CurveFitError::Empty)?.measures.len();
         for (row, observation) in observations.iter().enumerate() {
             let Observation { measures: of_row, fraction, weight } = observation;
             let expected = match measures {
@@ -24,13 +24,13 @@ impl Data {
                 _ => "1 or 2",
             };
             if of_row.len() != measures || !(1..=2).contains(&measures) {
-                return Err(FitError::Measures { row, found: of_row.len(), expected });
+                return Err(CurveFitError::Measures { row, found: of_row.len(), expected });
             }
             if let Some(&found) = of_row.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
-                return Err(FitError::Measure { row, found });
+                return Err(CurveFitError::Measure { row, found });
             }
             if !((0.0..=1.0).contains(fraction) && *weight > 0.0 && weight.is_finite()) {
-                return Err(FitError::Outcome { row, fraction: *fraction, weight: *weight });
+                return Err(CurveFitError::Outcome { row, fraction: *fraction, weight: *weight });
             }
         }
         separation::check(&observations)?;
@@ -51,7 +51,7 @@ impl Data {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fragility::{Fit, Link};
+    use crate::fragility::{CurveFit, Link};
 
     fn rows(rows: &[(f64, f64)]) -> Vec<Observation> {
         rows.iter().map(|&(measure, fraction)| Observation::with_probability(&[measure], fraction)).collect()
@@ -151,7 +151,7 @@ mod tests {
         let single = of(single.collect());
         let parts =
             of(counts.map(|(measure, count)| Observation::with_probability(&[measure], count as f64 / 9.0)).to_vec());
-        let error = |fit: &Fit, i: usize| fit.covariance[(i, i)].sqrt();
+        let error = |fit: &CurveFit, i: usize| fit.covariance[(i, i)].sqrt();
         for i in 0..2 {
             assert!((counted.coefficients[i] - single.coefficients[i]).abs() < 1e-12);
             assert!((error(&counted, i) - error(&single, i)).abs() < 1e-12);

@@ -7,7 +7,7 @@ use quick_xml::escape::escape;
 use serde_json::json;
 
 use crate::fragility::likelihood::Link;
-use crate::fragility::regression::Fit;
+use crate::fragility::regression::CurveFit;
 use crate::intensity::Measure;
 use crate::run::limit::Limit;
 use crate::statistics::normal::probability;
@@ -106,7 +106,7 @@ impl Component {
         id: &str,
         measure: Measure,
         factor: f64,
-        curves: impl IntoIterator<Item = (Limit, &'f Fit)>,
+        curves: impl IntoIterator<Item = (Limit, &'f CurveFit)>,
         description: &str,
     ) -> Result<Component, ExportError> {
         if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || "._".contains(c)) {
@@ -279,7 +279,7 @@ mod tests {
     use crate::fragility::{Data, Observation};
 
     /// A curve of six rows at measures times `scale`.
-    fn fit(link: Link, scale: f64) -> Fit {
+    fn fit(link: Link, scale: f64) -> CurveFit {
         let rows = [(0.2, false), (0.3, false), (0.4, true), (0.5, false), (0.6, true), (0.9, true)];
         Data::new(rows.map(|(m, over)| Observation::of(&[m * scale], over)).to_vec()).unwrap().fit(link).unwrap()
     }
@@ -368,7 +368,7 @@ mod tests {
             "{refused}"
         );
         let (fit, logit) = (fit(Link::Probit, 1.0), fit(Link::Logit, 1.0));
-        let of = |id: &str, fits: &[&Fit]| {
+        let of = |id: &str, fits: &[&CurveFit]| {
             Component::new(id, Measure::Pga, 1.0, fits.iter().map(|&fit| (Limit::Overturned, fit)), "")
         };
         assert!(of("a", &[&logit]).unwrap_err().to_string().starts_with("found a logit curve"));

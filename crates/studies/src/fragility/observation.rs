@@ -37,7 +37,7 @@ impl Observation {
 
 /// The reason why there is no best curve. Rows are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FitError {
+pub enum CurveFitError {
     /// There are no rows.
     #[error("found no rows; expected rows that exceed the limit and rows that do not")]
     Empty,

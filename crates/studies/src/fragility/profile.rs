@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
-use crate::fragility::observation::{FitError, Observation};
-use crate::fragility::regression::{Design, Fit, maximize};
+use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::regression::{CurveFit, Predictor, maximize};
 
 /// An interval; an end without a bound is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,28 +35,33 @@ impl Interval {
 /// Rows of the same record are not independent. Where records repeat, the permitted statistic grows by the ratio of the feature's
 /// variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
 /// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t².
-pub struct Profile<'a> {
+pub struct LikelihoodProfile<'a> {
     /// The rows, those of one measure together.
     observations: Vec<Observation>,
     /// Logarithms of the measure.
     x: Vec<f64>,
-    fit: &'a Fit,
+    fit: &'a CurveFit,
     /// Covariance of the coefficients; `None` if one record alone determines them.
     covariance: Option<DMatrix<f64>>,
     /// Permitted likelihood ratio statistic for independent rows.
     allowed: f64,
 }
 
-impl<'a> Profile<'a> {
+impl<'a> LikelihoodProfile<'a> {
     /// Prepares the profile of a curve fitted to these data of one measure.
     ///
     /// `confidence` is above 0 and below 1; `records` has the record of each observation.
     ///
     /// # Errors
     /// [`FitError::Measures`] for a surface.
-    pub fn new(data: &'a Data, fit: &'a Fit, confidence: f64, records: &[usize]) -> Result<Profile<'a>, FitError> {
+    pub fn new(
+        data: &'a Data,
+        fit: &'a CurveFit,
+        confidence: f64,
+        records: &[usize],
+    ) -> Result<LikelihoodProfile<'a>, CurveFitError> {
         let deviate = Independence::of(records).deviate(confidence);
-        Profile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
+        LikelihoodProfile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
     }
 
     /// [`Profile::new`] for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
@@ -65,16 +70,16 @@ impl<'a> Profile<'a> {
     /// Those of [`Profile::new`].
     pub(super) fn clustered(
         data: &'a Data,
-        fit: &'a Fit,
+        fit: &'a CurveFit,
         deviate: f64,
         covariance: Option<DMatrix<f64>>,
-    ) -> Result<Profile<'a>, FitError> {
+    ) -> Result<LikelihoodProfile<'a>, CurveFitError> {
         if data.measures() != 1 {
-            return Err(FitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
+            return Err(CurveFitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
         }
         let observations = together(data.observations());
         let x = observations.iter().map(|row| libm::log(row.measures[0])).collect();
-        Ok(Profile { observations, x, fit, covariance, allowed: deviate * deviate })
+        Ok(LikelihoodProfile { observations, x, fit, covariance, allowed: deviate * deviate })
     }
 
     /// Interval of the median, in the unit of the measure; unbounded where the data admit a slope of zero.
@@ -114,7 +119,7 @@ impl<'a> Profile<'a> {
         let (x, offset): (Vec<f64>, Vec<f64>) = self.x.iter().map(|&x| of(x)).unzip();
         let rows = self.x.len();
         let (x, offset) = (DMatrix::from_vec(rows, 1, x), DVector::from_vec(offset));
-        let design = Design { observations: &self.observations, x, offset };
+        let design = Predictor { observations: &self.observations, x, offset };
         match maximize(&design, self.fit.link, DVector::from_element(1, *near)) {
             Ok(maximum) => {
                 *near = maximum.coefficients[0];
@@ -234,7 +239,7 @@ mod tests {
             let rows = (0..60).map(|i| Observation::of(&[row(i).0 * (1.0 + apart * i as f64)], row(i).1)).collect();
             let data = Data::new(rows).unwrap();
             let fit = data.fit(Link::Probit).unwrap();
-            let profile = Profile::new(&data, &fit, 0.95, &[]).unwrap();
+            let profile = LikelihoodProfile::new(&data, &fit, 0.95, &[]).unwrap();
             let ends = [profile.median(), profile.dispersion(), profile.probability(0.5)];
             (ends.map(|Interval { low, high }| [low.unwrap(), high.unwrap()]), profile.observations.len())
         };

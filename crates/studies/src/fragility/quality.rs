@@ -3,7 +3,7 @@
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
-use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation};
 
 /// The area under the receiver operating characteristic (1); ½ is chance.
 ///
@@ -71,7 +71,7 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
 ///
 /// # Errors
 /// Those of [`Data::new`] and [`Data::fit`] for the surface of both measures, which may separate classes that overlap in one.
-pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -> Result<f64, FitError> {
+pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -> Result<f64, CurveFitError> {
     let both = data
         .observations()
         .iter()

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::{Link, Term};
-use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation};
 
 /// A fitted curve or surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub struct CurveFit {
     /// The distribution function of the linear predictor.
     pub link: Link,
     /// Intercept a, then a slope b for the natural logarithm of each measure.
@@ -27,18 +27,18 @@ impl Data {
     ///
     /// # Errors
     /// [`FitError::NotConverged`] for data that are nearly separable.
-    pub fn fit(&self, link: Link) -> Result<Fit, FitError> {
+    pub fn fit(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         let observations = self.observations();
         let Maximum { coefficients, covariance, log_likelihood } =
-            maximize(&Design::full(observations), link, DVector::zeros(1 + self.measures()))?;
+            maximize(&Predictor::full(observations), link, DVector::zeros(1 + self.measures()))?;
         let total: f64 = observations.iter().map(|row| row.weight).sum();
         let mean = observations.iter().map(|row| row.weight * row.fraction).sum::<f64>() / total;
         let null_log_likelihood = total * (mean * libm::log(mean) + (1.0 - mean) * libm::log1p(-mean));
-        Ok(Fit { link, coefficients, covariance, log_likelihood, null_log_likelihood })
+        Ok(CurveFit { link, coefficients, covariance, log_likelihood, null_log_likelihood })
     }
 }
 
-impl Fit {
+impl CurveFit {
     /// The probability at these measures, one for each slope and above zero.
     pub fn probability(&self, measures: &[f64]) -> f64 {
         let slopes = self.coefficients.iter().skip(1).zip(measures);
@@ -64,22 +64,22 @@ impl Fit {
 }
 
 /// The design of a regression: a predictor `offset + Σ x c` for each observation.
-pub(super) struct Design<'a> {
+pub(super) struct Predictor<'a> {
     pub observations: &'a [Observation],
     /// A row for each observation.
     pub x: DMatrix<f64>,
     pub offset: DVector<f64>,
 }
 
-impl Design<'_> {
+impl Predictor<'_> {
     /// The full model: an intercept and the logarithm of each measure.
-    pub fn full(observations: &[Observation]) -> Design<'_> {
+    pub fn full(observations: &[Observation]) -> Predictor<'_> {
         let columns = 1 + observations[0].measures.len();
         let x = DMatrix::from_fn(observations.len(), columns, |row, column| match column {
             0 => 1.0,
             _ => libm::log(observations[row].measures[column - 1]),
         });
-        Design { observations, x, offset: DVector::zeros(observations.len()) }
+        Predictor { observations, x, offset: DVector::zeros(observations.len()) }
     }
 
     /// The weighted terms of the log-likelihood at these coefficients.
@@ -197,7 +197,7 @@ pub(super) struct Maximum {
 /// Maximizes the likelihood by Newton's method from these coefficients, halving steps that decrease it.
 ///
 /// The log-likelihood of both links is concave; data that are not separable have exactly one maximum.
-pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Result<Maximum, FitError> {
+pub(super) fn maximize(design: &Predictor, link: Link, start: DVector<f64>) -> Result<Maximum, CurveFitError> {
     const MAX_ITERATIONS: u32 = 100;
     const MAX_HALVINGS: u32 = 60;
     let columns = design.x.ncols();
@@ -225,5 +225,5 @@ pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Resu
         }
         length = part * step.norm();
     }
-    Err(FitError::NotConverged { iterations: MAX_ITERATIONS, step: length })
+    Err(CurveFitError::NotConverged { iterations: MAX_ITERATIONS, step: length })
 }

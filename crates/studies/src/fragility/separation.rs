@@ -6,25 +6,25 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation};
 
 /// Checks that both classes occur, that the measures vary, and that the classes overlap.
 ///
 /// Needs valid measures.
-pub(super) fn check(observations: &[Observation]) -> Result<(), FitError> {
+pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     let rows = observations.len();
     let class = |is: fn(f64) -> bool| observations.iter().filter(move |row| is(row.fraction));
     let (others, exceeded) = (|y: f64| y < 1.0, |y: f64| y > 0.0);
     for (is, other) in [(others as fn(f64) -> bool, true), (exceeded, false)] {
         if class(is).next().is_none() {
-            return Err(FitError::OneClass { exceeded: other, rows });
+            return Err(CurveFitError::OneClass { exceeded: other, rows });
         }
     }
     let count = observations[0].measures.len();
     for measure in 0..count {
         let value = observations[0].measures[measure];
         if observations.iter().all(|row| row.measures[measure] == value) {
-            return Err(FitError::Alike { value, rows });
+            return Err(CurveFitError::Alike { value, rows });
         }
     }
     if count == 1 {
@@ -38,7 +38,7 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), FitError> {
             let has_more = || observations.iter().any(|row| row.measures[0] > below);
             let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
             if below <= above {
-                return Err(FitError::Separable { below, above, falls, shared });
+                return Err(CurveFitError::Separable { below, above, falls, shared });
             }
         }
         return Ok(());
@@ -46,11 +46,11 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), FitError> {
     let points =
         |is| -> Vec<[f64; 2]> { class(is).map(|row| [row.measures[0], row.measures[1]].map(libm::log)).collect() };
     if hull(points(|_| true)).len() < 3 {
-        return Err(FitError::Collinear { rows });
+        return Err(CurveFitError::Collinear { rows });
     }
     if is_separable(&hull(points(others)), &hull(points(exceeded))) {
         let (exceeded, others) = (class(exceeded).count(), class(others).count());
-        return Err(FitError::SeparablePlane { exceeded, others });
+        return Err(CurveFitError::SeparablePlane { exceeded, others });
     }
     Ok(())
 }

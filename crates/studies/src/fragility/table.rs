@@ -7,7 +7,7 @@ use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
 use crate::output::reading::{TableReadError, TableReader};
 use crate::output::table::{Series, Table, Values, split_heading};
-use crate::run::limit::{Limit, Response};
+use crate::run::limit::{KnownPeaks, Limit};
 use crate::run::outcome::End;
 
 /// The reason why a table cannot be evaluated.
@@ -274,7 +274,8 @@ impl SweepTable {
             }
             let next = motions.len();
             let motion = *motions.entry(known).or_insert(next);
-            let response = Response { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
+            let response =
+                KnownPeaks { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
             let fraction = match is_ensemble {
                 // Empty if no sample is known.
                 true => number(probabilities, row)?,

@@ -3,7 +3,7 @@
 use toml::de::DeTable;
 
 use crate::input::study_file::{SpannedValue, StudyFileError, StudyText};
-use crate::output::table::Column;
+use crate::output::table::TableColumn;
 use crate::spec::words::friction;
 use rocking_block::unit::variables::{Causality, Kind, Metadata, VARIABLES, Variable};
 
@@ -74,19 +74,21 @@ impl Parameter {
     }
 
     /// The column of its values in the engine: words of choices, numbers as those of users.
-    pub fn column<'c, R>(self, value: impl Fn(&R) -> f64 + Sync + 'c) -> Column<'c, R> {
+    pub fn column<'c, R>(self, value: impl Fn(&R) -> f64 + Sync + 'c) -> TableColumn<'c, R> {
         let Metadata { kind, items, unit, .. } = *self.metadata;
         let name = self.name();
         match kind {
-            Kind::Boolean => Column::boolean(name, move |row| value(row) != 0.0),
+            Kind::Boolean => TableColumn::boolean(name, move |row| value(row) != 0.0),
             Kind::Enumeration => {
                 let position = move |found: f64| items.iter().position(|item| f64::from(item.0) == found);
-                Column::choice(name, items.iter().map(|item| word(item.1)), move |row| {
+                TableColumn::choice(name, items.iter().map(|item| word(item.1)), move |row| {
                     position(value(row)).unwrap_or_else(|| unreachable!("{name} = {}", value(row)))
                 })
             }
-            Kind::Integer => Column::count(name, move |row| value(row) as i64).with_unit(unit),
-            Kind::Real | Kind::String => Column::real(name, "1", move |row| self.shown(value(row))).with_unit(unit),
+            Kind::Integer => TableColumn::count(name, move |row| value(row) as i64).with_unit(unit),
+            Kind::Real | Kind::String => {
+                TableColumn::real(name, "1", move |row| self.shown(value(row))).with_unit(unit)
+            }
         }
     }
 

@@ -21,7 +21,7 @@ use std::str::FromStr;
 use rocking_block::block::{Block, Corner};
 use rocking_records::Record;
 
-pub(crate) use oscillator::Step;
+pub(crate) use oscillator::OscillatorStep;
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
 pub use period::mean_period;
 pub use rotated::{rot_d, rotated};

@@ -58,7 +58,7 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
     const STEPS_A_PERIOD: f64 = 20.0;
     let omega = TAU / period;
     let substeps = (record.time_step / (period / STEPS_A_PERIOD)).ceil().max(1.0);
-    let step = Step::new(omega, DAMPING, record.time_step / substeps);
+    let step = OscillatorStep::new(omega, DAMPING, record.time_step / substeps);
     let (mut state, mut peaks) = ([0.0; 2], OscillatorPeaks::default());
     let mut pass = |from: f64, to: f64| {
         let slope = (to - from) / record.time_step;
@@ -66,7 +66,8 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
             let a = from + (to - from) * i as f64 / substeps;
             let before = state;
             state = step.advance(before, a, slope);
-            let at = |t: f64| [Step::new(omega, DAMPING, t).advance(before, a, slope), [a + slope * t, slope]];
+            let at =
+                |t: f64| [OscillatorStep::new(omega, DAMPING, t).advance(before, a, slope), [a + slope * t, slope]];
             let ends = [[before, [a, slope]], [state, [a + slope * step.duration, slope]]];
             peaks.displacement = higher(peaks.displacement, ends, step.duration, |[[u, u_dot], _]| [u, u_dot], at);
             if !VELOCITY {
@@ -107,7 +108,7 @@ fn higher(
 }
 
 /// `ü + 2 ζ ω u̇ + ω² u = −a(t)` over a step in which a is linear.
-pub(crate) struct Step {
+pub(crate) struct OscillatorStep {
     omega: f64,
     /// Damping ratio ζ, less than 1.
     damping: f64,
@@ -118,17 +119,17 @@ pub(crate) struct Step {
     sin: f64,
 }
 
-impl Step {
-    pub(crate) fn new(omega: f64, damping: f64, duration: f64) -> Step {
+impl OscillatorStep {
+    pub(crate) fn new(omega: f64, damping: f64, duration: f64) -> OscillatorStep {
         let omega_d = omega * (1.0 - damping * damping).sqrt();
         let decay = libm::exp(-damping * omega * duration);
         let (sin, cos) = libm::sincos(omega_d * duration);
-        Step { omega, damping, omega_d, duration, cos: decay * cos, sin: decay * sin }
+        OscillatorStep { omega, damping, omega_d, duration, cos: decay * cos, sin: decay * sin }
     }
 
     /// `[u, u̇]` at the end of the step, from those at its start, the acceleration there and its rate.
     pub(crate) fn advance(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
-        let Step { omega, damping, omega_d, duration, cos, sin } = *self;
+        let OscillatorStep { omega, damping, omega_d, duration, cos, sin } = *self;
         // The particular solution `c0 + c1 t`, plus the free vibration that meets the initial state.
         let c1 = -slope / (omega * omega);
         let c0 = (-a - 2.0 * damping * omega * c1) / (omega * omega);
@@ -167,7 +168,7 @@ mod tests {
     fn a_ramp_gives_the_closed_form_with_any_step() {
         let (omega, slope, root) = (TAU / 0.7, 3.0, (1.0 - DAMPING * DAMPING).sqrt());
         for h in [0.013, 0.1, 0.31] {
-            let step = Step::new(omega, DAMPING, h);
+            let step = OscillatorStep::new(omega, DAMPING, h);
             let mut state = [0.0; 2];
             for i in 0..20 {
                 state = step.advance(state, slope * f64::from(i) * h, slope);

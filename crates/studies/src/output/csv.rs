@@ -81,12 +81,12 @@ pub fn read_batches<E: From<String>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::table::Column;
+    use crate::output::table::TableColumn;
 
     struct Row(u64, f64, &'static str);
 
-    fn columns<'c>() -> Vec<Column<'c, Row>> {
-        type Of<'c> = Column<'c, Row>;
+    fn columns<'c>() -> Vec<TableColumn<'c, Row>> {
+        type Of<'c> = TableColumn<'c, Row>;
         vec![
             Of::row(|row| row.0),
             Of::real("x", "m/s2", |row| row.1),

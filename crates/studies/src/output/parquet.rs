@@ -241,7 +241,7 @@ fn all<T: DataType>(mut reader: ColumnReaderImpl<T>, rows: usize, missing: T::T)
 mod tests {
     use super::*;
     use crate::output::reading::TableReader;
-    use crate::output::table::Column;
+    use crate::output::table::TableColumn;
 
     type Row = (u64, f64, &'static str);
 
@@ -252,7 +252,7 @@ mod tests {
     }
 
     fn table(rows: std::ops::Range<u64>) -> Table {
-        type Of<'c> = Column<'c, Row>;
+        type Of<'c> = TableColumn<'c, Row>;
         let columns = [
             Of::row(|row| row.0),
             Of::real("x", "m/s2", |row| row.1),

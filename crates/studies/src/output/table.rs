@@ -1,6 +1,6 @@
 //! Columns with their units and types → tables of typed values.
 //!
-//! A [`Column`] declares all that a table says about a value: its name, its unit, its type, and the function that takes it from a row.
+//! A [`TableColumn`] declares all that a table says about a value: its name, its unit, its type, and the function that takes it from a row.
 
 use std::fmt::{Display, Write};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ pub(super) fn number(field: &str) -> Option<f64> {
 }
 
 /// A column of rows of this type: its heading, and its value in a row.
-pub struct Column<'c, R> {
+pub struct TableColumn<'c, R> {
     heading: Heading,
     value: Value<'c, R>,
 }
@@ -70,14 +70,14 @@ enum Value<'c, R> {
     Text(Of<'c, R, String>),
 }
 
-impl<'c, R> Column<'c, R> {
-    fn new(name: impl Into<String>, unit: Option<&str>, kind: Kind, value: Value<'c, R>) -> Column<'c, R> {
-        Column { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, value }
+impl<'c, R> TableColumn<'c, R> {
+    fn new(name: impl Into<String>, unit: Option<&str>, kind: Kind, value: Value<'c, R>) -> TableColumn<'c, R> {
+        TableColumn { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, value }
     }
 
     /// A column of numbers with a unit.
-    pub fn real(name: impl Into<String>, unit: &str, value: impl Fn(&R) -> f64 + Sync + 'c) -> Column<'c, R> {
-        Column::new(name, Some(unit), Kind::Real, Value::Real(Box::new(value)))
+    pub fn real(name: impl Into<String>, unit: &str, value: impl Fn(&R) -> f64 + Sync + 'c) -> TableColumn<'c, R> {
+        TableColumn::new(name, Some(unit), Kind::Real, Value::Real(Box::new(value)))
     }
 
     /// A column of numbers with a unit, which some rows lack.
@@ -85,25 +85,25 @@ impl<'c, R> Column<'c, R> {
         name: impl Into<String>,
         unit: &str,
         value: impl Fn(&R) -> Option<f64> + Sync + 'c,
-    ) -> Column<'c, R> {
-        Column::real(name, unit, move |row| value(row).unwrap_or(f64::NAN))
+    ) -> TableColumn<'c, R> {
+        TableColumn::real(name, unit, move |row| value(row).unwrap_or(f64::NAN))
     }
 
     /// A column of counts.
-    pub fn count<N: TryInto<i64>>(name: impl Into<String>, value: impl Fn(&R) -> N + Sync + 'c) -> Column<'c, R> {
+    pub fn count<N: TryInto<i64>>(name: impl Into<String>, value: impl Fn(&R) -> N + Sync + 'c) -> TableColumn<'c, R> {
         // No run counts further.
         let value = move |row: &R| value(row).try_into().unwrap_or(i64::MAX);
-        Column::new(name, Some("1"), Kind::Integer, Value::Integer(Box::new(value)))
+        TableColumn::new(name, Some("1"), Kind::Integer, Value::Integer(Box::new(value)))
     }
 
     /// The first column of a study's table: the number of the row, from 0.
-    pub fn row(value: impl Fn(&R) -> u64 + Sync + 'c) -> Column<'c, R> {
-        Column::count("row", value).with_unit(None)
+    pub fn row(value: impl Fn(&R) -> u64 + Sync + 'c) -> TableColumn<'c, R> {
+        TableColumn::count("row", value).with_unit(None)
     }
 
     /// A column of true and false.
-    pub fn boolean(name: impl Into<String>, value: impl Fn(&R) -> bool + Sync + 'c) -> Column<'c, R> {
-        Column::new(name, None, Kind::Boolean, Value::Boolean(Box::new(value)))
+    pub fn boolean(name: impl Into<String>, value: impl Fn(&R) -> bool + Sync + 'c) -> TableColumn<'c, R> {
+        TableColumn::new(name, None, Kind::Boolean, Value::Boolean(Box::new(value)))
     }
 
     /// A column of words; the value is the position of the word in the list.
@@ -111,19 +111,19 @@ impl<'c, R> Column<'c, R> {
         name: impl Into<String>,
         words: impl IntoIterator<Item = W>,
         value: impl Fn(&R) -> usize + Sync + 'c,
-    ) -> Column<'c, R> {
+    ) -> TableColumn<'c, R> {
         let words = words.into_iter().map(Into::into).collect();
-        Column::new(name, None, Kind::Choice(words), Value::Choice(Box::new(value)))
+        TableColumn::new(name, None, Kind::Choice(words), Value::Choice(Box::new(value)))
     }
 
     /// A column of text.
-    pub fn text(name: impl Into<String>, value: impl Fn(&R) -> String + Sync + 'c) -> Column<'c, R> {
-        Column::new(name, None, Kind::Text, Value::Text(Box::new(value)))
+    pub fn text(name: impl Into<String>, value: impl Fn(&R) -> String + Sync + 'c) -> TableColumn<'c, R> {
+        TableColumn::new(name, None, Kind::Text, Value::Text(Box::new(value)))
     }
 
     /// The same column with another unit, or none.
     #[must_use]
-    pub fn with_unit(mut self, unit: Option<&str>) -> Column<'c, R> {
+    pub fn with_unit(mut self, unit: Option<&str>) -> TableColumn<'c, R> {
         self.heading.unit = unit.map(String::from);
         self
     }
@@ -145,7 +145,7 @@ impl<'c, R> Column<'c, R> {
 }
 
 /// The headings of columns.
-pub fn headings<R>(columns: &[Column<'_, R>]) -> Vec<Heading> {
+pub fn headings<R>(columns: &[TableColumn<'_, R>]) -> Vec<Heading> {
     columns.iter().map(|column| column.heading.clone()).collect()
 }
 
@@ -276,8 +276,8 @@ pub struct Table {
 
 impl Table {
     /// Takes the values of all columns from rows.
-    pub fn of<R>(columns: &[Column<R>], rows: &[R]) -> Table {
-        let series = |column: &Column<R>| Series { heading: column.heading.clone(), values: column.values(rows) };
+    pub fn of<R>(columns: &[TableColumn<R>], rows: &[R]) -> Table {
+        let series = |column: &TableColumn<R>| Series { heading: column.heading.clone(), values: column.values(rows) };
         Table { columns: columns.iter().map(series).collect(), rows: rows.len() }
     }
 
@@ -396,7 +396,7 @@ mod tests {
     use super::*;
 
     fn table(numbers: &[f64]) -> Table {
-        type Of<'c> = Column<'c, f64>;
+        type Of<'c> = TableColumn<'c, f64>;
         let sign = Of::choice("sign", ["minus", "plus"], |number| usize::from(*number > 0.0));
         Table::of(&[Of::real("x", "m", |number| *number), sign, Of::boolean("is_whole", |x| x.fract() == 0.0)], numbers)
     }

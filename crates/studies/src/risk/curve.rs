@@ -1,6 +1,6 @@
 //! A fragility curve, a power law → the part of the rate from a range of the measure.
 
-use crate::fragility::{Fit, Link};
+use crate::fragility::{CurveFit, Link};
 use crate::risk::hazard::PowerLaw;
 use crate::statistics::normal;
 
@@ -94,7 +94,7 @@ impl FragilityCurve {
     ///
     /// # Errors
     /// A probability that falls with the measure.
-    pub fn of(fit: &Fit) -> Result<FragilityCurve, CurveError> {
+    pub fn of(fit: &CurveFit) -> Result<FragilityCurve, CurveError> {
         let curve = FragilityCurve::lognormal(fit.median(), fit.dispersion())?;
         Ok(match (fit.link, curve) {
             (Link::Logit, FragilityCurve::Lognormal { median, beta }) => FragilityCurve::Logistic { median, beta },

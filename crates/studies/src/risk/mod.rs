@@ -25,5 +25,5 @@ mod units;
 pub use curve::{CurveError, FragilityCurve};
 pub use hazard::{HazardCurve, HazardError};
 pub use hazard_file::{HazardOptions, canonical, read_hazard};
-pub use rate::{AnnualRate, Part, interval, probability_in};
+pub use rate::{AnnualRate, RatePart, interval, probability_in};
 pub use units::si;

@@ -20,7 +20,7 @@ pub struct AnnualRate {
 
 /// The part of the rate from a range of the measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct RatePart {
     /// Lower end, zero below the hazard's least level.
     pub from: f64,
     /// Upper end, infinite above the hazard's greatest level.
@@ -73,12 +73,12 @@ impl AnnualRate {
     }
 
     /// The parts of the rate below, between and above the hazard's levels.
-    pub fn deaggregation(&self) -> Vec<Part> {
+    pub fn deaggregation(&self) -> Vec<RatePart> {
         let ends = std::iter::once(0.0).chain(self.hazard.levels().iter().copied()).chain([f64::INFINITY]);
         let ends: Vec<f64> = ends.collect();
         let part = |ends: &[f64]| {
             let rate = self.between(ends[0], ends[1]);
-            Part { from: ends[0], to: ends[1], rate, share: rate / self.rate }
+            RatePart { from: ends[0], to: ends[1], rate, share: rate / self.rate }
         };
         ends.windows(2).map(part).collect()
     }

@@ -7,7 +7,7 @@ use crate::run::outcome::{Incidents, Outcome};
 use crate::run::{Run, Schedule};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
-use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
+use rocking_block::simulation::lanes::{BatchKind, Lane, Next, step_group};
 
 /// Active runs per lane, enough for a full group of some kind at nearly every step.
 const RUNS_PER_LANE: usize = 8;
@@ -79,7 +79,7 @@ struct Batch<R, E> {
     active: Vec<ActiveRun>,
     /// Queues of lanes by the kind of their next step.
     #[expect(clippy::vec_box, reason = "a lane of nearly a kilobyte moves from queue to queue")]
-    waiting: [Vec<Box<Lane>>; Kind::COUNT],
+    waiting: [Vec<Box<Lane>>; BatchKind::COUNT],
     outcomes: Vec<Option<Outcome>>,
     lane_use: LaneUse,
 }
@@ -165,7 +165,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     #[expect(clippy::vec_box, reason = "as `waiting`")]
     fn step(&mut self, group: &mut Vec<Box<Lane>>) -> bool {
         let mut number = 0;
-        for other in 1..Kind::COUNT {
+        for other in 1..BatchKind::COUNT {
             if self.waiting[other].len() > self.waiting[number].len() {
                 number = other;
             }
@@ -178,7 +178,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         {
             group.push(lane);
         }
-        let taken = if count > 1 { step_group(self.width, Kind::numbered(number), group) } else { 0 };
+        let taken = if count > 1 { step_group(self.width, BatchKind::numbered(number), group) } else { 0 };
         if count > 1 {
             self.lane_use.in_lanes += u64::from(taken.count_ones());
             self.lane_use.idle += (lanes - count) as u64;

@@ -19,7 +19,7 @@ pub enum Limit {
 
 /// The peaks of a run that limits refer to, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Response {
+pub struct KnownPeaks {
     /// Of the rotation |θ|/α (1).
     pub rotation: Option<f64>,
     /// Of the rotation over the balance angle of its side (1).
@@ -30,7 +30,7 @@ pub struct Response {
 
 impl Limit {
     /// Whether a run exceeds the limit, or `None` if that is unknown: the run failed, or it ended before the limit and its motion goes on.
-    pub fn verdict(self, end: End, response: Response) -> Option<bool> {
+    pub fn verdict(self, end: End, response: KnownPeaks) -> Option<bool> {
         let beyond = match self {
             Limit::Overturned => false,
             Limit::Balance => response.over_balance.is_some_and(|over| over > 1.0),
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn a_run_that_ends_before_the_limit_and_the_motion_has_no_verdict() {
         let verdicts = |limit: Limit, rotation: f64| {
-            let response = Response { rotation: Some(rotation), ..Response::default() };
+            let response = KnownPeaks { rotation: Some(rotation), ..KnownPeaks::default() };
             End::ALL.map(|end| limit.verdict(end, response))
         };
         let [no, yes] = [false, true].map(Some);

@@ -24,7 +24,7 @@ use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
 use rocking_block::block::Regime;
 use rocking_block::block::restraints::TieStates;
-use rocking_block::excitation::records::{Ground, Piece};
+use rocking_block::excitation::records::{Ground, RecordInterval};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
@@ -363,7 +363,7 @@ pub(super) struct Schedule {
     duration: Option<f64>,
     output_step: f64,
     /// The piece of the ground motion that leads to the next stop.
-    piece: Piece,
+    piece: RecordInterval,
     stopping_rule: Option<StoppingRule>,
     /// Time of the next check of the stopping rule (s).
     next_check: f64,
@@ -420,7 +420,7 @@ impl Schedule {
         self.lean.follow(simulation);
         let ended = self.is_over(simulation);
         if !ended && self.stop == self.piece.end {
-            run.ground.go_on(&mut self.piece);
+            run.ground.next_interval(&mut self.piece);
         }
         self.check(simulation);
         let Schedule { start, end, .. } = *self;

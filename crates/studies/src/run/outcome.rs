@@ -1,6 +1,6 @@
 //! A run → its end, its peaks and its counts.
 
-use crate::output::table::Column;
+use crate::output::table::TableColumn;
 use rocking_block::block::restraints::{self, tie};
 use rocking_block::block::{Block, Corner, Regime};
 use rocking_block::simulation::peaks::Peaks;
@@ -111,35 +111,34 @@ pub trait OutcomeRow {
 /// The columns of the outcomes of blocks; those of friction and ties only where there are any.
 ///
 /// The time of the first separation is missing where there is none.
-pub fn columns<'c, R: OutcomeRow + 'c>(Holds { friction, ties }: Holds) -> Vec<Column<'c, R>> {
+pub fn columns<'c, R: OutcomeRow + 'c>(Holds { friction, ties }: Holds) -> Vec<TableColumn<'c, R>> {
     let of = R::outcome;
     let mut columns = vec![
-        Column::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
-        Column::real("end_time", "s", move |row| of(row).end_time),
-        Column::real("peak.theta/alpha", "1", move |row| of(row).peaks.theta / row.alpha()),
-        Column::real("peak.uplift", "m", move |row| of(row).peaks.uplift),
-        Column::real("peak.N", "N", move |row| of(row).peaks.reaction),
-        Column::real("peak.H", "N", move |row| of(row).peaks.horizontal),
-        Column::real("peak.friction_demand", "1", move |row| of(row).peaks.friction_demand),
-        Column::optional("first_separation", "s", move |row| of(row).flights.first),
-        Column::count("flights", move |row| of(row).flights.count),
-        Column::count("events.impacts", move |row| of(row).counts.impacts),
-        Column::count("events.liftoffs", move |row| of(row).counts.liftoffs),
+        TableColumn::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
+        TableColumn::real("end_time", "s", move |row| of(row).end_time),
+        TableColumn::real("peak.theta/alpha", "1", move |row| of(row).peaks.theta / row.alpha()),
+        TableColumn::real("peak.uplift", "m", move |row| of(row).peaks.uplift),
+        TableColumn::real("peak.N", "N", move |row| of(row).peaks.reaction),
+        TableColumn::real("peak.H", "N", move |row| of(row).peaks.horizontal),
+        TableColumn::real("peak.friction_demand", "1", move |row| of(row).peaks.friction_demand),
+        TableColumn::optional("first_separation", "s", move |row| of(row).flights.first),
+        TableColumn::count("flights", move |row| of(row).flights.count),
+        TableColumn::count("events.impacts", move |row| of(row).counts.impacts),
+        TableColumn::count("events.liftoffs", move |row| of(row).counts.liftoffs),
     ];
     if friction {
-        columns.push(Column::real("peak.slip", "m", move |row| of(row).peaks.slip));
+        columns.push(TableColumn::real("peak.slip", "m", move |row| of(row).peaks.slip));
     }
-    columns.extend(
-        (0..ties)
-            .map(|tie| Column::real(format!("peak.tie_{}.tension", tie + 1), "N", move |row| of(row).peaks.pull[tie])),
-    );
+    columns.extend((0..ties).map(|tie| {
+        TableColumn::real(format!("peak.tie_{}.tension", tie + 1), "N", move |row| of(row).peaks.pull[tie])
+    }));
     if ties > 0 {
         // Ties may hold a block beyond its balance.
         columns.extend([
-            Column::real("peak.theta/balance", "1", move |row| of(row).lean.over_balance),
-            Column::real("end.theta/alpha", "1", move |row| of(row).lean.end / row.alpha()),
-            Column::count("ties.broken", move |row| of(row).breaks.count),
-            Column::optional("first_break", "s", move |row| of(row).breaks.first),
+            TableColumn::real("peak.theta/balance", "1", move |row| of(row).lean.over_balance),
+            TableColumn::real("end.theta/alpha", "1", move |row| of(row).lean.end / row.alpha()),
+            TableColumn::count("ties.broken", move |row| of(row).breaks.count),
+            TableColumn::optional("first_break", "s", move |row| of(row).breaks.first),
         ]);
     }
     columns
@@ -263,7 +262,7 @@ pub struct Breaks {
 impl Breaks {
     /// Counts an event if a tie breaks.
     fn count_event(&mut self, event: &Event) {
-        if matches!(event.kind, EventKind::Restraint(restraints::Event::Tie(_, tie::Event::Break))) {
+        if matches!(event.kind, EventKind::Restraint(restraints::RestraintEvent::Tie(_, tie::TieEvent::Break))) {
             self.count += 1;
             self.first.get_or_insert(event.time);
         }

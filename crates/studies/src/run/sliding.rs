@@ -3,7 +3,7 @@
 //! The peak of the friction demand |H|/(N_L + N_R) is unbounded where the reactions vanish for an instant, as in an impact. The
 //! time for which the demand exceeds the available friction indicates whether a block would slide.
 
-use crate::output::table::Column;
+use crate::output::table::TableColumn;
 use crate::run::Run;
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
@@ -12,8 +12,8 @@ use rocking_block::simulation::Simulation;
 const SAMPLING: f64 = 1e-3;
 
 /// The column of these times for a coefficient of friction (1) over rows with this run.
-pub fn column<'c, R>(friction: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> Column<'c, R> {
-    Column::real(format!("friction_demand>{friction}"), "s", move |row| run(row).longest_above(friction))
+pub fn column<'c, R>(friction: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
+    TableColumn::real(format!("friction_demand>{friction}"), "s", move |row| run(row).longest_above(friction))
 }
 
 /// The longest uninterrupted time for which the friction demand exceeds μ.

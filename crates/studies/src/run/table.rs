@@ -50,7 +50,7 @@ const OF_FRICTION: [FixedColumn; 3] = [
 ];
 
 /// A column: its name, its unit and its value in a row.
-pub struct Column {
+pub struct HistoryColumn {
     /// Its name.
     pub name: String,
     /// Its unit.
@@ -58,7 +58,7 @@ pub struct Column {
     value: Box<dyn Fn(&Row) -> f64>,
 }
 
-impl Column {
+impl HistoryColumn {
     /// The value in a row.
     pub fn value(&self, row: &Row) -> f64 {
         (self.value)(row)
@@ -73,14 +73,14 @@ impl Column {
 }
 
 /// The columns of a block's history: those of every table, and those of friction and ties where the block has them.
-pub fn columns(block: &Block) -> Vec<Column> {
+pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     let Holds { friction, ties } = Holds::of(block);
-    let fixed = |(name, unit, value): FixedColumn| Column { name: name.into(), unit, value: Box::new(value) };
-    let mut columns: Vec<Column> = COLUMNS.map(fixed).into();
+    let fixed = |(name, unit, value): FixedColumn| HistoryColumn { name: name.into(), unit, value: Box::new(value) };
+    let mut columns: Vec<HistoryColumn> = COLUMNS.map(fixed).into();
     if friction {
         columns.extend(OF_FRICTION.map(fixed));
     }
-    columns.extend((0..ties).map(|tie| Column {
+    columns.extend((0..ties).map(|tie| HistoryColumn {
         name: format!("tie_{}.tension", tie + 1),
         unit: "N",
         value: Box::new(move |row| row.observation.pull[tie]),
@@ -106,9 +106,9 @@ pub fn write_part(
     out: impl Write,
 ) -> csv::Result<()> {
     let columns = columns(block);
-    let varied: Vec<&Column> = columns.iter().filter(|column| column.has_derivative()).collect();
-    let heading = |Column { name, unit, .. }: &Column| format!("{name} [{unit}]");
-    let derivative = |of: &Derivatives, Column { name, unit, .. }: &Column| {
+    let varied: Vec<&HistoryColumn> = columns.iter().filter(|column| column.has_derivative()).collect();
+    let heading = |HistoryColumn { name, unit, .. }: &HistoryColumn| format!("{name} [{unit}]");
+    let derivative = |of: &Derivatives, HistoryColumn { name, unit, .. }: &HistoryColumn| {
         let (parameter, per) = (&of.name, rocking_gradients::unit(&of.name));
         let unit = if per == "1" { (*unit).into() } else { format!("({unit})/({per})") };
         format!("d({name})/d({parameter}) [{unit}]")
@@ -120,7 +120,7 @@ pub fn write_part(
     }
     for (i, row) in range.clone().zip(&history.rows[range]) {
         let values = columns.iter().map(|column| column.value(row).to_string());
-        let of = |of: &Derivatives, column: &Column| column.value(&of.rows[i]).to_string();
+        let of = |of: &Derivatives, column: &HistoryColumn| column.value(&of.rows[i]).to_string();
         let derivatives = gradients.iter().flat_map(|gradient| varied.iter().map(move |column| of(gradient, column)));
         writer.write_record(values.chain(derivatives))?;
     }

@@ -43,7 +43,7 @@ impl Scan {
 
 /// A change of outcome between two values at most the resolution apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change<K> {
+pub struct OutcomeBoundary<K> {
     /// The value below the change.
     pub below: f64,
     /// The value above it.
@@ -62,7 +62,7 @@ pub struct OutcomeMap<K> {
     /// Greatest value of the scan, and the outcome there.
     pub last: (f64, K),
     /// The changes between them, in the order of the values.
-    pub changes: Vec<Change<K>>,
+    pub changes: Vec<OutcomeBoundary<K>>,
     /// Spacing of the scan: a narrower island of another outcome may have been missed.
     pub spacing: f64,
 }
@@ -170,7 +170,7 @@ pub fn changes<K: PartialEq + Copy>(
         changes: seen
             .windows(2)
             .filter(|pair| pair[0].1 != pair[1].1)
-            .map(|pair| Change::new(pair[0], pair[1]))
+            .map(|pair| OutcomeBoundary::new(pair[0], pair[1]))
             .collect(),
         spacing: scan.spacing(),
     };
@@ -186,7 +186,7 @@ pub fn changes<K: PartialEq + Copy>(
         }
         let mut outcomes = outcomes(&middles).into_iter();
         for found in &mut found {
-            let divide = |change: &Change<K>| match change.middle(scan.resolution) {
+            let divide = |change: &OutcomeBoundary<K>| match change.middle(scan.resolution) {
                 Some(middle) => change.divided(middle, outcomes.next().expect("an outcome for each middle")),
                 None => [Some(*change), None],
             };
@@ -195,9 +195,9 @@ pub fn changes<K: PartialEq + Copy>(
     }
 }
 
-impl<K: PartialEq + Copy> Change<K> {
-    fn new(below: (f64, K), above: (f64, K)) -> Change<K> {
-        Change { below: below.0, above: above.0, from: below.1, to: above.1 }
+impl<K: PartialEq + Copy> OutcomeBoundary<K> {
+    fn new(below: (f64, K), above: (f64, K)) -> OutcomeBoundary<K> {
+        OutcomeBoundary { below: below.0, above: above.0, from: below.1, to: above.1 }
     }
 
     /// The next value to evaluate; none once the bracket is as narrow as the resolution, or round-off.
@@ -207,10 +207,10 @@ impl<K: PartialEq + Copy> Change<K> {
     }
 
     /// The changes that remain for this outcome at the midpoint: two if it is a third outcome.
-    fn divided(&self, middle: f64, outcome: K) -> [Option<Change<K>>; 2] {
+    fn divided(&self, middle: f64, outcome: K) -> [Option<OutcomeBoundary<K>>; 2] {
         let halves = [
-            Change::new((self.below, self.from), (middle, outcome)),
-            Change::new((middle, outcome), (self.above, self.to)),
+            OutcomeBoundary::new((self.below, self.from), (middle, outcome)),
+            OutcomeBoundary::new((middle, outcome), (self.above, self.to)),
         ];
         halves.map(|half| (half.from != half.to).then_some(half))
     }

@@ -15,7 +15,7 @@ use crate::output::runner;
 use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
-pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
+pub use bisection::{OutcomeBoundary, OutcomeMap, Scan, Threshold, changes};
 use rocking_block::block::{Block, BlockError, Corner, Foundation};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
-use crate::output::table::{Column, Table, headings};
+use crate::output::table::{Table, TableColumn, headings};
 use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{self, Holds, Outcome, OutcomeRow};
@@ -286,9 +286,9 @@ impl Spectrum {
     }
 
     /// The columns: of the block, of its run, and of the friction that it needs.
-    fn columns(&self) -> Vec<Column<'_, SpectrumRow<'_>>> {
+    fn columns(&self) -> Vec<TableColumn<'_, SpectrumRow<'_>>> {
         let motions = self.motions.iter().map(|(name, _)| name.clone());
-        type Of<'a> = Column<'a, SpectrumRow<'a>>;
+        type Of<'a> = TableColumn<'a, SpectrumRow<'a>>;
         let mut columns = vec![
             Of::row(|row| row.number),
             Of::choice("motion", motions, |row| row.inputs.motion),

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use crate::output::table::{Column, Series, Table};
+use crate::output::table::{Series, Table, TableColumn};
 use crate::run::outcome::End;
 use crate::spectrum::{RowInputs, Spectrum};
 
@@ -218,7 +218,7 @@ impl Statistics {
             (0..).zip(&group.cells).map(move |(size, &cell)| StatisticsRow { group, p: spectrum.sizes.p(size), cell })
         });
         let bases = spectrum.bases.iter().map(ToString::to_string);
-        type Of<'a> = Column<'a, StatisticsRow<'a>>;
+        type Of<'a> = TableColumn<'a, StatisticsRow<'a>>;
         let columns = [
             Of::choice("motions", DIRECTIONS, |row| usize::from(row.group.vertical)),
             Of::choice("foundation", bases, |row| row.group.base),

@@ -7,8 +7,8 @@ use toml::de::DeTable;
 
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
-use crate::output::table::Column;
-use crate::run::limit::{Limit, Response};
+use crate::output::table::TableColumn;
+use crate::run::limit::{KnownPeaks, Limit};
 use crate::run::outcome::{End, Outcome};
 use crate::spec::study::SpreadTable;
 use crate::statistics::normal;
@@ -25,14 +25,14 @@ pub struct Ensemble {
     /// Decides how the values of several spreads are paired.
     pub seed: u64,
     /// The uncertain quantities, at least one.
-    pub spreads: Vec<Spread>,
+    pub spreads: Vec<UncertainQuantity>,
     /// Limits whose exceedances are counted; overturning comes first.
     pub limits: Vec<Limit>,
 }
 
 /// An uncertain quantity and its distribution.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spread {
+pub struct UncertainQuantity {
     /// The quantity.
     pub target: SpreadTarget,
     /// The kind of distribution.
@@ -70,7 +70,7 @@ pub enum SpreadWidth {
     Absolute(f64),
 }
 
-impl Spread {
+impl UncertainQuantity {
     /// The quantile at `probability`, above 0 and below 1, in a row with the value `nominal`.
     pub fn value(&self, nominal: f64, probability: f64) -> f64 {
         let (relative, deviation) = match self.width {
@@ -109,28 +109,27 @@ impl Ensemble {
     /// The columns of the results of a row's samples: the slenderness α (rad) and the outcome of each.
     ///
     /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
-    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[(f64, Outcome)]) -> Vec<Column<'c, R>> {
+    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[(f64, Outcome)]) -> Vec<TableColumn<'c, R>> {
         let ended = move |row: &R, end| samples(row).iter().filter(|(_, outcome)| outcome.end == end).count();
         let verdicts = move |row: &R, limit: Limit, found: Option<bool>| {
             samples(row).iter().filter(|sample| verdict(limit, sample) == found).count()
         };
         let mut columns = vec![
-            Column::count("ensemble.samples", move |row| samples(row).len()),
-            Column::count("ensemble.failed", move |row| ended(row, End::Failed)),
-            Column::count("ensemble.undecided", move |row| ended(row, End::Undecided)),
+            TableColumn::count("ensemble.samples", move |row| samples(row).len()),
+            TableColumn::count("ensemble.failed", move |row| ended(row, End::Failed)),
+            TableColumn::count("ensemble.undecided", move |row| ended(row, End::Undecided)),
         ];
         let limits = || self.limits.iter().copied();
         columns.extend(
-            limits()
-                .map(|limit| Column::count(format!("ensemble.{limit}"), move |row| verdicts(row, limit, Some(true)))),
-        );
-        columns.extend(
             limits().map(|limit| {
-                Column::count(format!("ensemble.unknown({limit})"), move |row| verdicts(row, limit, None))
+                TableColumn::count(format!("ensemble.{limit}"), move |row| verdicts(row, limit, Some(true)))
             }),
         );
         columns.extend(limits().map(|limit| {
-            Column::optional(format!("P({limit})"), "1", move |row| {
+            TableColumn::count(format!("ensemble.unknown({limit})"), move |row| verdicts(row, limit, None))
+        }));
+        columns.extend(limits().map(|limit| {
+            TableColumn::optional(format!("P({limit})"), "1", move |row| {
                 let [exceeded, not] = [true, false].map(|exceeds| verdicts(row, limit, Some(exceeds)));
                 (exceeded + not > 0).then(|| exceeded as f64 / (exceeded + not) as f64)
             })
@@ -142,7 +141,7 @@ impl Ensemble {
 /// Whether a sample, with the slenderness of its block (rad), exceeds a limit.
 fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
     let (Peaks { theta, slip, .. }, over_balance) = (outcome.peaks, Some(outcome.lean.over_balance));
-    limit.verdict(outcome.end, Response { rotation: Some(theta / alpha), over_balance, slip: Some(slip) })
+    limit.verdict(outcome.end, KnownPeaks { rotation: Some(theta / alpha), over_balance, slip: Some(slip) })
 }
 
 /// Keys other than parameters.
@@ -209,12 +208,21 @@ fn limits(section: &Section) -> Result<Vec<Limit>, StudyFileError> {
 }
 
 /// Reads a coefficient of variation, or a table with a distribution and its width.
-fn spread(source: StudyText, name: &str, target: SpreadTarget, value: SpannedValue) -> Result<Spread, StudyFileError> {
+fn spread(
+    source: StudyText,
+    name: &str,
+    target: SpreadTarget,
+    value: SpannedValue,
+) -> Result<UncertainQuantity, StudyFileError> {
     const EXPECTED: &str = "a coefficient of variation > 0, or a table as in { distribution = \"normal\", cov = 0.1 }";
     let Some(table) = value.get_ref().as_table() else {
         let relative = number(value).filter(|width| *width > 0.0 && width.is_finite());
         let relative = relative.ok_or_else(|| source.wrong(&value.span(), format!("{name} expects {EXPECTED}")))?;
-        return Ok(Spread { target, distribution: Distribution::Lognormal, width: SpreadWidth::Relative(relative) });
+        return Ok(UncertainQuantity {
+            target,
+            distribution: Distribution::Lognormal,
+            width: SpreadWidth::Relative(relative),
+        });
     };
     let section = Section::of::<SpreadTable>(source, name, value.span(), table)?;
     let words =
@@ -227,7 +235,7 @@ fn spread(source: StudyText, name: &str, target: SpreadTarget, value: SpannedVal
         (None, Some(deviation)) => SpreadWidth::Absolute(deviation),
         _ => return Err(section.lacks("cov", "either cov or deviation, a number > 0")),
     };
-    Ok(Spread { target, distribution, width })
+    Ok(UncertainQuantity { target, distribution, width })
 }
 
 /// Checks that all samples of an ensemble make a block and that the block reads their values; the error gives the reason.
@@ -254,7 +262,7 @@ pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> 
         }
         values.block().map_err(|error| format!("in a sample of the ensemble, {error}"))?;
         let unread = |(name, needed): (&str, &str)| {
-            let is = |spread: &Spread| matches!(&spread.target, SpreadTarget::Parameter(p) if p.metadata.name == name);
+            let is = |spread: &UncertainQuantity| matches!(&spread.target, SpreadTarget::Parameter(p) if p.metadata.name == name);
             let name = Parameter::named(name).ok()?.name();
             let spread = ensemble.spreads.iter().find(|spread| is(spread));
             spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
@@ -270,8 +278,8 @@ pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> 
 mod tests {
     use super::*;
 
-    fn spread(distribution: Distribution, width: SpreadWidth) -> Spread {
-        Spread { target: SpreadTarget::Scale, distribution, width }
+    fn spread(distribution: Distribution, width: SpreadWidth) -> UncertainQuantity {
+        UncertainQuantity { target: SpreadTarget::Scale, distribution, width }
     }
 
     /// Checks the median or mean, the standard deviation, and the reference of a relative width.

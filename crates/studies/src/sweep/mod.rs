@@ -25,7 +25,7 @@ use crate::doubts;
 use crate::intensity::Measure;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
-use crate::output::table::{Column, Table, headings};
+use crate::output::table::{Table, TableColumn, headings};
 use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
@@ -454,8 +454,8 @@ impl Study for Sweep {
 
 impl Sweep {
     /// The columns: of the block, of the ground motion, and of the run or the search.
-    fn columns<'a>(&'a self) -> Vec<Column<'a, SweepRow<'a>>> {
-        type Of<'a> = Column<'a, SweepRow<'a>>;
+    fn columns<'a>(&'a self) -> Vec<TableColumn<'a, SweepRow<'a>>> {
+        type Of<'a> = TableColumn<'a, SweepRow<'a>>;
         let parameters = self.parameters.iter().enumerate();
         let mut columns: Vec<Of> = vec![Of::row(|row| row.inputs.row)];
         columns.extend(
@@ -515,25 +515,25 @@ impl OutcomeRow for SweepRow<'_> {
 ///
 /// In order: the worst outcome; the least value that overturns, and whether it is only a bound; the value above which the block
 /// always overturns; the number of overturning ranges, and the ranges, such as "0.79 to 0.8; 0.85 to 3".
-fn of_search<'a>(measure: Measure) -> Vec<Column<'a, SweepRow<'a>>> {
+fn of_search<'a>(measure: Measure) -> Vec<TableColumn<'a, SweepRow<'a>>> {
     fn found<'r>(row: &'r SweepRow) -> &'r OutcomeMap<End> {
         row.found.unwrap_or_else(|| unreachable!("the rows of a search"))
     }
     let ranges = |row: &SweepRow| found(row).stretches().into_iter().filter(|stretch| stretch.2 == End::Overturned);
     vec![
-        Column::choice("outcome", End::ALL.map(End::word), |row| {
+        TableColumn::choice("outcome", End::ALL.map(End::word), |row| {
             let stretches = found(row).stretches();
             let any = |end: &End| stretches.iter().any(|stretch| stretch.2 == *end);
             [End::Failed, End::Overturned, End::Undecided].into_iter().find(any).unwrap_or(End::Completed) as usize
         }),
-        Column::optional(format!("least.{measure}"), measure.unit(), |row| found(row).overturning().value()),
-        Column::choice("least.bound", Threshold::BOUNDS, |row| found(row).overturning().bound_position()),
-        Column::optional(format!("always_from.{measure}"), measure.unit(), |row| {
+        TableColumn::optional(format!("least.{measure}"), measure.unit(), |row| found(row).overturning().value()),
+        TableColumn::choice("least.bound", Threshold::BOUNDS, |row| found(row).overturning().bound_position()),
+        TableColumn::optional(format!("always_from.{measure}"), measure.unit(), |row| {
             let stretches = found(row).stretches();
             stretches.last().filter(|stretch| stretch.2 == End::Overturned).map(|stretch| stretch.0)
         }),
-        Column::count("overturning_ranges", move |row| ranges(row).count()),
-        Column::text(format!("overturning.{measure}"), move |row| {
+        TableColumn::count("overturning_ranges", move |row| ranges(row).count()),
+        TableColumn::text(format!("overturning.{measure}"), move |row| {
             ranges(row).map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; ")
         })
         .with_unit(Some(measure.unit())),

@@ -8,7 +8,7 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Sup
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
+use rocking_block::simulation::lanes::{BatchKind, Lane, Next, step_group};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_records::ReadOptions;
 use rocking_studies::run::Run;
@@ -135,7 +135,7 @@ fn inputs(intervals: &[(f64, f64, f64)]) -> Vec<(Inputs, f64)> {
 fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>], inputs: &Inputs) -> u64 {
     let mut taken = 0;
     loop {
-        let mut waiting: [Vec<usize>; Kind::COUNT] = Default::default();
+        let mut waiting: [Vec<usize>; BatchKind::COUNT] = Default::default();
         for (number, place) in lanes.iter_mut().enumerate() {
             let lane = place.as_mut().unwrap();
             loop {
@@ -154,7 +154,7 @@ fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>], inputs: &Inputs)
         };
         let numbers = &waiting[..waiting.len().min(width.lanes())];
         let mut group: Vec<Box<Lane>> = numbers.iter().map(|&number| lanes[number].take().unwrap()).collect();
-        let went = step_group(width, Kind::numbered(kind), &mut group);
+        let went = step_group(width, BatchKind::numbered(kind), &mut group);
         taken += u64::from(went.count_ones());
         for (place, (mut lane, &number)) in group.into_iter().zip(numbers).enumerate() {
             if went >> place & 1 == 0 {

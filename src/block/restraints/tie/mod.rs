@@ -14,16 +14,16 @@ use crate::block::parameters::not_negative;
 use crate::block::{Block, BlockError};
 use crate::numerics::scalar::Elementary;
 
-pub use switching::{Event, Surface};
+pub use switching::{TieEvent, TieFunction};
 
 /// Maximum number of ties of a block.
-pub const MOST_TIES: usize = 8;
+pub const MAX_TIES: usize = 8;
 
-/// [`MOST_TIES`], in errors.
+/// [`MAX_TIES`], in errors.
 const EXPECTED: &str = "at most 8 ties";
 
 /// Names of the ties in tables of events.
-pub const NAMES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
+pub const NAMES: [&str; MAX_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
 
 /// Number of ties among the variables of the FMU.
 pub const VARIABLES: usize = 2;
@@ -49,7 +49,7 @@ pub struct Tie<T = f64> {
     pub strength: T,
 }
 
-/// The ties of a block, at most [`MOST_TIES`]. A step of lanes, which makes blocks, writes nothing for [`Ties::Nothing`].
+/// The ties of a block, at most [`MAX_TIES`]. A step of lanes, which makes blocks, writes nothing for [`Ties::Nothing`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ties<T = f64> {
     /// No tie.
@@ -57,19 +57,19 @@ pub enum Ties<T = f64> {
     /// The first `count` of an array.
     Some {
         /// The ties, and copies of the last one.
-        ties: [Tie<T>; MOST_TIES],
+        ties: [Tie<T>; MAX_TIES],
         /// Their number.
         count: usize,
     },
 }
 
 impl<T: Copy> Ties<T> {
-    /// Makes ties of the first [`MOST_TIES`] of a list, without checks.
+    /// Makes ties of the first [`MAX_TIES`] of a list, without checks.
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
         let Some(&last) = ties.last() else { return Ties::Nothing };
         Ties::Some {
             ties: std::array::from_fn(|number| ties.get(number).copied().unwrap_or(last)),
-            count: ties.len().min(MOST_TIES),
+            count: ties.len().min(MAX_TIES),
         }
     }
 }
@@ -80,7 +80,7 @@ impl<T> Ties<T> {
     pub fn all(&self) -> &[Tie<T>] {
         match self {
             Ties::Nothing => &[],
-            Ties::Some { ties, count } => &ties[..(*count).min(MOST_TIES)],
+            Ties::Some { ties, count } => &ties[..(*count).min(MAX_TIES)],
         }
     }
 
@@ -180,9 +180,9 @@ impl Tie {
 }
 
 impl Block {
-    /// Returns the block with these ties, at most [`MOST_TIES`]. An error names the first invalid parameter.
+    /// Returns the block with these ties, at most [`MAX_TIES`]. An error names the first invalid parameter.
     pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
-        if ties.len() > MOST_TIES {
+        if ties.len() > MAX_TIES {
             return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
         }
         ties.iter().try_for_each(Tie::check)?;
@@ -214,7 +214,7 @@ pub enum TieState {
 }
 
 /// The states of all ties of a block.
-pub type TieStates = [TieState; MOST_TIES];
+pub type TieStates = [TieState; MAX_TIES];
 
 /// All ties slack.
-pub const NO_TIES: TieStates = [TieState::Slack; MOST_TIES];
+pub const NO_TIES: TieStates = [TieState::Slack; MAX_TIES];

@@ -2,7 +2,7 @@
 //!
 //! A taut tie stretched by `s = L − L0 − slack + T0/k` pulls with `T = k s + c ṡ`; other ties do not pull.
 
-use super::{MOST_TIES, Tie, TieState, TieStates, Ties};
+use super::{MAX_TIES, Tie, TieState, TieStates, Ties};
 use crate::block::{Block, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
@@ -129,8 +129,8 @@ pub fn tensions<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &TieStates,
     kinematics: &Kinematics<T>,
-) -> [T; MOST_TIES] {
-    let mut tensions = [T::from(0.0); MOST_TIES];
+) -> [T; MAX_TIES] {
+    let mut tensions = [T::from(0.0); MAX_TIES];
     for ((value, tie), &state) in tensions.iter_mut().zip(block.ties()).zip(states) {
         *value = tension(tie, state, &stretch(block, tie, kinematics));
     }

@@ -12,7 +12,7 @@ use crate::numerics::scalar::{CombinesWith, Elementary};
 
 /// An event function of a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Surface {
+pub enum TieFunction {
     /// The opposite of the stretch of a slack tie (m).
     Shortness,
     /// The stretch of a limp tie (m).
@@ -27,7 +27,7 @@ pub enum Surface {
 
 /// A reported event of a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum TieEvent {
     /// It begins to pull.
     Taut,
     /// It stops pulling.
@@ -36,30 +36,30 @@ pub enum Event {
     Break,
 }
 
-impl Event {
+impl TieEvent {
     /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
-            Event::Taut => "taut",
-            Event::Slack => "slack",
-            Event::Break => "break",
+            TieEvent::Taut => "taut",
+            TieEvent::Slack => "slack",
+            TieEvent::Break => "break",
         }
     }
 }
 
-impl std::fmt::Display for Event {
+impl std::fmt::Display for TieEvent {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Event::Taut => "is taut",
-            Event::Slack => "is slack",
-            Event::Break => "breaks",
+            TieEvent::Taut => "is taut",
+            TieEvent::Slack => "is slack",
+            TieEvent::Break => "breaks",
         })
     }
 }
 
 /// Returns the watched functions of a tie in this state.
-pub fn watched(tie: &Tie, state: TieState) -> [Option<Surface>; 2] {
-    use Surface::{Limpness, Shortness, Strength, Stretch, Tension};
+pub fn watched(tie: &Tie, state: TieState) -> [Option<TieFunction>; 2] {
+    use TieFunction::{Limpness, Shortness, Strength, Stretch, Tension};
     match state {
         TieState::Slack => [Some(Shortness), None],
         TieState::Taut => [Some(Tension), (tie.strength > 0.0).then_some(Strength)],
@@ -69,14 +69,14 @@ pub fn watched(tie: &Tie, state: TieState) -> [Option<Surface>; 2] {
 }
 
 /// Returns the function whose value is the tension of a tie in this state, if it pulls.
-pub fn of_pull(state: TieState) -> Option<Surface> {
+pub fn of_pull(state: TieState) -> Option<TieFunction> {
     match state {
-        TieState::Taut => Some(Surface::Tension),
+        TieState::Taut => Some(TieFunction::Tension),
         TieState::Slack | TieState::Limp | TieState::Broken => None,
     }
 }
 
-impl Surface {
+impl TieFunction {
     /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
     #[inline(never)]
     pub fn sample<T: Elementary>(
@@ -98,11 +98,11 @@ impl Surface {
             Sample { value: re, rate: eps }
         };
         match self {
-            Surface::Shortness => stretch_with_rate().negated(),
-            Surface::Stretch => stretch_with_rate(),
-            Surface::Tension => tension(),
-            Surface::Limpness => tension().negated(),
-            Surface::Strength => {
+            TieFunction::Shortness => stretch_with_rate().negated(),
+            TieFunction::Stretch => stretch_with_rate(),
+            TieFunction::Tension => tension(),
+            TieFunction::Limpness => tension().negated(),
+            TieFunction::Strength => {
                 let Sample { value, rate } = tension();
                 Sample { value: tie.strength - value, rate: -rate }
             }
@@ -113,19 +113,19 @@ impl Surface {
     pub fn value<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> T {
         let stretch = stretch(block, tie, kinematics);
         match self {
-            Surface::Shortness => -stretch.length,
-            Surface::Stretch => stretch.length,
-            Surface::Tension => taut_tension(tie, &stretch),
-            Surface::Limpness => -taut_tension(tie, &stretch),
-            Surface::Strength => tie.strength - taut_tension(tie, &stretch),
+            TieFunction::Shortness => -stretch.length,
+            TieFunction::Stretch => stretch.length,
+            TieFunction::Tension => taut_tension(tie, &stretch),
+            TieFunction::Limpness => -taut_tension(tie, &stretch),
+            TieFunction::Strength => tie.strength - taut_tension(tie, &stretch),
         }
     }
 
     /// Whether value and rate follow from the state and its rate alone.
     pub fn follows_from_state(self) -> bool {
         match self {
-            Surface::Shortness | Surface::Stretch => true,
-            Surface::Tension | Surface::Limpness | Surface::Strength => false,
+            TieFunction::Shortness | TieFunction::Stretch => true,
+            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength => false,
         }
     }
 
@@ -133,8 +133,8 @@ impl Surface {
     #[inline(never)]
     pub fn size<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>) -> f64 {
         match self {
-            Surface::Shortness | Surface::Stretch => size_of_stretch(block, tie),
-            Surface::Tension | Surface::Limpness | Surface::Strength => size_of_tension(block, tie),
+            TieFunction::Shortness | TieFunction::Stretch => size_of_stretch(block, tie),
+            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength => size_of_tension(block, tie),
         }
     }
 
@@ -144,16 +144,16 @@ impl Surface {
         block: &Block<T>,
         tie: &Tie<T>,
         kinematics: impl Fn() -> Kinematics<T>,
-    ) -> (TieState, Option<Event>) {
+    ) -> (TieState, Option<TieEvent>) {
         match self {
-            Surface::Shortness | Surface::Limpness => (TieState::Taut, Some(Event::Taut)),
-            Surface::Tension => {
+            TieFunction::Shortness | TieFunction::Limpness => (TieState::Taut, Some(TieEvent::Taut)),
+            TieFunction::Tension => {
                 let stretched = stretch(block, tie, &kinematics()).length.value() > 0.0;
                 let damped = tie.damping.value() > 0.0 && stretched;
-                (if damped { TieState::Limp } else { TieState::Slack }, Some(Event::Slack))
+                (if damped { TieState::Limp } else { TieState::Slack }, Some(TieEvent::Slack))
             }
-            Surface::Stretch => (TieState::Slack, None),
-            Surface::Strength => (TieState::Broken, Some(Event::Break)),
+            TieFunction::Stretch => (TieState::Slack, None),
+            TieFunction::Strength => (TieState::Broken, Some(TieEvent::Break)),
         }
     }
 }

@@ -6,22 +6,22 @@ use std::f64::consts::FRAC_PI_2;
 use crate::block::{Block, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
-use crate::numerics::dop853::{self, Step};
+use crate::numerics::dop853::{self, DenseStep};
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
 use crate::numerics::short;
-use crate::numerics::wide::{Array, Four, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, Four, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, regime_index};
 use crate::simulation::peaks::Channels;
-use crate::system::evaluation::{self, Drive, Evaluation};
-use crate::system::events::{ROUNDING, Surface, landing, lift_off, quarter_turn, watched};
+use crate::system::evaluation::{self, Evaluation, ForcingAt};
+use crate::system::events::{EventFunction, ROUNDING, landing, lift_off, quarter_turn, watched};
 use crate::system::instant::Footing;
-use crate::system::law::{Gripping, Law};
+use crate::system::motion_mode::{Gripping, MotionMode};
 
-/// Round-off of the zero of each surface.
+/// Round-off of the zero of each event function.
 struct Rounding<V> {
     reaction: Wide<V>,
     gap: Wide<V>,
@@ -37,7 +37,7 @@ struct LiftedSupports<V> {
 }
 
 /// A step in all lanes.
-pub struct Stepped {
+pub struct StepBatch {
     /// A bit for each lane in which the step was taken; the numbers of the other lanes are meaningless.
     pub taken: u32,
     /// The states at its end.
@@ -51,16 +51,16 @@ pub struct Stepped {
     /// A bit for each lane in which a short step is accurate enough, but may hold an event or a peak.
     pub eventful: u32,
     /// The accurate steps of order 8 that may hold an event or a peak, with their lanes.
-    pub accepted: Vec<(usize, Step)>,
+    pub accepted: Vec<(usize, DenseStep)>,
     /// For a short step the factor by which its size may change, otherwise the root of its error, from which that factor follows.
     pub root: Array,
 }
 
 /// Takes a step of each run of a group, either a short one or one of order 8. A group has at least one run and at most one per
 /// lane.
-pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
+pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> StepBatch {
     let count = group.len();
-    let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
+    let mut runs: [&Lane; MAX_LANES] = [&group[count - 1]; MAX_LANES];
     for (lane, run) in group.iter().enumerate() {
         runs[lane] = run;
     }
@@ -72,21 +72,23 @@ pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]
         &Pulses::NONE
     };
     match regime {
-        Regime::FullContact => width.run(StepTask { law: Gripping::<true, true, false>, short, runs, count, pulses }),
-        Regime::TiltingLeft => width.run(StepTask { law: Gripping::<true, false, false>, short, runs, count, pulses }),
-        Regime::TiltingRight => width.run(StepTask { law: Gripping::<false, true, false>, short, runs, count, pulses }),
+        Regime::FullContact => width.run(StepTask { mode: Gripping::<true, true, false>, short, runs, count, pulses }),
+        Regime::TiltingLeft => width.run(StepTask { mode: Gripping::<true, false, false>, short, runs, count, pulses }),
+        Regime::TiltingRight => {
+            width.run(StepTask { mode: Gripping::<false, true, false>, short, runs, count, pulses })
+        }
         Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
     }
 }
 
-/// The step of a group under a law. The method is chosen at run time: a copy of the code
+/// The step of a group under a mode. The method is chosen at run time: a copy of the code
 /// around the stages for each method would double the compile time.
 struct StepTask<'g, L> {
-    law: L,
+    mode: L,
     /// Whether the step is a short one.
     short: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
-    runs: [&'g Lane; MOST_LANES],
+    runs: [&'g Lane; MAX_LANES],
     /// The number of runs in the group.
     count: usize,
     /// Their pulses.
@@ -103,23 +105,23 @@ struct Group<V> {
 /// The excitation of a group at an end of a step, and its forcing there.
 type Driven<V> = (Excitation<Wide<V>>, Forcing<Wide<V>>);
 
-/// The motion of a group under a law.
+/// The motion of a group under a mode.
 struct GroupMotion<'m, V, L> {
-    law: L,
+    mode: L,
     group: &'m Group<V>,
     pulses: &'m Pulses,
 }
 
-impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
+impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
     #[inline(always)]
     fn at(
         &self,
-        drive: Drive<'m, Wide<V>>,
+        forcing_at: ForcingAt<'m, Wide<V>>,
         state: [Wide<V>; 4],
         support_heights: [Sample<Wide<V>>; 2],
     ) -> Evaluation<'m, Wide<V>> {
         let Group { block, footing, .. } = self.group;
-        Evaluation::of(self.law, block, drive, *footing, Numbers(state), support_heights)
+        Evaluation::of(self.mode, block, forcing_at, *footing, Numbers(state), support_heights)
     }
 
     /// Includes the peaks of a step; returns the lanes in which a peak may be inside.
@@ -162,27 +164,27 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
     }
 
-    /// A surface of [`watched`] at an instant.
+    /// A event function of [`watched`] at an instant.
     #[inline(always)]
-    fn sample(&self, surface: Surface, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
+    fn sample(&self, function: EventFunction, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
         let x = &now.instant;
-        match surface {
-            Surface::Reaction(corner) => lift_off::on_support(now.block, x, corner),
-            Surface::Gap(corner) => landing::gap(x, now.support_heights, corner),
-            Surface::QuarterTurn => quarter_turn::rest([x.theta, x.theta_dot]),
-            Surface::Held(_)
-            | Surface::Unloaded(_)
-            | Surface::Slide
-            | Surface::Friction(_)
-            | Surface::Speed
-            | Surface::StandingSlide
-            | Surface::Restraint(_) => {
+        match function {
+            EventFunction::Reaction(corner) => lift_off::on_support(now.block, x, corner),
+            EventFunction::Gap(corner) => landing::gap(x, now.support_heights, corner),
+            EventFunction::QuarterTurn => quarter_turn::remaining_angle([x.theta, x.theta_dot]),
+            EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Slide
+            | EventFunction::Friction(_)
+            | EventFunction::Speed
+            | EventFunction::StandingSlide
+            | EventFunction::Restraint(_) => {
                 unreachable!("a block that is held, slides, or has friction or restraints is not stepped in a lane")
             }
         }
     }
 
-    /// The lanes in which a surface may be fallen through between two instants.
+    /// The lanes in which an event function may fall through zero between two instants.
     #[inline(always)]
     fn may_hold_event(
         &self,
@@ -192,7 +194,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         rounding: &Rounding<V>,
     ) -> u32 {
         // No loop: numbers that are found by an index stay in memory.
-        let [first, second, third, fourth] = watched(self.law);
+        let [first, second, third, fourth] = watched(self.mode);
         self.may_fall(first, here, there, duration, rounding)
             | self.may_fall(second, here, there, duration, rounding)
             | self.may_fall(third, here, there, duration, rounding)
@@ -202,29 +204,29 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     #[inline(always)]
     fn may_fall(
         &self,
-        surface: Option<Surface>,
+        function: Option<EventFunction>,
         here: &Evaluation<Wide<V>>,
         there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         rounding: &Rounding<V>,
     ) -> u32 {
-        let Some(surface) = surface else { return 0 };
-        let rounding = match surface {
-            Surface::Gap(_) => rounding.gap,
-            Surface::QuarterTurn => rounding.quarter_turn,
+        let Some(function) = function else { return 0 };
+        let rounding = match function {
+            EventFunction::Gap(_) => rounding.gap,
+            EventFunction::QuarterTurn => rounding.quarter_turn,
             _ => rounding.reaction,
         };
-        let (start, end) = (self.sample(surface, here), self.sample(surface, there));
+        let (start, end) = (self.sample(function, here), self.sample(function, there));
         Ends { start, end, duration }.may_fall(rounding)
     }
 
     /// The lanes in which a block rests under ground that does not change, see [`Evaluation::rests`].
     #[inline(always)]
     fn rests(&self, here: &Evaluation<Wide<V>>, rounding: &Rounding<V>) -> u32 {
-        if self.law.regime() != Regime::FullContact {
+        if self.mode.regime() != Regime::FullContact {
             return 0;
         }
-        let [accelerations, rates] = here.unrest();
+        let [accelerations, rates] = here.rest_residuals();
         let (accelerates, moves) = (rounding.reaction.less(accelerations), rounding.reaction.less(rates));
         let (zero, rate) = (Wide::default(), here.forcing_rate());
         let changes = zero.less(rate.x.abs()).or(zero.less(rate.z.abs()));
@@ -232,12 +234,12 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     }
 }
 
-impl<V: Simd, L: Law> Stages<Wide<V>> for GroupMotion<'_, V, L> {
+impl<V: Simd, L: MotionMode> Stages<Wide<V>> for GroupMotion<'_, V, L> {
     #[inline(always)]
     fn rate_at(&self, stage: usize, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
         let Group { block, excitation, footing } = self.group;
         let forcing = excitation.at_with(Wide::load(&self.pulses.stages[stage]), time);
-        evaluation::rate(self.law, block, forcing, *footing, state)
+        evaluation::rate(self.mode, block, forcing, *footing, state)
     }
 }
 
@@ -298,12 +300,12 @@ fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>)
     Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
 }
 
-impl<L: Law> StepTask<'_, L> {
+impl<L: MotionMode> StepTask<'_, L> {
     /// Four numbers of each lane.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "`zip` is not inlined")]
-    fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
-        let mut rows = [of(self.runs[0]); MOST_LANES];
+    fn transposed<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
+        let mut rows = [of(self.runs[0]); MAX_LANES];
         for lane in 1..V::LANES {
             rows[lane] = of(self.runs[lane]);
         }
@@ -314,7 +316,7 @@ impl<L: Law> StepTask<'_, L> {
     #[inline(always)]
     fn support_heights<V: Simd>(&self, time: Wide<V>, lifted: &LiftedSupports<V>) -> [Sample<Wide<V>>; 2] {
         let mut heights = [Sample::default(); 2];
-        if let Some(standing) = self.law.regime().pivot() {
+        if let Some(standing) = self.mode.regime().pivot() {
             let LiftedSupports { depth, since, rate, free_height } = *lifted;
             let elapsed = time - since;
             let (zero, exponent) =
@@ -329,7 +331,7 @@ impl<L: Law> StepTask<'_, L> {
 
     #[inline(always)]
     fn lifted<V: Simd>(&self) -> LiftedSupports<V> {
-        let [depth, since, rate, free_height] = self.fours(|lane| &lane.fours.lifted);
+        let [depth, since, rate, free_height] = self.transposed(|lane| &lane.transposed.lifted);
         LiftedSupports { depth, since, rate, free_height }
     }
 
@@ -354,9 +356,9 @@ impl<L: Law> StepTask<'_, L> {
     #[inline(always)]
     fn group<V: Simd>(&self) -> Group<V> {
         let unread = Wide::default();
-        let [mass, gravity, r0, b] = self.fours(|lane| &lane.fours.block[0]);
-        let [h, omega_v, xi_v, i0] = self.fours(|lane| &lane.fours.block[1]);
-        let [eccentricity, left, right, offset] = self.fours(|lane| &lane.fours.block[2]);
+        let [mass, gravity, r0, b] = self.transposed(|lane| &lane.transposed.block[0]);
+        let [h, omega_v, xi_v, i0] = self.transposed(|lane| &lane.transposed.block[1]);
+        let [eccentricity, left, right, offset] = self.transposed(|lane| &lane.transposed.block[2]);
         let block = Block {
             mass,
             gravity,
@@ -379,34 +381,34 @@ impl<L: Law> StepTask<'_, L> {
             friction: unread,
             restraints: Restraints::none(),
         };
-        let [time, x, x_rate, z] = self.fours(|lane| &lane.fours.ground);
-        let z_rate = Wide::each(|lane| self.runs[lane].fours.vertical_rate);
+        let [time, x, x_rate, z] = self.transposed(|lane| &lane.transposed.ground);
+        let z_rate = Wide::each(|lane| self.runs[lane].transposed.vertical_rate);
         let ground = [Ramp { value: x, rate: x_rate }, Ramp { value: z, rate: z_rate }];
         Group { block, excitation: Excitation::of_ground(time, ground), footing: Footing::Grips { offset } }
     }
 }
 
-impl<L: Law> Task for StepTask<'_, L> {
-    type Output = Stepped;
+impl<L: MotionMode> Task for StepTask<'_, L> {
+    type Output = StepBatch;
 
     #[inline(always)]
-    fn run<V: Simd>(self) -> Stepped {
+    fn run<V: Simd>(self) -> StepBatch {
         let group = self.group::<V>();
-        let motion = GroupMotion { law: self.law, group: &group, pulses: self.pulses };
-        let index = regime_index(self.law.regime()).unwrap_or(0);
-        let weights = Numbers(self.fours(|lane| &lane.limits[index].weights.0));
-        let [work_weight, share, gap_rounding, _] = self.fours(|lane| &lane.fours.limits);
+        let motion = GroupMotion { mode: self.mode, group: &group, pulses: self.pulses };
+        let index = regime_index(self.mode.regime()).unwrap_or(0);
+        let weights = Numbers(self.transposed(|lane| &lane.limits[index].weights.0));
+        let [work_weight, share, gap_rounding, _] = self.transposed(|lane| &lane.transposed.limits);
         let rounding = self.rounding(&group, gap_rounding);
-        let [time, end_time, size, longest] = self.fours(|lane| &lane.fours.step);
-        let state = Numbers(self.fours(|lane| &lane.simulation.pose.state.0));
-        let [input, dashpots, friction_demand, _] = self.fours(|lane| &lane.fours.sums);
-        let [theta, reaction, horizontal, uplift] = self.fours(|lane| &lane.fours.peaks);
+        let [time, end_time, size, longest] = self.transposed(|lane| &lane.transposed.step);
+        let state = Numbers(self.transposed(|lane| &lane.simulation.pose.state.0));
+        let [input, dashpots, friction_demand, _] = self.transposed(|lane| &lane.transposed.sums);
+        let [theta, reaction, horizontal, uplift] = self.transposed(|lane| &lane.transposed.peaks);
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
 
         let lifted = self.lifted();
         let [start, stop] = self.ends(&group, [time, end_time]);
-        let drive = Drive { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(drive, state.0, self.support_heights(time, &lifted));
+        let forcing_at = ForcingAt { excitation: &start.0, time, forcing: start.1 };
+        let here = motion.at(forcing_at, state.0, self.support_heights(time, &lifted));
         let infinite = Wide::from(f64::INFINITY);
         let (end, work, of_stages);
         let mut rates = None;
@@ -419,8 +421,8 @@ impl<L: Law> Task for StepTask<'_, L> {
             (end, work) = dop853::attempt_in_loop(time, size, state, rates, &motion);
             of_stages = Rate::default();
         }
-        let drive = Drive { excitation: &stop.0, time: end_time, forcing: stop.1 };
-        let there = motion.at(drive, end.0, self.support_heights(end_time, &lifted));
+        let forcing_at = ForcingAt { excitation: &stop.0, time: end_time, forcing: stop.1 };
+        let there = motion.at(forcing_at, end.0, self.support_heights(end_time, &lifted));
         let (error_is_fine, root) = match &rates {
             // Its error depends on the rate at its end, too.
             None => {
@@ -450,11 +452,11 @@ impl<L: Law> Task for StepTask<'_, L> {
         if let Some(rates) = &rates {
             for lane in 0..self.count {
                 if eventful >> lane & 1 == 1 {
-                    accepted.push((lane, Step::of_lane(lane, [time, size], [state, end], work, rates)));
+                    accepted.push((lane, DenseStep::of_lane(lane, [time, size], [state, end], work, rates)));
                 }
             }
         }
-        Stepped {
+        StepBatch {
             taken: usual & !(events | inside) & runs,
             eventful: if self.short { eventful } else { 0 },
             accepted,

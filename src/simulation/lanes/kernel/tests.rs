@@ -8,8 +8,8 @@ use crate::block::{Contact, Contacts, Corner, Creep};
 use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
-use crate::simulation::inside::may_hold_event;
 use crate::simulation::peaks::Peaks;
+use crate::simulation::step_interior::may_hold_event;
 use crate::simulation::{Initial, Settings, Simulation};
 use crate::system::evaluation::Motion;
 use crate::system::instant;
@@ -18,7 +18,7 @@ use crate::system::instant;
 #[derive(Debug, Default, PartialEq)]
 struct Found {
     may_hold_event: bool,
-    /// The surfaces of L, R and the quarter turn.
+    /// The event functions of L, R and the quarter turn.
     may_fall: [bool; 3],
     rests: bool,
     may_rise_inside: bool,
@@ -39,36 +39,36 @@ struct Look<'g, L> {
     cases: &'g [Case],
 }
 
-impl<L: Law> Task for Look<'_, L> {
+impl<L: MotionMode> Task for Look<'_, L> {
     type Output = Vec<Found>;
 
     fn run<V: Simd>(self) -> Vec<Found> {
         let Look { task, cases } = self;
         let group = task.group::<V>();
-        let motion = GroupMotion { law: task.law, group: &group, pulses: task.pulses };
+        let motion = GroupMotion { mode: task.mode, group: &group, pulses: task.pulses };
         let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
         let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
         let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
         let lifted = task.lifted();
         let [start, stop] = task.ends(&group, [time, end_time]);
-        let drive = Drive { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(drive, state, task.support_heights(time, &lifted));
+        let forcing_at = ForcingAt { excitation: &start.0, time, forcing: start.1 };
+        let here = motion.at(forcing_at, state, task.support_heights(time, &lifted));
         let there = motion.at(
-            Drive { excitation: &stop.0, time: end_time, forcing: stop.1 },
+            ForcingAt { excitation: &stop.0, time: end_time, forcing: stop.1 },
             end,
             task.support_heights(end_time, &lifted),
         );
-        let [_, _, gap_rounding, _] = task.fours(|lane| &lane.fours.limits);
+        let [_, _, gap_rounding, _] = task.transposed(|lane| &lane.transposed.limits);
         let rounding = task.rounding(&group, gap_rounding);
         let longest = each(&|case| case.lane.longest);
-        let [theta, reaction, horizontal, uplift] = task.fours(|lane| &lane.fours.peaks);
-        let [_, _, friction_demand, _] = task.fours(|lane| &lane.fours.sums);
+        let [theta, reaction, horizontal, uplift] = task.transposed(|lane| &lane.transposed.peaks);
+        let [_, _, friction_demand, _] = task.transposed(|lane| &lane.transposed.sums);
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
         let events = motion.may_hold_event(&here, &there, duration, &rounding);
-        let may_fall = surfaces(task.law).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
+        let may_fall = surfaces(task.mode).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let peaks = peaks.map(Wide::store);
         let found = |i: usize| Found {
@@ -82,32 +82,32 @@ impl<L: Law> Task for Look<'_, L> {
     }
 }
 
-fn surfaces(law: impl Law) -> [Surface; 3] {
-    let [left, right, quarter_turn, _] = watched(law);
-    [left, right, quarter_turn].map(|surface| surface.expect("watched in each of these regimes"))
+fn surfaces(mode: impl MotionMode) -> [EventFunction; 3] {
+    let [left, right, quarter_turn, _] = watched(mode);
+    [left, right, quarter_turn].map(|function| function.expect("watched in each of these regimes"))
 }
 
 impl Case {
     /// What a run finds alone.
-    fn alone(&self, law: impl Law) -> Found {
+    fn alone(&self, mode: impl MotionMode) -> Found {
         let Case { lane, inputs, there } = self;
         let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
         let excitation = lane.simulation.excitation(inputs);
-        let motion = Motion::under(law, &system.block, pose, &excitation);
+        let motion = Motion::under(mode, &system.block, pose, &excitation);
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), instant::State::from(*there));
         let duration = there.time - here.time;
-        let near = near_a_peak(duration, lane.simulation.limits::<4>(law, excitation.frequency()).longest);
+        let near = near_a_peak(duration, lane.simulation.limits::<4>(mode, excitation.frequency()).longest);
         let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
         peaks.include(&start);
         peaks.include(&end);
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = peaks;
         Found {
-            may_hold_event: may_hold_event(law, &here, &there),
-            may_fall: surfaces(law).map(|surface| {
-                let (start, end) = (surface.sample(&here), surface.sample(&there));
-                roots::may_fall_by_bounds(start, end, surface.rounding(&system.block), duration)
+            may_hold_event: may_hold_event(mode, &here, &there),
+            may_fall: surfaces(mode).map(|function| {
+                let (start, end) = (function.sample(&here), function.sample(&there));
+                roots::may_fall_by_bounds(start, end, function.rounding(&system.block), duration)
             }),
             rests: excitation.is_constant() && here.rests(),
             may_rise_inside,
@@ -212,20 +212,20 @@ prop_compose! {
             friction_demand: peaks[4] * a.friction_demand.max(b.friction_demand),
             ..Peaks::default()
         };
-        let Lane { simulation, limits, fours, .. } = &mut case.lane;
-        fours.read(simulation, limits);
+        let Lane { simulation, limits, transposed, .. } = &mut case.lane;
+        transposed.read(simulation, limits);
         case
     }
 }
 
-fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
-    let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
+fn compare(mode: impl MotionMode, cases: &[Case]) -> Result<(), TestCaseError> {
+    let runs: [&Lane; MAX_LANES] = std::array::from_fn(|i| &cases[i].lane);
     for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
         let pulses = &Pulses::of(width, false, &runs);
-        let task = StepTask { law, short: false, runs, count: width.lanes(), pulses };
+        let task = StepTask { mode, short: false, runs, count: width.lanes(), pulses };
         let found = width.run(Look { task, cases });
         for (found, case) in found.iter().zip(cases) {
-            prop_assert_eq!(found, &case.alone(law), "{:?}", case);
+            prop_assert_eq!(found, &case.alone(mode), "{:?}", case);
         }
     }
     Ok(())
@@ -237,9 +237,9 @@ proptest! {
     /// Where a lane decides otherwise the run would come to other bits than alone.
     #[test]
     fn each_lane_finds_what_a_run_alone_does(
-        both in prop::collection::vec(case(Regime::FullContact), MOST_LANES),
-        left in prop::collection::vec(case(Regime::TiltingLeft), MOST_LANES),
-        right in prop::collection::vec(case(Regime::TiltingRight), MOST_LANES),
+        both in prop::collection::vec(case(Regime::FullContact), MAX_LANES),
+        left in prop::collection::vec(case(Regime::TiltingLeft), MAX_LANES),
+        right in prop::collection::vec(case(Regime::TiltingRight), MAX_LANES),
     ) {
         compare(Gripping::<true, true, false>, &both)?;
         compare(Gripping::<true, false, false>, &left)?;

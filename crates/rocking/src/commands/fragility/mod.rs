@@ -26,7 +26,7 @@ use rocking_studies::intensity::Measure;
 
 /// Options of `rocking fragility`.
 #[derive(Parser)]
-pub struct Options {
+pub struct FragilityCommand {
     /// Table of a sweep; `-` for standard input
     #[arg(value_name = "TABLE.csv")]
     table: PathBuf,
@@ -65,8 +65,8 @@ pub struct Options {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { im, fit, beside, ida, .. } = options;
+pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let FragilityCommand { im, fit, beside, ida, .. } = options;
     let FitOptions { link, ci, .. } = fit;
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
@@ -168,7 +168,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     options.report.print("fragility", &written, &warnings, &(result.text() + &written.lines()), &result)
 }
 
-impl Options {
+impl FragilityCommand {
     /// Returns the files of the export.
     fn export_files(&self) -> Vec<PathBuf> {
         match (self.export, &self.export_to) {

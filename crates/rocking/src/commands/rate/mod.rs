@@ -24,7 +24,7 @@ use rocking_studies::statistics::range;
 
 /// Options of `rocking rate`.
 #[derive(Parser)]
-pub struct Options {
+pub struct RateCommand {
     /// Hazard curve: CSV with two columns such as `PGV [m/s],rate [1/year]`, CSV exported by OpenQuake or nshmp-haz, or JSON of the
     /// hazard services of the USGS; `-` for standard input
     #[arg(value_name = "HAZARD")]
@@ -97,7 +97,7 @@ struct Fragility {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let FragilityOptions { table, median, empirical, fit, .. } = &options.fragility;
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
@@ -164,7 +164,7 @@ fn heading(hazard: &HazardCurve) -> String {
     hazard.unit.as_ref().map_or(name.into(), |unit| format!("{name} [{unit}]"))
 }
 
-impl Options {
+impl RateCommand {
     /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
         let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use rocking_charts::rate::per_year;
-use rocking_studies::fragility::{Fit, Interval, split_heading};
-use rocking_studies::risk::{AnnualRate, HazardCurve, Part, probability_in};
+use rocking_studies::fragility::{CurveFit, Interval, split_heading};
+use rocking_studies::risk::{AnnualRate, HazardCurve, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
 const NOTABLE: f64 = 0.01;
@@ -119,7 +119,7 @@ impl CurveReport {
     }
 
     /// Describes a curve fitted to a table.
-    pub fn fitted(table: String, limit: String, fit: &Fit, intervals: String) -> CurveReport {
+    pub fn fitted(table: String, limit: String, fit: &CurveFit, intervals: String) -> CurveReport {
         CurveReport {
             curve: fit.link.to_string(),
             table: Some(table),
@@ -175,7 +175,7 @@ impl RateReport {
             probability: probability_in(years, rate),
             interval: rate_interval.map(|end| end.map(|rate| probability_in(years, rate))),
         };
-        let part = |Part { from, to, rate, share }: Part| PartReport {
+        let part = |RatePart { from, to, rate, share }: RatePart| PartReport {
             from,
             to: Some(to).filter(|to| to.is_finite()),
             hazard: Some(from).filter(|from| *from > 0.0).map(|from| found.hazard().rate(from)),

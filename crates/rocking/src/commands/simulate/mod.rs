@@ -39,7 +39,7 @@ const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../.
 
 /// Options of `rocking simulate`.
 #[derive(Parser)]
-pub struct Options {
+pub struct SimulateCommand {
     #[command(
         flatten,
         next_help_heading = "Excitation (by default, unless the block starts from an initial state, an embedded record)"
@@ -95,7 +95,7 @@ struct InitialOptions {
 }
 
 /// Runs the command.
-pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     options.refuse_without_effect(explicit)?;
     let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
     options.csv.as_deref().map_or(Ok(()), check_table)?;
@@ -138,7 +138,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
 
-impl Options {
+impl SimulateCommand {
     /// Returns table and picture; by default `out/rocking.csv` and `out/rocking.png`.
     fn outputs(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
         if self.csv.is_some() || self.picture.plot.is_some() {

@@ -5,7 +5,7 @@ use crate::studies::labels;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use rocking_studies::fragility::{Data, FitError, Link, Observation, Profile, bootstrap, sufficiency};
+use rocking_studies::fragility::{CurveFitError, Data, LikelihoodProfile, Link, Observation, bootstrap, sufficiency};
 
 /// Random numbers, uniform in 0 to 1.
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -39,7 +39,7 @@ fn the_true_curve_is_within_its_band_in_95_of_100_trials() {
         let trials = (0..TRIALS).into_par_iter().map(|trial| {
             let data = Data::new(synthetic(link, median, dispersion, 100, trial)).unwrap();
             let fit = data.fit(link).unwrap();
-            let profile = Profile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
+            let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
             let exact = link.probability((0.7 / median).ln() / dispersion);
             [
                 profile.median().contains(median),
@@ -89,7 +89,7 @@ fn intervals_clustered_by_record_cover_the_population() {
             let data = Data::new(observations).unwrap();
             let fit = data.fit(Link::Probit).unwrap();
             let records = if by_record { records } else { records_of_rows(&data) };
-            let profile = Profile::new(&data, &fit, 0.95, &records).unwrap();
+            let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records).unwrap();
             let found = [profile.median(), profile.dispersion(), profile.probability(0.7)];
             [0, 1, 2].map(|i| u64::from(found[i].contains([1.0, dispersion, at_07][i])))
         });
@@ -108,7 +108,7 @@ fn intervals_clustered_by_record_cover_the_population() {
 fn intervals_end_at_the_likelihood_that_the_confidence_allows() {
     let data = Data::new(synthetic(Link::Logit, 1.0, 0.3, 80, 5)).unwrap();
     let fit = data.fit(Link::Logit).unwrap();
-    let profile = Profile::new(&data, &fit, 0.9, &records_of_rows(&data)).unwrap();
+    let profile = LikelihoodProfile::new(&data, &fit, 0.9, &records_of_rows(&data)).unwrap();
     let log_likelihood = |a: f64, b: f64| -> f64 {
         let term = |row: &Observation| {
             let predictor = a + b * row.measures[0].ln();
@@ -142,13 +142,13 @@ fn unbounded_intervals_have_no_end() {
     let rows = [(1.0, false), (1.0, true), (2.0, true), (2.0, false), (3.0, true), (3.0, false), (3.0, true)];
     let data = Data::new(rows.map(|(measure, exceeded)| Observation::of(&[measure], exceeded)).to_vec()).unwrap();
     let fit = data.fit(Link::Probit).unwrap();
-    let profile = Profile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
+    let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
     assert!(profile.median().low.is_none() && profile.median().high.is_none());
     assert!(profile.dispersion().low.is_some() && profile.dispersion().high.is_none());
     let band = profile.probability(2.0);
     assert!(0.0 < band.low.unwrap() && band.high.unwrap() < 1.0);
     assert!(matches!(
-        Profile::new(
+        LikelihoodProfile::new(
             &Data::new(vec![
                 Observation::counted(&[1.0, 1.0], 1, 2),
                 Observation::counted(&[2.0, 1.0], 1, 2),
@@ -159,7 +159,7 @@ fn unbounded_intervals_have_no_end() {
             0.95,
             &[0, 1, 2]
         ),
-        Err(FitError::Measures { found: 2, .. })
+        Err(CurveFitError::Measures { found: 2, .. })
     ));
 }
 

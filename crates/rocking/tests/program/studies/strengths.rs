@@ -7,7 +7,7 @@ use rocking_records::{ReadOptions, Unit, read};
 use rocking_studies::intensity::pgv;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{Scan, Shaking, overturning};
-use rocking_studies::sweep::ensemble::{Distribution, Spread, SpreadTarget, SpreadWidth};
+use rocking_studies::sweep::ensemble::{Distribution, SpreadTarget, SpreadWidth, UncertainQuantity};
 
 use crate::program::{Table, refused, stdout};
 use crate::studies::resumes_to_the_same_bytes;
@@ -197,7 +197,7 @@ fn a_least_level_at_an_end_of_the_range_is_a_bound() {
 /// An ensemble counts the runs with the factors of its distribution.
 #[test]
 fn an_ensemble_counts_its_runs() {
-    let spread = Spread {
+    let spread = UncertainQuantity {
         target: SpreadTarget::Scale,
         distribution: Distribution::Lognormal,
         width: SpreadWidth::Relative(0.2),
@@ -233,7 +233,7 @@ fn an_ensemble_counts_its_runs() {
 /// Samples count as single runs do: one that ends undecided or separated before a limit is unknown.
 #[test]
 fn an_ensemble_counts_unknown_samples() {
-    let spread = Spread {
+    let spread = UncertainQuantity {
         target: SpreadTarget::Scale,
         distribution: Distribution::Lognormal,
         width: SpreadWidth::Relative(0.3),

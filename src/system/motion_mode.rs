@@ -1,4 +1,4 @@
-//! A pose → its law: the equations of motion from there on.
+//! A pose → its mode: the equations of motion from there on.
 
 use crate::block::restraints::States;
 use crate::block::{Block, Corner, Foundation, Regime};
@@ -8,11 +8,11 @@ use crate::system::instant::{Footing, Pose};
 
 /// The choice of the equations of motion while the contacts last.
 ///
-/// [`AnyLaw`] is a value at run time. Frequent laws also have a type ([`Gripping`]), for which steps are compiled separately, so that no
+/// [`AnyMode`] is a value at run time. Frequent modes also have a type ([`Gripping`]), for which steps are compiled separately, so that no
 /// stage tests the regime.
-pub trait Law: Copy {
-    /// Whether the law has its own type.
-    const KNOWN: bool;
+pub trait MotionMode: Copy {
+    /// Whether the mode has its own type.
+    const STATIC: bool;
 
     /// The regime.
     fn regime(self) -> Regime;
@@ -30,7 +30,7 @@ pub trait Law: Copy {
     /// The corner of the rigid base about which the block turns under its weight and the excitation alone.
     #[inline(always)]
     fn pivot(self) -> Option<Corner> {
-        match (Self::KNOWN, self.foundation()) {
+        match (Self::STATIC, self.foundation()) {
             (true, Foundation::Rigid) => self.regime().pivot(),
             _ => None,
         }
@@ -39,16 +39,16 @@ pub trait Law: Copy {
     /// Whether the block rests on the rigid base under its weight and the excitation alone.
     #[inline(always)]
     fn is_at_rest(self) -> bool {
-        Self::KNOWN && self.foundation() == Foundation::Rigid && self.regime() == Regime::FullContact
+        Self::STATIC && self.foundation() == Foundation::Rigid && self.regime() == Regime::FullContact
     }
 
-    /// [`Law::KNOWN`], as a value.
+    /// [`MotionMode::STATIC`], as a value.
     #[inline(always)]
-    fn is_known(self) -> bool {
-        Self::KNOWN
+    fn is_static(self) -> bool {
+        Self::STATIC
     }
 
-    /// [`Law::EXTENDED`], as a value.
+    /// [`MotionMode::EXTENDED`], as a value.
     #[inline(always)]
     fn is_extended(self) -> bool {
         Self::EXTENDED
@@ -66,16 +66,16 @@ pub trait Law: Copy {
         States::NONE
     }
 
-    /// The forcing with the restraints that act under this law.
+    /// The forcing with the restraints that act under this mode.
     #[inline(always)]
     fn acting<T>(self, forcing: Forcing<T>) -> Forcing<T> {
         Forcing { restraints: self.restraints(), ..forcing }
     }
 }
 
-/// A law known at run time; if `EXTENDED`, the horizontal motion is integrated too.
+/// A mode known at run time; if `EXTENDED`, the horizontal motion is integrated too.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AnyLaw<const EXTENDED: bool = false> {
+pub struct AnyMode<const EXTENDED: bool = false> {
     regime: Regime,
     foundation: Foundation,
     grips: bool,
@@ -86,12 +86,12 @@ pub struct AnyLaw<const EXTENDED: bool = false> {
     restraints: States,
 }
 
-impl AnyLaw {
-    /// The law of a block in a pose.
+impl AnyMode {
+    /// The mode of a block in a pose.
     #[inline]
-    pub fn of<T: Elementary>(block: &Block<T>, pose: &Pose<T>) -> AnyLaw {
+    pub fn of<T: Elementary>(block: &Block<T>, pose: &Pose<T>) -> AnyMode {
         let Pose { contacts, footing, restraints, .. } = pose;
-        AnyLaw {
+        AnyMode {
             regime: contacts.regime(),
             foundation: block.foundation,
             grips: footing.grips(),
@@ -103,17 +103,17 @@ impl AnyLaw {
         }
     }
 
-    /// Returns the extended law of a sliding or restrained block, or `None`.
+    /// Returns the extended mode of a sliding or restrained block, or `None`.
     #[inline]
-    pub fn extended(self) -> Option<AnyLaw<true>> {
-        let AnyLaw { regime, foundation, grips, held, has_friction, slides, restrained, restraints } = self;
-        let extended = AnyLaw { regime, foundation, grips, held, has_friction, slides, restrained, restraints };
+    pub fn extended(self) -> Option<AnyMode<true>> {
+        let AnyMode { regime, foundation, grips, held, has_friction, slides, restrained, restraints } = self;
+        let extended = AnyMode { regime, foundation, grips, held, has_friction, slides, restrained, restraints };
         (slides || restrained).then_some(extended)
     }
 }
 
-impl<const EXTENDED: bool> Law for AnyLaw<EXTENDED> {
-    const KNOWN: bool = false;
+impl<const EXTENDED: bool> MotionMode for AnyMode<EXTENDED> {
+    const STATIC: bool = false;
     const EXTENDED: bool = EXTENDED;
 
     #[inline(always)]
@@ -147,12 +147,12 @@ impl<const EXTENDED: bool> Law for AnyLaw<EXTENDED> {
     }
 }
 
-/// The law of a block that grips the foundation with the left corner, the right corner, or both; no corner is held.
+/// The mode of a block that grips the foundation with the left corner, the right corner, or both; no corner is held.
 #[derive(Clone, Copy, Debug)]
 pub struct Gripping<const LEFT: bool, const RIGHT: bool, const RIGID: bool>;
 
-impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Law for Gripping<LEFT, RIGHT, RIGID> {
-    const KNOWN: bool = true;
+impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> MotionMode for Gripping<LEFT, RIGHT, RIGID> {
+    const STATIC: bool = true;
 
     #[inline(always)]
     fn regime(self) -> Regime {
@@ -175,15 +175,15 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Law for Gripping<LE
     }
 }
 
-/// Evaluates `$body` with `$law` of the law's own type, or as the value `$any` if it has none.
-macro_rules! in_law {
-    ($any:expr, $law:ident => $body:expr) => {{
+/// Evaluates `$body` with `$mode` of the mode's own type, or as the value `$any` if it has none.
+macro_rules! dispatch_mode {
+    ($any:expr, $mode:ident => $body:expr) => {{
         let any = $any;
         if !any.grips() || any.held().is_some() || any.has_friction() {
-            let $law = any;
+            let $mode = any;
             $body
         } else {
-            in_law!(@ any, $law, $body;
+            dispatch_mode!(@ any, $mode, $body;
                 (Viscoelastic, FullContact) <true, true, false>,
                 (Viscoelastic, TiltingLeft) <true, false, false>,
                 (Viscoelastic, TiltingRight) <false, true, false>,
@@ -193,18 +193,18 @@ macro_rules! in_law {
             )
         }
     }};
-    (@ $any:ident, $law:ident, $body:expr;
+    (@ $any:ident, $mode:ident, $body:expr;
      $(($foundation:ident, $regime:ident) <$left:literal, $right:literal, $rigid:literal>,)*) => {
         match ($any.foundation(), $any.regime()) {
             $((Foundation::$foundation, Regime::$regime) => {
-                let $law = Gripping::<$left, $right, $rigid>;
+                let $mode = Gripping::<$left, $right, $rigid>;
                 $body
             })*
             (Foundation::Viscoelastic | Foundation::Rigid, Regime::Separated) => {
-                let $law = $any;
+                let $mode = $any;
                 $body
             }
         }
     };
 }
-pub(crate) use in_law;
+pub(crate) use dispatch_mode;

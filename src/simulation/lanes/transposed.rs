@@ -6,12 +6,12 @@ use crate::numerics::wide::Four;
 use crate::simulation::Simulation;
 use crate::simulation::lanes::regime_index;
 use crate::simulation::stepping::Limits;
-use crate::system::events::Surface;
+use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
 /// The numbers of a run that steps on supports read, in fours, so that a few transpositions make vectors of several runs.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Fours {
+pub struct TransposedInputs {
     /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), shares of both corners (1), and the
     /// displacement of the foot (m).
     pub block: [Four; 3],
@@ -31,7 +31,7 @@ pub struct Fours {
     pub step: Four,
 }
 
-impl Fours {
+impl TransposedInputs {
     /// Reads the numbers that only events and steps of single runs change.
     pub fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
         let Simulation { pose, sums, peaks, .. } = simulation;
@@ -40,8 +40,8 @@ impl Fours {
         let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =
             pose.footing;
         self.block = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, share[0], share[1], offset]];
-        let Limits { work_weight, short_share, .. } = limits[regime_index(pose.contacts.regime()).unwrap_or(0)];
-        self.limits = [work_weight, short_share, Surface::Gap(Corner::Left).rounding(block), 0.0];
+        let Limits { work_weight, short_fraction, .. } = limits[regime_index(pose.contacts.regime()).unwrap_or(0)];
+        self.limits = [work_weight, short_fraction, EventFunction::Gap(Corner::Left).rounding(block), 0.0];
         // The support under a corner that touches is not read.
         let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
         let (rate, free_height) = (block.creep_rate(), block.free_height(corner));

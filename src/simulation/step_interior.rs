@@ -1,19 +1,19 @@
-//! A step → the motion between its ends, and the first surface through which it falls.
+//! A step → the motion between its ends, and the first event function that reaches zero.
 
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::Rate;
-use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
+use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
 use crate::numerics::roots::{self, Sample};
 use crate::simulation::peaks::{Channel, Channels};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Surface, landing, lift_off, quarter_turn, watched, watched_beyond};
+use crate::system::events::{EventFunction, extended_event_functions, landing, lift_off, quarter_turn, watched};
 use crate::system::instant::{Powers, State};
-use crate::system::law::Law;
+use crate::system::motion_mode::MotionMode;
 use crate::system::swing::Swing;
 
 /// The largest rotation of a block in flight within a step (rad). Its rotation is a polynomial of time, which every step follows
 /// without error, so the error never limits the step; but the heights of its corners follow the sine of the angle.
-pub(super) const MOST_TURN: f64 = 1.0;
+pub(super) const MAX_TURN: f64 = 1.0;
 
 /// The largest rotation in a step (rad) whose ends alone tell whether a corner came down inside: the height is then a cubic up
 /// to `turn⁴/384` R0.
@@ -24,12 +24,12 @@ pub(super) const SMALL_TURN: f64 = 0.1;
 /// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
 #[inline(always)]
 pub(super) fn turn_in_flight<const A: usize, const B: usize>(
-    law: impl Law,
+    mode: impl MotionMode,
     start: &State<f64, A>,
     end: &State<f64, B>,
     size: f64,
 ) -> f64 {
-    if law.regime() != Regime::Separated {
+    if mode.regime() != Regime::Separated {
         return 0.0;
     }
     let [theta, theta_dot, theta_after, theta_dot_after] = [start[0], start[1], end[0], end[1]];
@@ -43,79 +43,80 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
 /// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
 #[inline(always)]
-fn rounding(law: impl Law, surface: Surface, block: &Block, [start, end]: [Sample; 2]) -> f64 {
-    let tilts = law.foundation() == Foundation::Rigid && law.regime().pivot().is_some();
+fn rounding(mode: impl MotionMode, function: EventFunction, block: &Block, [start, end]: [Sample; 2]) -> f64 {
+    let tilts = mode.foundation() == Foundation::Rigid && mode.regime().pivot().is_some();
     let is_arc = start.value >= 0.0 && start.rate > 0.0 || start.value > 0.0 && end.value < 0.0;
-    if tilts && is_arc && matches!(surface, Surface::Gap(_)) { 0.0 } else { surface.rounding(block) }
+    if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(block) }
 }
 
 /// Whether a function may fall through zero between samples at both ends of a step: on supports by their bounds.
 #[inline(always)]
-fn may_fall(law: impl Law, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
-    match law.is_known() && law.foundation() == Foundation::Viscoelastic {
+fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
+    match mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
         true => roots::may_fall_by_bounds(start, end, rounding, duration),
         // The gap of a block that tilts on a rigid base has no round-off, and one that slides or is held may soon be back at zero.
         false => roots::may_fall(start, end, rounding, duration),
     }
 }
 
-/// Whether a surface may be fallen through between two instants.
+/// Whether an event function may fall through zero between two instants.
 #[inline(always)]
-pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluation) -> bool {
-    let may_fall = |surface: Surface| {
-        let start = surface.sample_on(law.foundation(), here);
-        let end = surface.sample_on(law.foundation(), there);
-        may_fall(law, start, end, rounding(law, surface, here.block, [start, end]), there.time - here.time)
+pub(super) fn may_hold_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
+    let may_fall = |function: EventFunction| {
+        let start = function.sample_on(mode.foundation(), here);
+        let end = function.sample_on(mode.foundation(), there);
+        may_fall(mode, start, end, rounding(mode, function, here.block, [start, end]), there.time - here.time)
     };
-    watched(law).into_iter().flatten().any(may_fall) || (!law.is_known() && may_hold_event_beyond(law, here, there))
+    watched(mode).into_iter().flatten().any(may_fall)
+        || (!mode.is_static() && may_hold_extended_event(mode, here, there))
 }
 
 #[inline(never)]
-fn may_hold_event_beyond(law: impl Law, here: &Evaluation, there: &Evaluation) -> bool {
-    watched_beyond(law, here.block).into_iter().flatten().any(|surface| {
-        let (start, end) = (surface.sample(here), surface.sample(there));
-        roots::may_fall(start, end, surface.rounding(here.block), there.time - here.time)
+fn may_hold_extended_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
+    extended_event_functions(mode, here.block).into_iter().flatten().any(|function| {
+        let (start, end) = (function.sample(here), function.sample(there));
+        roots::may_fall(start, end, function.rounding(here.block), there.time - here.time)
     })
 }
 
-/// A fall through a surface between two instants.
+/// The fall of an event function through zero between two instants.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fall {
+pub(super) struct EventCrossing {
     /// Its time, in seconds after the first of them.
     pub(super) elapsed: f64,
-    /// The surface.
-    pub(super) surface: Surface,
-    /// Whether the function begins at zero and seems to fall at once although the law that has just begun lets it rise: it rises
+    /// The event function.
+    pub(super) function: EventFunction,
+    /// Whether the function begins at zero and seems to fall at once although the mode that has just begun lets it rise: it rises
     /// for a time that is too short for this step.
     pub(super) rise_unseen: bool,
 }
 
-/// The first surface through which the motion falls between two instants, in a step of at most `longest` (s).
+/// The first event function that falls through zero between two instants, in a step of at most `longest` (s).
 #[inline(always)]
-pub(super) fn first_event<L: Law, const N: usize>(
+pub(super) fn first_event<L: MotionMode, const N: usize>(
     here: &Evaluation,
     there: &Evaluation,
     longest: f64,
-    inside: &mut Inside<L, N>,
-) -> Option<Fall> {
-    let mut first: Option<Fall> = None;
+    inside: &mut StepInterior<L, N>,
+) -> Option<EventCrossing> {
+    let mut first: Option<EventCrossing> = None;
     let duration = there.time - here.time;
-    let law = inside.motion.law();
+    let mode = inside.motion.mode();
     // In flight, heights of corners may turn faster than the motion that limits steps.
     let bounded = inside.is_on_supports();
     let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
-    let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
-    for surface in watched(law).into_iter().flatten() {
-        let [start, end] = [here, there].map(|now| surface.sample_on(law.foundation(), now));
-        let rounding = rounding(law, surface, here.block, [start, end]);
-        let hidden = turns_far && matches!(surface, Surface::Gap(_));
-        if !hidden && !may_fall(law, start, end, rounding, duration) {
+    let turns_far = turn_in_flight::<4, 4>(mode, &here.state, &there.state, duration) > SMALL_TURN;
+    for function in watched(mode).into_iter().flatten() {
+        let [start, end] = [here, there].map(|now| function.sample_on(mode.foundation(), now));
+        let rounding = rounding(mode, function, here.block, [start, end]);
+        let hidden = turns_far && matches!(function, EventFunction::Gap(_));
+        if !hidden && !may_fall(mode, start, end, rounding, duration) {
             continue;
         }
-        let mut sample = |elapsed| inside.sample(surface, elapsed);
+        let mut sample = |elapsed| inside.sample(function, elapsed);
         // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
         // support one may, where the angular momentum is kept.
-        let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
+        let on_base = here.block.foundation == Foundation::Rigid && matches!(function, EventFunction::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
         let fall =
             if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, pieces, bounded, sample) };
@@ -123,33 +124,33 @@ pub(super) fn first_event<L: Law, const N: usize>(
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
             let rise_unseen = elapsed == 0.0 && !down && start.value >= -rounding;
-            first = Some(Fall { elapsed, surface, rise_unseen });
+            first = Some(EventCrossing { elapsed, function, rise_unseen });
         }
     }
-    if L::KNOWN { first } else { first_event_beyond(here, there, inside, first) }
+    if L::STATIC { first } else { first_extended_event(here, there, inside, first) }
 }
 
 /// The same through those of friction and restraints, if that is earlier than `first`.
 #[inline(never)]
-fn first_event_beyond<L: Law, const N: usize>(
+fn first_extended_event<L: MotionMode, const N: usize>(
     here: &Evaluation,
     there: &Evaluation,
-    inside: &mut Inside<L, N>,
-    mut first: Option<Fall>,
-) -> Option<Fall> {
+    inside: &mut StepInterior<L, N>,
+    mut first: Option<EventCrossing>,
+) -> Option<EventCrossing> {
     let duration = there.time - here.time;
-    for surface in watched_beyond(inside.motion.law(), here.block).into_iter().flatten() {
-        let rounding = surface.rounding(here.block);
-        let (start, end) = (surface.sample(here), surface.sample(there));
+    for function in extended_event_functions(inside.motion.mode(), here.block).into_iter().flatten() {
+        let rounding = function.rounding(here.block);
+        let (start, end) = (function.sample(here), function.sample(there));
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let sample = |elapsed| surface.sample(&inside.at(elapsed));
+        let sample = |elapsed| function.sample(&inside.at(elapsed));
         let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
-            first = Some(Fall { elapsed, surface, rise_unseen: elapsed == 0.0 && start.value >= -rounding });
+            first = Some(EventCrossing { elapsed, function, rise_unseen: elapsed == 0.0 && start.value >= -rounding });
         }
     }
     first
@@ -160,20 +161,20 @@ pub(super) enum Between<'s, const N: usize = 4> {
     /// A dense output that is known.
     Known(DenseOutput<N>),
     /// The dense output of a step with this rate at its end, computed when it is first asked for.
-    Within(&'s Step<N>, Rate<f64, N>),
+    Within(&'s DenseStep<N>, Rate<f64, N>),
     /// A swing about a corner of the rigid base, from this time (s) on.
     Swing(f64, &'s Swing),
 }
 
 /// The motion inside a step.
-pub(super) struct Inside<'s, 'a, L, const N: usize = 4> {
+pub(super) struct StepInterior<'s, 'a, L, const N: usize = 4> {
     pub(super) motion: Motion<'a, L, N>,
     pub(super) between: Between<'s, N>,
     /// Evaluations of the right-hand side for the dense output.
     pub(super) evaluations: u64,
 }
 
-impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
+impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     #[inline]
     fn dense(&mut self) -> &DenseOutput<N> {
         if let Between::Within(step, end) = self.between {
@@ -198,23 +199,23 @@ impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
         }
     }
 
-    /// Whether the compiler knows the law, of a block on supports, and leaves out what a single quantity does not need.
+    /// Whether the compiler knows the mode, of a block on supports, and leaves out what a single quantity does not need.
     #[inline(always)]
     fn is_on_supports(&self) -> bool {
-        L::KNOWN && self.motion.law().foundation() == Foundation::Viscoelastic
+        L::STATIC && self.motion.mode().foundation() == Foundation::Viscoelastic
     }
 
-    /// The function of a surface `elapsed` seconds after the beginning of the step.
+    /// Value and rate of an event function `elapsed` seconds after the beginning of the step.
     #[inline]
-    fn sample(&mut self, surface: Surface, elapsed: f64) -> Sample {
-        match surface {
-            Surface::QuarterTurn => {
+    fn sample(&mut self, function: EventFunction, elapsed: f64) -> Sample {
+        match function {
+            EventFunction::QuarterTurn => {
                 let state = self.state(elapsed);
-                quarter_turn::rest([state[0], state[1]])
+                quarter_turn::remaining_angle([state[0], state[1]])
             }
-            Surface::Reaction(corner) if self.is_on_supports() => self.reaction(corner, elapsed),
-            Surface::Gap(corner) if self.is_on_supports() => self.gap(corner, elapsed),
-            _ => surface.sample(&self.at(elapsed)),
+            EventFunction::Reaction(corner) if self.is_on_supports() => self.reaction(corner, elapsed),
+            EventFunction::Gap(corner) if self.is_on_supports() => self.gap(corner, elapsed),
+            _ => function.sample(&self.at(elapsed)),
         }
     }
 
