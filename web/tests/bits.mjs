@@ -82,7 +82,7 @@ test("dropped files, one of them vertical, give the bytes of the program", () =>
     const fields = { ...DEFAULTS, excitation: "file", vertical: "file", scale: "3" };
     const run = ask({ op: "run", fields });
     assert.ok(run.ok, JSON.stringify(run.errors));
-    const changes = { "history.csv": "-", [files.record]: `records/${files.record}`, [files.vertical]: `records/${files.vertical}` };
+    const changes = { "history.csv": "-", [files.record]: `examples/records/${files.record}`, [files.vertical]: `examples/records/${files.vertical}` };
     assert.ok(ask({ op: "csv" }).bytes.equals(rocking(run.command, changes)), run.command);
     // A table without a unit: the message appears beside the unit, and the unit resolves it.
     const rows = Array.from({ length: 600 }, (_, i) => `${(i / 100).toFixed(2)},${(3 * Math.sin(i / 10)).toFixed(4)}`).join("\n");

@@ -89,7 +89,7 @@ def local(url: str) -> bool:
 
 
 def ran(page: Page, runs: int = 1) -> None:
-    """Waits until the page has shown so many runs, and has none under way."""
+    """Waits until the page has shown this number of runs and is idle."""
     page.wait_for_function(
         f"Number(document.documentElement.dataset.runs ?? 0) >= {runs} && !document.getElementById('result').hasAttribute('aria-busy')"
     )

@@ -3,8 +3,9 @@
 use clap::{Parser, ValueEnum};
 
 use crate::output::report;
+use rocking_studies::spec::fit::FitFile;
 use rocking_studies::spec::schema;
-use rocking_studies::spec::study::{FitFile, StudyFile};
+use rocking_studies::spec::study::StudyFile;
 
 /// Options of `rocking schema`.
 #[derive(Parser)]

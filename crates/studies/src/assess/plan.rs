@@ -12,7 +12,8 @@ use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText,
 use crate::intensity::Measure;
 use crate::risk::{HazardCurve, HazardOptions, read_hazard};
 use crate::run::outcome::Holds;
-use crate::spec::study::{AssessTable, HazardTable, StateTable, StudyFile, VariantTable};
+use crate::spec::assess::{AssessTable, HazardTable, StateTable, VariantTable};
+use crate::spec::study::StudyFile;
 use crate::spec::words::Words;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;

@@ -71,7 +71,7 @@ const OVER_BALANCE: &str = "peak.theta/balance";
 pub struct SweepTable {
     file: String,
     table: Table,
-    /// Headings of all columns of the file, some of which may not be in the table.
+    /// Headings of all columns of the file, including those left out of the table.
     headings: Vec<String>,
 }
 

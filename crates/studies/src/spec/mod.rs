@@ -5,7 +5,7 @@
 //! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`block`] | parameters, some of them given → a checked block |
 //! | [`pulse`] | parameters, some of them given → a checked pulse |
-//! | [`study`] | the tables of study files, for readers and for [`schema`] |
+//! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
 //! | [`schema`] | these tables → a JSON Schema, for editors |
 //! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie |
 //!
@@ -14,7 +14,9 @@
 
 pub mod words;
 
+pub mod assess;
 pub mod block;
+pub mod fit;
 pub mod pulse;
 pub mod schema;
 pub mod study;

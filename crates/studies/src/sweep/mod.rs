@@ -8,10 +8,12 @@
 //! | [`hunt`] | the runs of a block under a record → the level of the next one |
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
 //! | [`change`] | a block → the same block with another base, foundation, friction or ties |
+//! | `columns` | a row → the columns of the table |
 //! | `records` | `[[records]]` of a study file → ground motions |
 //! | [`mod@file`] | a study file → a sweep with valid values |
 
 pub mod change;
+mod columns;
 pub mod ensemble;
 pub mod file;
 pub mod ground_motion;
@@ -25,13 +27,13 @@ use crate::doubts;
 use crate::intensity::Measure;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
-use crate::output::table::{Table, TableColumn, headings};
+use crate::output::table::{Table, headings};
 use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
-use crate::run::sliding;
-use crate::search::{self, OutcomeMap, Scan, Threshold};
+use crate::run::outcome::{End, Holds, Outcome, OutcomeRow};
+use crate::search::{self, OutcomeMap, Scan};
 use crate::sweep::change::{Change, tie_field};
+use crate::sweep::columns::SweepRow;
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
@@ -450,92 +452,4 @@ impl Study for Sweep {
         let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
         self.rows_of(inputs.iter().zip(made.chunks(1 + self.samples_in_a_row())))
     }
-}
-
-impl Sweep {
-    /// The columns: of the block, of the ground motion, and of the run or the search.
-    fn columns<'a>(&'a self) -> Vec<TableColumn<'a, SweepRow<'a>>> {
-        type Of<'a> = TableColumn<'a, SweepRow<'a>>;
-        let parameters = self.parameters.iter().enumerate();
-        let mut columns: Vec<Of> = vec![Of::row(|row| row.inputs.row)];
-        columns.extend(
-            parameters
-                .map(|(number, swept)| swept.parameter.column(move |row: &SweepRow| row.inputs.combination[number])),
-        );
-        let names = |component: usize| self.motions.iter().map(move |motion| motion.names[component].clone());
-        columns.extend(
-            ["record", "vertical"]
-                .into_iter()
-                .enumerate()
-                .map(|(component, name)| Of::choice(name, names(component), |row| row.inputs.motion_number)),
-        );
-        if self.has_building() {
-            columns.push(Of::count("floor", |row| row.inputs.motion.floor.unwrap_or_default()));
-        }
-        columns.extend([
-            Of::optional("scale", "1", |row| row.inputs.motion.has_record().then_some(row.inputs.scale)),
-            Of::optional("PGA.vertical", "m/s2", |row| row.inputs.motion.vertical_pga(row.inputs.scale)),
-        ]);
-        columns.extend(self.measures.iter().map(|&measure| {
-            Of::optional(measure.to_string(), measure.unit(), move |row| row.inputs.intensity(measure))
-        }));
-        match &self.strengths {
-            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => {
-                columns.extend(outcome::columns(self.holds()));
-            }
-            Strengths::Least(measure, _) => columns.extend(of_search(*measure)),
-        }
-        let run = |row: &SweepRow| self.nominal_run(row.inputs);
-        columns.extend(self.friction_demand.map(|friction| sliding::column(friction, run)));
-        columns.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.columns(|row: &SweepRow| &row.made[1..])));
-        columns
-    }
-}
-
-/// A row of the table.
-struct SweepRow<'a> {
-    inputs: &'a RowInputs<'a>,
-    /// The run, followed by its samples, each with the slenderness of its block (rad); none in a search.
-    made: &'a [(f64, Outcome)],
-    /// The outcomes over the range of a search.
-    found: Option<&'a OutcomeMap<End>>,
-}
-
-impl OutcomeRow for SweepRow<'_> {
-    fn outcome(&self) -> &Outcome {
-        &self.made[0].1
-    }
-
-    fn alpha(&self) -> f64 {
-        self.made[0].0
-    }
-}
-
-/// The columns of a search over a measure.
-///
-/// In order: the worst outcome; the least value that overturns, and whether it is only a bound; the value above which the block
-/// always overturns; the number of overturning ranges, and the ranges, such as "0.79 to 0.8; 0.85 to 3".
-fn of_search<'a>(measure: Measure) -> Vec<TableColumn<'a, SweepRow<'a>>> {
-    fn found<'r>(row: &'r SweepRow) -> &'r OutcomeMap<End> {
-        row.found.unwrap_or_else(|| unreachable!("the rows of a search"))
-    }
-    let ranges = |row: &SweepRow| found(row).stretches().into_iter().filter(|stretch| stretch.2 == End::Overturned);
-    vec![
-        TableColumn::choice("outcome", End::ALL.map(End::word), |row| {
-            let stretches = found(row).stretches();
-            let any = |end: &End| stretches.iter().any(|stretch| stretch.2 == *end);
-            [End::Failed, End::Overturned, End::Undecided].into_iter().find(any).unwrap_or(End::Completed) as usize
-        }),
-        TableColumn::optional(format!("least.{measure}"), measure.unit(), |row| found(row).overturning().value()),
-        TableColumn::choice("least.bound", Threshold::BOUNDS, |row| found(row).overturning().bound_position()),
-        TableColumn::optional(format!("always_from.{measure}"), measure.unit(), |row| {
-            let stretches = found(row).stretches();
-            stretches.last().filter(|stretch| stretch.2 == End::Overturned).map(|stretch| stretch.0)
-        }),
-        TableColumn::count("overturning_ranges", move |row| ranges(row).count()),
-        TableColumn::text(format!("overturning.{measure}"), move |row| {
-            ranges(row).map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; ")
-        })
-        .with_unit(Some(measure.unit())),
-    ]
 }

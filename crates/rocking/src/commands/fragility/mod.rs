@@ -90,7 +90,7 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
     let named: Vec<&str> = im.iter().chain(beside).chain(&options.surface).map(String::as_str).collect();
-    // The curves of an analysis are told apart by all columns.
+    // All columns identify the curves of an analysis.
     let (name, table) = fit.table(&options.table, ida.is_none().then_some(&named))?;
     let limit = fit.limit(&table)?;
     let found = table.cases(limit)?;
