@@ -182,7 +182,7 @@ impl Simulation {
         self.apply_pending(inputs, observer, |_| ()).map(|_| ())
     }
 
-    /// The same; the block right after the event goes to `inspect`.
+    /// Applies a pending event as [`Simulation::settle`] does, and returns what `inspect` makes of the block right after it.
     fn apply_pending<R>(
         &mut self,
         inputs: &Inputs,

@@ -269,8 +269,9 @@ where
         }
     }
 
-    /// The same without rates that need dual numbers: zeros stand for H and the friction demand, and on the rigid base for the
-    /// rates of the reactions.
+    /// The channels without rates that need dual numbers.
+    ///
+    /// Zeros stand for H and the friction demand, and on the rigid base for the rates of the reactions.
     #[inline(always)]
     pub fn cheap_channels(&self) -> Channels<R> {
         Channels {

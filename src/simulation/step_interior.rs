@@ -130,7 +130,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
     if L::STATIC { first } else { first_extended_event(here, there, inside, first) }
 }
 
-/// The same through those of friction and restraints, if that is earlier than `first`.
+/// The first event of friction or restraints, if it is earlier than `first`, else `first`.
 #[inline(never)]
 fn first_extended_event<L: MotionMode, const N: usize>(
     here: &Evaluation,
@@ -215,7 +215,15 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             }
             EventFunction::Reaction(corner) if self.is_on_supports() => self.reaction(corner, elapsed),
             EventFunction::Gap(corner) if self.is_on_supports() => self.gap(corner, elapsed),
-            _ => function.sample(&self.at(elapsed)),
+            EventFunction::Reaction(_)
+            | EventFunction::Gap(_)
+            | EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Slide
+            | EventFunction::Friction(_)
+            | EventFunction::Speed
+            | EventFunction::StandingSlide
+            | EventFunction::Restraint(_) => function.sample(&self.at(elapsed)),
         }
     }
 
@@ -243,7 +251,9 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
                 self.forces(elapsed)
             }
             Channel::Uplift if self.is_on_supports() => self.uplift(elapsed),
-            _ => self.at(elapsed).channels(),
+            Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
+                self.at(elapsed).channels()
+            }
         };
         channels.candidates()[number].1
     }

@@ -200,7 +200,7 @@ impl Simulation {
         }
         let error = step.error(motion.rate_of(&there), limits.weights, limits.work_weight) / limits.short_fraction;
         let factor = short_factor(error);
-        // A factor that is not a number is that of an error that is none.
+        // An error of NaN gives a factor of NaN, which rejects the step.
         if factor.is_nan() || factor < 1.0 {
             self.control.reject_short(size, factor);
             return false;

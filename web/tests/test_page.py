@@ -1,122 +1,14 @@
-"""The page in headless Chromium, opened from its file: actions of a visitor and the page's responses.
-
-Skipped without Chromium; ROCKING_BLOCK_SKIPPED then names the file of skipped tests. Screenshots go to
-target/web/screenshots.
-"""
+"""The page in headless Chromium, opened from its file: actions of a visitor and the page's responses."""
 
 import csv
 import os
 import re
 import shutil
-import subprocess
-from pathlib import Path
 from urllib.parse import parse_qs, urlparse
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
-
-ROOT = Path(__file__).resolve().parents[2]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-PAGE = ROOT / "target/web/rocking.html"
-SCREENSHOTS = ROOT / "target/web/screenshots"
-AXE = ROOT / "web/node_modules/axe-core/axe.min.js"
-PROGRAM = TARGET / "release/rocking"
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-
-
-def chromium() -> str | None:
-    return shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = chromium()
-    if path is None:
-        if skipped := os.environ.get("ROCKING_BLOCK_SKIPPED"):
-            with open(skipped, "a") as file:
-                file.write("web/tests/test_page.py: chromium is not installed\n")
-        pytest.skip("chromium is not installed")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
-def large_text(browser: Browser):
-    """A browser whose user has doubled the size of text."""
-    flags = [*FLAGS, "--blink-settings=defaultFontSize=32"]
-    browser = browser.browser_type.launch(executable_path=chromium(), args=flags)
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def visit(browser: Browser):
-    """Opens the page in a context of its own; any error of a script, and any request to a network, fails the test."""
-    contexts, faults = [], []
-
-    def open_page(fragment: str = "", script: str = "", browser: Browser = browser, **options) -> Page:
-        context = browser.new_context(**{"viewport": {"width": 1360, "height": 900}, **options})
-        contexts.append(context)
-        context.add_init_script(script)
-        page = context.new_page()
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("request", lambda request: None if local(request.url) else faults.append(request.url))
-        page.goto(PAGE.as_uri() + fragment)
-        return page
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert faults == []
-
-
-# A block on supports with two ties.
-TIED = "tie=two&tie_1_stiffness=3e4&tie_2_strength=2000"
-
-
-def local(url: str) -> bool:
-    return urlparse(url).scheme in ("file", "blob", "data")
-
-
-def ran(page: Page, runs: int = 1) -> None:
-    """Waits until the page has shown this number of runs and is idle."""
-    page.wait_for_function(
-        f"Number(document.documentElement.dataset.runs ?? 0) >= {runs} && !document.getElementById('result').hasAttribute('aria-busy')"
-    )
-
-
-def runs(page: Page) -> int:
-    return int(page.evaluate("document.documentElement.dataset.runs"))
-
-
-def fill(page: Page, field: str, text: str) -> None:
-    """Types into a field and waits for the run."""
-    before = runs(page)
-    page.fill(f"#{field}", text)
-    ran(page, before + 1)
-
-
-def downloaded(page: Page, button: str) -> bytes:
-    with page.expect_download() as download:
-        page.click(button)
-    return Path(download.value.path()).read_bytes()
-
-
-def program(command: str, table: str) -> bytes:
-    """Runs the command line that the page shows, with the table on standard output."""
-    words = command.replace(table, "-").split()
-    assert words[0] == "rocking"
-    return subprocess.run([PROGRAM, *words[1:]], cwd=ROOT, check=True, capture_output=True).stdout
+from playwright.sync_api import expect
+from visitor import ROOT, downloaded, drop, fill, program, ran, runs
 
 
 def test_the_first_view_is_a_run_of_the_program(visit):
@@ -206,17 +98,6 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     # A picture is not an accelerogram.
     page.set_input_files("#record", ROOT / "docs/sketch.png")
     expect(page.locator("#record-error")).to_contain_text("sketch.png")
-
-
-def drop(page: Page, *paths: Path, on: str = "#scene") -> None:
-    """Drops files as the desktop does."""
-    page.locator(on).scroll_into_view_if_needed()
-    box = page.locator(on).bounding_box()
-    at = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
-    data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
-    session = page.context.new_cdp_session(page)
-    for kind in ("dragEnter", "dragOver", "drop"):
-        session.send("Input.dispatchDragEvent", {"type": kind, "data": data, **at})
 
 
 def test_a_folder_and_several_files_are_taken_or_refused_with_a_message(visit, tmp_path):
@@ -377,35 +258,6 @@ def test_studies_leave_no_plot_behind(visit):
     assert page.locator(".study .uplot").count() == 2
 
 
-STATES = {
-    "record": "",
-    "pulse": "#excitation=pulse",
-    "rigid": "#foundation=rigid&sliding=friction",
-    "tied": f"#{TIED}",
-    "file": "#excitation=file&record_name=lost.at2&vertical=file",
-    "error": "#height=tall",
-    "link": "#preset=soft",
-    "study": "#points=3",
-}
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("state", STATES)
-def test_axe_finds_no_violation(visit, state, scheme):
-    page = visit(STATES[state], color_scheme=scheme)
-    if state in ("file", "error", "link"):
-        expect(page.locator(".error:visible").first).to_be_visible()
-    else:
-        ran(page)
-    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
-    if state == "study":
-        page.click("#spectrum .start")
-        expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
-    page.add_script_tag(path=AXE)
-    found = page.evaluate("axe.run().then(({ violations }) => violations)")
-    assert [f"{one['id']}: {[node['html'][:120] for node in one['nodes']]}" for one in found] == []
-
-
 def test_surfaces_and_ties_are_chosen_and_shown(visit):
     page = visit("#foundation=rigid&scale=4")
     ran(page)
@@ -497,74 +349,6 @@ def test_an_ensemble_shows_what_undecided_runs_leave_open(visit):
     shown = [float(page.locator("#ensemble .u-legend .u-value").nth(series).inner_text()) for series in (2, 3)]
     bounds = [count["overturned"], count["overturned"] + count["unknown(overturned)"]]
     assert shown == pytest.approx([bound / count["samples"] for bound in bounds], abs=1e-3)
-
-
-def test_everything_can_be_reached_by_keyboard(visit):
-    page = visit()
-    ran(page)
-    seen = []
-    for _ in range(60):
-        page.keyboard.press("Tab")
-        seen.append(page.evaluate("document.activeElement.id || document.activeElement.name || document.activeElement.tagName"))
-    for name in ["shape", "width", "foundation", "eta", "excitation", "scale", "play", "time", "save-csv", "copy-link"]:
-        assert name in seen, f"{name} is not among {seen}"
-    # Arrow keys move a slider and make a run.
-    before = runs(page)
-    page.focus("#field-height input[type=range]")
-    page.keyboard.press("ArrowRight")
-    ran(page, before + 1)
-    assert float(page.input_value("#height")) > 2.4
-    unnamed = page.evaluate(
-        """[...document.querySelectorAll('input, select, button, [role=img], progress')].filter(e => e.offsetParent
-          && !(e.labels?.length || e.getAttribute('aria-label') || e.textContent.trim())).map(e => e.outerHTML)"""
-    )
-    assert unnamed == []
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1360, 390])
-def test_the_page_fits_its_window(visit, scheme, width):
-    page = visit(viewport={"width": width, "height": 844}, color_scheme=scheme)
-    ran(page)
-    page.wait_for_timeout(300)
-    assert overflowing(page) == []
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SCREENSHOTS / f"{scheme}-{width}.png", full_page=True)
-
-
-def overflowing(page: Page) -> list[str]:
-    """Visible elements that reach beyond the window, or whose text is cut off or reaches beyond them."""
-    return page.evaluate(
-        """[...document.querySelectorAll('body *')].filter(e => {
-          if (!e.offsetParent || e.closest('.u-wrap, svg, .skip')) return false;
-          const { left, right } = e.getBoundingClientRect();
-          const wide = e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && !e.matches('input, select, progress');
-          return right > innerWidth + 1 || left < -1 || wide;
-        }).map(e => `${e.tagName} ${e.id} ${e.className}: ${e.textContent.slice(0, 40)}`)"""
-    )
-
-
-@pytest.mark.parametrize("width", [1360, 800, 390])
-def test_doubled_text_fits_the_window(visit, large_text, width):
-    page = visit(f"#{TIED}&sliding=friction", browser=large_text, viewport={"width": width, "height": 844})
-    ran(page)
-    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
-    page.fill("#points", "3")
-    page.click("#spectrum .start")
-    expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
-    page.wait_for_timeout(300)
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SCREENSHOTS / f"large-text-{width}.png", full_page=True)
-    assert overflowing(page) == []
-
-
-def test_the_page_fits_at_a_zoom_of_200_per_cent(visit):
-    page = visit(viewport={"width": 640, "height": 450}, device_scale_factor=2)
-    ran(page)
-    page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
-    page.wait_for_timeout(300)
-    page.screenshot(path=SCREENSHOTS / "zoom-640.png", full_page=True)
-    assert overflowing(page) == []
 
 
 def test_times_are_printed(visit, capsys):

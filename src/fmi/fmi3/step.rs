@@ -105,7 +105,19 @@ impl Instance {
                 let early_return = reply.and_then(|reply| reply.early_return);
                 step.until = step.until.min(early_return.unwrap_or(end).max(unit.time()));
             }
-            _ => {}
+            (
+                Phase::Instantiated
+                | Phase::ConfigurationMode
+                | Phase::InitializationMode
+                | Phase::StepComplete
+                | Phase::StepFailed
+                | Phase::EventMode
+                | Phase::ContinuousTimeMode
+                | Phase::Terminated
+                | Phase::Error
+                | Phase::Fatal,
+                _,
+            ) => {}
         }
         let after = version.early_return.then_some(step.time);
         while unit.time() < step.until {

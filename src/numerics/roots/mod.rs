@@ -82,7 +82,7 @@ fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
 /// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it
-/// has left zero upwards; [`leaves_downwards`] decides whether it does. Between samples it may dip below zero and come back; the bottom of a
+/// has left zero upwards; one that leaves it downwards has fallen at once, which [`leaves_downwards`] tells the caller. Between samples it may dip below zero and come back; the bottom of a
 /// dip is sought where the rate changes sign. All `pieces` are searched in turn; if the ends of longer intervals bound the function as well
 /// (`bounded`), only those that may hold the first fall. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
@@ -250,7 +250,7 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// The same as [`may_fall`], but bounds also exclude a fall of a function that begins at zero: it has to come below its `rounding`.
+/// Whether the bounds of a function let it fall through zero; one that begins at zero has to come below its `rounding`.
 #[inline]
 pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     let floor = if start.value > rounding { 0.0 } else { -rounding };

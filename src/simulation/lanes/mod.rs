@@ -38,7 +38,7 @@ use transposed::TransposedInputs;
 pub struct Lane {
     /// The caller's mark of the run.
     pub tag: usize,
-    /// The run's own, which a step can borrow while the simulation changes: to share it for each step would take longer than many a swing.
+    /// Owned, so that a step can borrow it while the simulation changes: cloning the `Arc` at each step costs more than a swing.
     system: Arc<System>,
     simulation: Simulation,
     /// Time of the next stop (s).
@@ -239,7 +239,7 @@ impl Lane {
                 wave
             })
         };
-        // A copy of none would be one of all its bytes.
+        // Skips `None`, which would copy the whole struct.
         if wave.is_some() || self.wave.is_some() {
             self.wave = wave;
             self.longest_under_pulse = wave.map_or(f64::INFINITY, |wave| LONGEST / wave.frequency());
@@ -367,7 +367,7 @@ impl Lane {
         self.budget -= 1;
     }
 
-    /// Takes note that the error of a step of order 8 is small enough.
+    /// Accepts a step of order 8.
     #[inline]
     fn accept(&mut self, batch: &StepBatch, lane: usize) {
         let Lane { simulation, attempt, longest, .. } = self;
@@ -378,7 +378,7 @@ impl Lane {
         }
     }
 
-    /// Takes note that the error of a step of order 8 is too great. A shorter one comes next, unless the clock does not resolve it: returns
+    /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
     /// whether it does.
     fn reject(&mut self, root: f64) -> bool {
         let Lane { simulation, attempt, stop, .. } = self;
@@ -393,7 +393,7 @@ impl Lane {
         true
     }
 
-    /// Takes note that a short step does not do. One of order 8 comes next.
+    /// Rejects the short step; a step of order 8 follows.
     fn rule_out_short_step(&mut self) {
         self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         self.short_failed = true;
@@ -410,7 +410,7 @@ pub fn step_group(width: VectorWidth, kind: BatchKind, group: &mut [Box<Lane>]) 
     }
 }
 
-/// The same for swings.
+/// Takes a swing of each run of a group; returns a bit for each run that has taken it.
 fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     let mut batch = swings::swing(width, is_wave, group);
     for (lane, run) in group.iter_mut().enumerate() {
@@ -423,7 +423,7 @@ fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     batch.taken
 }
 
-/// The same for steps on supports.
+/// Takes a step on supports of each run of a group; returns the bits of [`step_group`].
 fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]) -> u32 {
     let mut batch = kernel::step(width, regime, short, group);
     let mut rejected = 0;

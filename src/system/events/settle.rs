@@ -156,7 +156,7 @@ where
         self.settle_under_friction()
     }
 
-    /// Does the same as [`PoseUpdate::settle_on_rigid_base`] after friction has been applied.
+    /// Settles the block on the rigid base after friction has been applied.
     pub(super) fn settle_under_friction(&mut self) -> Option<Release> {
         let mut leaving = None;
         loop {

@@ -74,8 +74,9 @@ impl Swing {
         Bernstein::of(self.away_from(corner, part), self.order).highest(most).map(|place| place * part)
     }
 
-    /// The same where θ̈ points to the base all the time: Newton's method for the zero of θ̇, until a tangent shows that the rotation does
-    /// not exceed `most`.
+    /// The part of the swing at which the rotation is greatest, if θ̈ points to the base all the time.
+    ///
+    /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
     fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
         let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(part));
         if first * away <= 0.0 || last * away >= 0.0 {

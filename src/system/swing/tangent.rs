@@ -48,7 +48,7 @@ impl Swing {
         self.with_derivatives(part, change)
     }
 
-    /// The same by a series that is known.
+    /// `[θ, θ̇]` after a part of the swing, with derivatives from the series that [`Swing::varied`] has made.
     pub fn varied_by(&self, series: &TangentSeries, part: f64) -> [Number; 2] {
         self.with_derivatives(part, sums(series, self.order, part, self.size))
     }

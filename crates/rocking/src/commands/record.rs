@@ -149,7 +149,7 @@ struct Report {
     /// By their names; null if the record has no value.
     #[serde(flatten, serialize_with = "by_name")]
     measures: Vec<(Measure, Option<f64>)>,
-    /// The same over all directions, with a transverse record.
+    /// The measures over all directions, with a transverse record.
     #[serde(flatten)]
     rotations: Option<Rotations>,
 }

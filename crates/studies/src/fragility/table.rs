@@ -140,7 +140,7 @@ impl SweepTable {
         SweepTable { file: file.into(), table, headings }
     }
 
-    /// The same for some columns of a file with these headings.
+    /// Evaluates some columns of a file with these headings.
     pub fn of_columns(file: &str, table: Table, headings: Vec<String>) -> SweepTable {
         SweepTable { file: file.into(), table, headings }
     }

@@ -242,7 +242,7 @@ impl ResumableTable {
         Ok(table)
     }
 
-    /// The same in Parquet.
+    /// Begins a table in Parquet that cannot be resumed.
     ///
     /// # Errors
     /// `out` takes no bytes.

@@ -15,13 +15,13 @@ use rocking_block::simulation::SimulationError;
 /// Tasks per thread in progress or waiting for their turn; a task this many times longer than the others delays none.
 const AHEAD: u64 = 32;
 
-/// The same for batches of rows.
+/// Batches of rows per thread in progress or waiting for their turn.
 const BATCHES_AHEAD: u64 = 4;
 
 /// Maximum number of runs per batch; a row is never split.
 pub(crate) const MAX_RUNS: u64 = 512;
 
-/// The same without vectors: enough that passing on the rows takes little time.
+/// Maximum number of runs per batch without vectors: enough that passing on the rows takes little time.
 const MAX_SINGLE_RUNS: u64 = 16;
 
 /// A study: a table of rows, each from one or several runs.

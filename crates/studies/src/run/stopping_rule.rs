@@ -28,7 +28,7 @@ const BELOW_THE_BARRIER: f64 = 0.95;
 /// Approaching the unstable equilibrium to 1e-10 α takes 24/p, and leaving it as long.
 const MAX_TIME: u64 = 100;
 
-/// The same for free motion of a block that loses energy, as a slender one rocks for long, and for a foot that may slide.
+/// Longest time in 1/p of blocks that lose energy, since slender ones rock for long, and of feet that may slide.
 const MAX_DECAY: u64 = 1000;
 
 /// Fraction of the lift-off energy below which a block on supports is at rest: 1 % of the lift-off rotation.
@@ -243,7 +243,7 @@ fn is_held_by_ties(simulation: &Simulation) -> bool {
     /// Kinetic energy of a block at rest, as a part of the barrier, and accelerations, as a part of g: on supports of η = 40 some 1 % of the
     /// rotation of lift-off.
     const STILL: [f64; 2] = [1e-6, 1e-2];
-    /// The same beyond the balance, where a tie has to hold the block, and a block that merely lingers is not at rest.
+    /// [`STILL`] beyond the balance, where a tie has to hold the block, and a block that merely lingers is not at rest.
     const STILL_BEYOND_BALANCE: [f64; 2] = [1e-12, 1e-6];
     let block = simulation.block();
     if block.ties().is_empty() {

@@ -102,7 +102,7 @@ fn runs_on_supports_on_a_posix_clock_do_not_fail() {
     }
 }
 
-/// The same for random blocks, overturning ones among them.
+/// Random blocks, overturning ones among them, on clocks of 1.7e9 s.
 #[test]
 fn runs_on_a_posix_clock_do_not_fail() {
     let supports = prop_oneof![Just(None), (10.0..80.0_f64, 0.02..1.0_f64).prop_map(Some)];

@@ -214,7 +214,14 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         let rounding = match function {
             EventFunction::Gap(_) => rounding.gap,
             EventFunction::QuarterTurn => rounding.quarter_turn,
-            _ => rounding.reaction,
+            EventFunction::Reaction(_)
+            | EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Slide
+            | EventFunction::Friction(_)
+            | EventFunction::Speed
+            | EventFunction::StandingSlide
+            | EventFunction::Restraint(_) => rounding.reaction,
         };
         let (start, end) = (self.sample(function, here), self.sample(function, there));
         Ends { start, end, duration }.may_fall(rounding)

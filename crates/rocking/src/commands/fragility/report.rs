@@ -30,7 +30,7 @@ pub struct RowCounts {
     decided: usize,
     /// Rows that exceed the limit; for ensembles, the sum of the fractions of their samples that do.
     exceeded: f64,
-    /// The same if all rows and samples without a known outcome exceed it.
+    /// Rows that exceed the limit if all rows and samples without a known outcome do.
     exceeded_at_most: f64,
     /// Rows of ensembles some of whose samples have no known outcome.
     partly_known: usize,
