@@ -313,6 +313,7 @@ def outcomes(
     friction_demand: float | None,
     options: dict[str, Any],
     threads: int | None,
+    holds: tuple[bool, int] | None,
     tick: _Tick,
 ) -> tuple[list[_Column], str | None]: ...
 

@@ -7,12 +7,13 @@ import hashlib
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rocking_block import _engine
+from rocking_block import _engine, _parts
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._table import Table
@@ -58,8 +59,11 @@ def table_of_outcomes(
     threads: int | None,
     progress: bool | None,
     more: Mapping[str, Floats] | None = None,
+    blocks: Sequence[_engine.Block] = (),
+    parts: int | None = None,
+    executor: Executor | None = None,
 ) -> Table:
-    """Returns the table of the outcomes; `more` has further columns of the blocks."""
+    """Returns the table of the outcomes; `more` has further columns of the blocks, which an executor needs one by one."""
     horizontal, vertical_records = _read("records", records, g), _read("vertical", vertical, g)
     pulse = as_pulse(pulse)
     if not horizontal and not vertical_records and pulse is None:
@@ -80,10 +84,12 @@ def table_of_outcomes(
     if not horizontal and spectral_periods:
         raise ValueError("periods has no effect without horizontal records")
     factors = scales.ravel().tolist()
-    with ticking(progress) as tick:
-        found, failure = _engine.outcomes(
-            many, pairs, factors, spectral_periods, g, pulse, friction_demand, options, threads, tick
-        )
+    settings = (spectral_periods, g, pulse, friction_demand, options)
+    if executor is not None:
+        found, failure = _parts.outcomes(blocks, pairs, factors, settings, parts, executor, threads, progress)
+    else:
+        with ticking(progress) as tick:
+            found, failure = _engine.outcomes(many, pairs, factors, *settings, threads, None, tick)
 
     def motion_column(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
         """Returns a column of values of the records, or of the scales, repeated for each record."""

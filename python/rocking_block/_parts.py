@@ -1,11 +1,11 @@
-"""Studies in parts, on the executors of `concurrent.futures`, Dask, mpi4py, loky and others."""
+"""Many runs in parts, on the executors of `concurrent.futures`, Dask, mpi4py, loky and others."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from functools import lru_cache
 from pathlib import Path
@@ -111,6 +111,35 @@ class Store:
             file.write(content)
 
 
+def _count(parts: int | None, rows: int) -> int:
+    """Returns the number of parts, by default one that suits the number of rows."""
+    count = parts if parts is not None else min(max(_PARTS, -(-rows // _ROWS)), max(rows, 1))
+    if count < 1:
+        raise ValueError(f"parts = {parts}; expected at least 1")
+    return count
+
+
+def _results(
+    executor: Executor, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]], rows: int, kept: str, progress: bool | None
+) -> Iterator[tuple[int, Any]]:
+    """Yields the index of each call of the task and its result, in the order in which they end; cancels the others on an error."""
+    futures: dict[Any, int] = {}
+    with ticking(progress) as tick:
+        try:
+            for index, call in enumerate(calls):
+                futures[executor.submit(task, *call)] = index
+            for done, future in enumerate(as_completed(futures), 1):
+                try:
+                    result = future.result()
+                except Exception as error:
+                    raise RuntimeError(f"part {futures[future] + 1} of {len(calls)}: {error}{kept}") from error
+                yield futures[future], result
+                tick(done * rows // len(calls), rows)
+        finally:
+            for future in futures:
+                future.cancel()
+
+
 def made(
     source: Source,
     study: _engine.Study,
@@ -121,31 +150,15 @@ def made(
     progress: bool | None,
 ) -> tuple[Table | None, str | None]:
     """Makes the parts of a study on an executor; returns their table unless they are files, and the reason of a failed run."""
-    rows = study.rows
-    count = parts if parts is not None else min(max(_PARTS, -(-rows // _ROWS)), max(rows, 1))
-    if count < 1:
-        raise ValueError(f"parts = {parts}; expected at least 1")
+    count = _count(parts, study.rows)
     task: Callable[..., tuple[Any, str | None]] = _rows if out is None else _file
-    failures, tables, done = [], [], 0
-    futures: dict[Any, int] = {}
-    with ticking(progress) as tick:
-        try:
-            for number in range(1, count + 1):
-                futures[executor.submit(task, source, number, count, threads or 1, out)] = number
-            for future in as_completed(futures):
-                try:
-                    result, failure = future.result()
-                except Exception as error:
-                    kept = "" if out is None else "; the same call makes the missing parts"
-                    raise RuntimeError(f"part {futures[future]} of {count}: {error}{kept}") from error
-                failures.extend([failure] if failure else [])
-                if out is None:
-                    tables.append(result)
-                done += 1
-                tick(done * rows // count, rows)
-        finally:
-            for future in futures:
-                future.cancel()
+    calls = [(source, number, count, threads or 1, out) for number in range(1, count + 1)]
+    kept = "" if out is None else "; the same call makes the missing parts"
+    failures, tables = [], []
+    for _, (result, failure) in _results(executor, task, calls, study.rows, kept, progress):
+        failures.extend([failure] if failure else [])
+        if out is None:
+            tables.append(result)
     failure = failures[0] if failures else None
     if out is not None:
         return None, failure
@@ -155,3 +168,61 @@ def made(
     ordered = rows_of_parts[np.argsort(rows_of_parts["row"], kind="stable")]
     # The numbers of the rows are those of the arrays.
     return of_columns((name, ordered.units.get(name), ordered[name]) for name in ordered if name != "row"), failure
+
+
+def _outcomes(
+    blocks: Sequence[_engine.Block], pairs: list[Any], scales: list[float], options: tuple[Any, ...], threads: int, holds: tuple[bool, int]
+) -> tuple[Any, str | None]:
+    with warnings.catch_warnings():
+        # The caller has been warned.
+        warnings.simplefilter("ignore")
+        return _engine.outcomes(_engine.Blocks.of(blocks), pairs, scales, *options, threads, holds, _idle)
+
+
+def outcomes(
+    blocks: Sequence[_engine.Block],
+    pairs: list[Any],
+    scales: list[float],
+    options: tuple[Any, ...],
+    parts: int | None,
+    executor: Executor,
+    threads: int | None,
+    progress: bool | None,
+) -> tuple[Any, str | None]:
+    """Returns what `_engine.outcomes` does, from parts that have some of the pairs of records and some of the blocks.
+
+    Pairs are divided first: with at least as many pairs as parts, each record goes to one worker.
+    """
+    # Mistakes and warnings come from here.
+    _engine.outcomes(_engine.Blocks.of([]), pairs, scales, *options, threads, None, _idle)
+    rows = len(pairs) * len(scales) * len(blocks)
+    count = _count(parts, rows)
+    of_pairs = np.array_split(np.arange(len(pairs)), min(count, len(pairs)))
+    of_blocks = np.array_split(np.arange(len(blocks)), min(-(-count // len(of_pairs)), len(blocks)))
+    # Each part has the columns of all blocks.
+    holds = (any(block.friction > 0.0 for block in blocks), max(len(block.ties) for block in blocks))
+    split = [(motions, some) for motions in of_pairs for some in of_blocks]
+    calls = [
+        ([blocks[i] for i in some], [pairs[i] for i in motions], scales, options, threads or 1, holds)
+        for motions, some in split
+    ]
+    found: list[Any] = [None] * len(calls)
+    for index, result in _results(executor, _outcomes, calls, rows, "", progress):
+        found[index] = result
+
+    def joined(each: list[Any]) -> Any:
+        """Returns the values of a column in the order record, scale, block, from those of all parts."""
+        shaped = [values.reshape(len(motions), len(scales), len(some)) for (motions, some), values in zip(split, each, strict=True)]
+        lines = [np.concatenate(shaped[i : i + len(of_blocks)], axis=2) for i in range(0, len(shaped), len(of_blocks))]
+        return np.concatenate(lines).ravel()
+
+    # The reason of a failure belongs to the first row that failed.
+    owners = joined([np.full(len(columns[0][2]), index) for index, (columns, _) in enumerate(found)])
+    failing = [index for index, (_, failure) in enumerate(found) if failure]
+    columns = [
+        (name, unit, joined([columns[number][2] for columns, _ in found])) for number, (name, unit, _) in enumerate(found[0][0])
+    ]
+    if not failing:
+        return columns, None
+    outcome = next(values for name, _, values in columns if name == "outcome")
+    return columns, found[owners[np.argmax(outcome == "failed")]][1]

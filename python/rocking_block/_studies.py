@@ -186,18 +186,22 @@ def outcomes(
     duration: float | None = None,
     step: float | None = None,
     friction_demand: float | None = None,
+    parts: int | None = None,
+    executor: Executor | None = None,
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
-    """Computes the outcome and peaks of each block under each record, on all cores.
+    """Computes the outcome and peaks of each block under each record, on all cores or on the workers of an executor.
 
     Parameters
     ----------
     blocks : Block or sequence of Block
         The blocks.
     records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step,
-    friction_demand, threads, progress
+    friction_demand, progress
         As in `spectrum`; files in g are converted with 9.81 m/s².
+    parts, executor, threads
+        As in `sweep`. A part has some of the records and some of the blocks, and the worker gets these with it.
 
     Returns
     -------
@@ -221,6 +225,8 @@ def outcomes(
     listed = [blocks] if isinstance(blocks, _engine.Block) else list(blocks)
     if not listed:
         raise ValueError("blocks = []; expected at least one")
+    if executor is None and parts is not None:
+        raise ValueError("parts has no effect without an executor")
     for block in listed:
         if not isinstance(block, _engine.Block):
             raise TypeError(f"blocks has {block!r}; expected Blocks")
@@ -229,7 +235,22 @@ def outcomes(
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
     more = varying(listed)
     return table_of_outcomes(
-        many, shape, records, vertical, scale, periods, pulse, 9.81, friction_demand, options, threads, progress, more
+        many,
+        shape,
+        records,
+        vertical,
+        scale,
+        periods,
+        pulse,
+        9.81,
+        friction_demand,
+        options,
+        threads,
+        progress,
+        more,
+        listed,
+        parts,
+        executor,
     )
 
 

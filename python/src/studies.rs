@@ -68,7 +68,7 @@ fn batches<T: Send>(
 }
 
 /// Computes the outcome of each block under each ground motion: columns with rows ordered block by block, then scale by
-/// scale, then pair by pair.
+/// scale, then pair by pair. `holds`, friction and the number of ties, chooses the columns; by default those of the blocks.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes<'py>(
@@ -82,6 +82,7 @@ pub fn outcomes<'py>(
     friction_demand: Option<f64>,
     options: RunOptions,
     threads: Option<i64>,
+    holds: Option<(bool, usize)>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Columns<'py>> {
     if let Some(demand) = friction_demand {
@@ -102,7 +103,10 @@ pub fn outcomes<'py>(
     let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
     scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let blocks = blocks.get().blocks.clone();
-    let holds = blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or);
+    let holds = match holds {
+        Some((friction, ties)) => Holds { friction, ties },
+        None => blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or),
+    };
     let RunOptions { duration, step, .. } = options;
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
     let made = wait(py, tick, move |progress| {

@@ -1,6 +1,7 @@
 """Studies in parts on Dask and MPI, whose workers and clients die."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -120,6 +121,35 @@ def test_a_client_that_died_makes_only_the_missing_parts(study, whole, tmp_path)
     subprocess.run(command, check=True)
     assert_whole(runs, 60, whole)
     assert all(file.stat().st_mtime_ns == time for file, time in before.items())
+
+
+def test_a_full_disk_is_one_line_and_leaves_the_other_parts(study, tmp_path):
+    program = Path(os.environ.get("ROCKING", Path(__file__).resolve().parents[2] / "target/release/rocking"))
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=512k", "none", runs], capture_output=True).returncode != 0:
+        pytest.skip("a small file system cannot be mounted")
+    try:
+
+        def make(number, folder):
+            command = [program, "sweep", study, "--part", f"{number}/8", "--out", folder, "--part-format", "csv"]
+            return subprocess.run(command, capture_output=True, text=True)
+
+        made = [make(number, runs) for number in range(1, 9)]
+        complete = [number for number, run in enumerate(made, 1) if run.returncode == 0]
+        assert 0 < len(complete) < 8
+        for number, run in enumerate(made, 1):
+            if number not in complete:
+                place = re.escape(str(runs / f"part-{number:05}-of-00008.csv"))
+                assert re.fullmatch(rf"rocking: {place}: cannot be written: No space left on device.*\n", run.stderr)
+        assert sorted(os.listdir(runs)) == [f"part-{number:05}-of-00008.csv" for number in complete]
+        # The parts that were written are those of a larger disk.
+        for number in complete:
+            make(number, tmp_path / "whole")
+            name = f"part-{number:05}-of-00008.csv"
+            assert (runs / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    finally:
+        subprocess.run(["umount", runs], check=True)
 
 
 def test_ranks_of_mpi_make_the_parts(study, whole, tmp_path):

@@ -119,6 +119,30 @@ def test_arguments_of_parts_say_what_they_expect(tmp_path):
                 rb.sweep(STUDY, **arguments)
 
 
+def test_outcomes_of_parts_are_those_of_one_call(processes):
+    """Blocks with and without ties and friction; parts of some records, of some blocks, and of both."""
+    blocks = rb.blocks(alpha=[0.1, 0.2, 0.3], p=2.0) + [
+        rb.Block(alpha=0.2, p=2.0, friction=0.3),
+        rb.Block(alpha=0.2, p=2.0, ties=[rb.Tie(block_x=0.0, block_z=2.0, ground_x=1.0, stiffness=1e4)]),
+    ]
+    records = [rb.read_record(file) for file in sorted(RECORDS.glob("*.smc"))]
+    arguments = {"scale": [0.5, 2.0, 4.0], "periods": [0.5]}
+    whole = rb.outcomes(blocks, records, **arguments)
+    assert len(records) == 2 and set(whole["outcome"]) >= {"completed", "overturned"}
+    for parts in (None, 1, 2, 7):
+        found = rb.outcomes(blocks, records, executor=processes, parts=parts, **arguments)
+        same(found, whole)
+        assert (found.units, found.shape) == (whole.units, whole.shape)
+    pulse = rb.Pulse("one-sine", amplitude=6.2622, period=1.2566)
+    same(rb.outcomes(blocks[0], pulse=pulse, executor=processes), rb.outcomes(blocks[0], pulse=pulse))
+    with pytest.raises(ValueError, match="scale has no effect without records"):
+        rb.outcomes(blocks, pulse=pulse, scale=2.0, executor=processes)
+    with pytest.raises(ValueError, match="friction_demand = -1"):
+        rb.outcomes(blocks, pulse=pulse, friction_demand=-1.0, executor=processes)
+    with pytest.raises(ValueError, match="parts has no effect without an executor"):
+        rb.outcomes(blocks, pulse=pulse, parts=2)
+
+
 def test_a_url_is_a_folder_of_any_storage(processes, whole, tmp_path):
     pytest.importorskip("fsspec")
     rb.sweep(STUDY, executor=processes, parts=3, out=f"file://{tmp_path}/runs")
