@@ -84,7 +84,7 @@ def table_of_outcomes(
     if not horizontal and spectral_periods:
         raise ValueError("periods has no effect without horizontal records")
     factors = scales.ravel().tolist()
-    settings = (spectral_periods, g, pulse, friction_demand, options)
+    settings = _parts.Settings(spectral_periods, g, pulse, friction_demand, options)
     if executor is not None:
         found, failure = _parts.outcomes(blocks, pairs, factors, settings, parts, executor, threads, progress)
     else:

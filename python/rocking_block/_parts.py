@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 import warnings
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rocking_block import _engine
+from rocking_block._pulse import Pulse
 from rocking_block._table import Table, of_columns
 from rocking_block._words import optional, ticking
 
@@ -170,20 +172,30 @@ def made(
     return of_columns((name, ordered.units.get(name), ordered[name]) for name in ordered if name != "row"), failure
 
 
+class Settings(NamedTuple):
+    """What all runs of a list of blocks share: periods of spectral measures [s], g [m/s²], pulse, friction demand, options of the run."""
+
+    periods: list[float]
+    g: float
+    pulse: Pulse | None
+    friction_demand: float | None
+    options: dict[str, Any]
+
+
 def _outcomes(
-    blocks: Sequence[_engine.Block], pairs: list[Any], scales: list[float], options: tuple[Any, ...], threads: int, holds: tuple[bool, int]
+    blocks: Sequence[_engine.Block], pairs: list[Any], scales: list[float], settings: Settings, threads: int, holds: tuple[bool, int]
 ) -> tuple[Any, str | None]:
     with warnings.catch_warnings():
         # The caller has been warned.
         warnings.simplefilter("ignore")
-        return _engine.outcomes(_engine.Blocks.of(blocks), pairs, scales, *options, threads, holds, _idle)
+        return _engine.outcomes(_engine.Blocks.of(blocks), pairs, scales, *settings, threads, holds, _idle)
 
 
 def outcomes(
     blocks: Sequence[_engine.Block],
     pairs: list[Any],
     scales: list[float],
-    options: tuple[Any, ...],
+    settings: Settings,
     parts: int | None,
     executor: Executor,
     threads: int | None,
@@ -194,16 +206,16 @@ def outcomes(
     Pairs are divided first: with at least as many pairs as parts, each record goes to one worker.
     """
     # Mistakes and warnings come from here.
-    _engine.outcomes(_engine.Blocks.of([]), pairs, scales, *options, threads, None, _idle)
+    _engine.outcomes(_engine.Blocks.of([]), pairs, scales, *settings, threads, None, _idle)
     rows = len(pairs) * len(scales) * len(blocks)
     count = _count(parts, rows)
     of_pairs = np.array_split(np.arange(len(pairs)), min(count, len(pairs)))
     of_blocks = np.array_split(np.arange(len(blocks)), min(-(-count // len(of_pairs)), len(blocks)))
     # Each part has the columns of all blocks.
-    holds = (any(block.friction > 0.0 for block in blocks), max(len(block.ties) for block in blocks))
+    holds = (any(math.isfinite(block.friction) for block in blocks), max(len(block.ties) for block in blocks))
     split = [(motions, some) for motions in of_pairs for some in of_blocks]
     calls = [
-        ([blocks[i] for i in some], [pairs[i] for i in motions], scales, options, threads or 1, holds)
+        ([blocks[i] for i in some], [pairs[i] for i in motions], scales, settings, threads or 1, holds)
         for motions, some in split
     ]
     found: list[Any] = [None] * len(calls)

@@ -123,7 +123,7 @@ def test_outcomes_of_parts_are_those_of_one_call(processes):
     """Blocks with and without ties and friction; parts of some records, of some blocks, and of both."""
     blocks = rb.blocks(alpha=[0.1, 0.2, 0.3], p=2.0) + [
         rb.Block(alpha=0.2, p=2.0, friction=0.3),
-        rb.Block(alpha=0.2, p=2.0, ties=[rb.Tie(block_x=0.0, block_z=2.0, ground_x=1.0, stiffness=1e4)]),
+        rb.Block(alpha=0.2, p=2.0, mass=1000.0, ties=[rb.Tie(block_x=0.0, block_z=2.0, ground_x=1.0, stiffness=1e4)]),
     ]
     records = [rb.read_record(file) for file in sorted(RECORDS.glob("*.smc"))]
     arguments = {"scale": [0.5, 2.0, 4.0], "periods": [0.5]}
