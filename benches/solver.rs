@@ -14,7 +14,7 @@ use common::{block, instance, intervals, loma_prieta, right_hand_side, run_recor
 use rocking_block::block::Foundation;
 use rocking_block::block::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::numerics::{dop853::Step, short::ShortStep};
+use rocking_block::numerics::{dop853::DenseStep, short::ShortStep};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::instant::State;
 use rocking_studies::output::resumable::TableOptions;
@@ -49,7 +49,7 @@ fn steps(c: &mut Criterion) {
     let (block, excitation, start) = (block(Foundation::Viscoelastic), excitation(), State::from(STATE));
     let rate = |time: f64, x: &State| right_hand_side(&block, Regime::TiltingRight, &excitation, time, x);
     let first = rate(0.0, &start);
-    group.bench_function("of order 8", |b| b.iter(|| Step::attempt(0.0, black_box(0.02), start, first, &rate).end));
+    group.bench_function("of order 8", |b| b.iter(|| DenseStep::attempt(0.0, black_box(0.02), start, first, &rate).end));
     group.bench_function("of order 5", |b| {
         b.iter(|| ShortStep::attempt(0.0, black_box(0.002), start, first, &rate).end);
     });

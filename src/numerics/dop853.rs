@@ -77,7 +77,7 @@ impl<const N: usize> DenseStep<N> {
     }
 }
 
-/// Takes the step of [`Step::attempt`] in a loop, with one copy of the right-hand side: faster to compile, but half as fast with plain
+/// Takes the step of [`DenseStep::attempt`] in a loop, with one copy of the right-hand side: faster to compile, but half as fast with plain
 /// numbers.
 ///
 /// Returns the state at its end and the work. The first of `rates` is that at `start`; the others are written.

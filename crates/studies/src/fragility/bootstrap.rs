@@ -53,7 +53,7 @@ impl Bootstrap {
 /// same curves on every machine: ChaCha with 8 rounds, one stream per sample.
 ///
 /// # Errors
-/// [`FitError::OneMotion`] for fewer than two groups.
+/// [`CurveFitError::OneMotion`] for fewer than two groups.
 pub fn bootstrap(
     data: &Data,
     groups: &[usize],

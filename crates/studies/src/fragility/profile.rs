@@ -53,7 +53,7 @@ impl<'a> LikelihoodProfile<'a> {
     /// `confidence` is above 0 and below 1; `records` has the record of each observation.
     ///
     /// # Errors
-    /// [`FitError::Measures`] for a surface.
+    /// [`CurveFitError::Measures`] for a surface.
     pub fn new(
         data: &'a Data,
         fit: &'a CurveFit,
@@ -64,10 +64,10 @@ impl<'a> LikelihoodProfile<'a> {
         LikelihoodProfile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
     }
 
-    /// [`Profile::new`] for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
+    /// [`LikelihoodProfile::new`] for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
     ///
     /// # Errors
-    /// Those of [`Profile::new`].
+    /// Those of [`LikelihoodProfile::new`].
     pub(super) fn clustered(
         data: &'a Data,
         fit: &'a CurveFit,
@@ -133,7 +133,7 @@ impl<'a> LikelihoodProfile<'a> {
     /// The interval of a feature from its estimate and its gradient with respect to the coefficients. `other` is the coefficient that
     /// is fitted again for each value of the feature.
     ///
-    /// `of` gives x and offset of [`Profile::statistic`] for a value of the feature and a logarithm of the measure.
+    /// `of` gives x and offset of [`LikelihoodProfile::statistic`] for a value of the feature and a logarithm of the measure.
     fn interval(&self, estimate: f64, gradient: [f64; 2], other: f64, of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {
         /// An end farther than 2⁴⁰ standard deviations counts as unbounded.
         const DOUBLINGS: i32 = 40;

@@ -67,7 +67,7 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
 ///
 /// The likelihood ratio test, χ² with one degree of freedom; a small value, below 0.05 say, rejects that the first measure is
 /// sufficient. `others` has the other measure of each observation, above zero, and `records` its record. Where records repeat,
-/// the statistic is divided by the ratio of the variances of the added coefficient, as in [`Profile`](super::Profile).
+/// the statistic is divided by the ratio of the variances of the added coefficient, as in [`LikelihoodProfile`](super::LikelihoodProfile).
 ///
 /// # Errors
 /// Those of [`Data::new`] and [`Data::fit`] for the surface of both measures, which may separate classes that overlap in one.

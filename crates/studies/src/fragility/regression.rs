@@ -26,7 +26,7 @@ impl Data {
     /// Fits the curve or surface of maximum likelihood by Newton's method; the maximum is unique.
     ///
     /// # Errors
-    /// [`FitError::NotConverged`] for data that are nearly separable.
+    /// [`CurveFitError::NotConverged`] for data that are nearly separable.
     pub fn fit(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         let observations = self.observations();
         let Maximum { coefficients, covariance, log_likelihood } =
