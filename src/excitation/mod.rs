@@ -142,7 +142,7 @@ pub struct Forcing<T> {
     /// `M_y/M` (m²/s²).
     pub moment: T,
     /// The states of the restraints at this instant; those that act are loads that depend on the motion of the block.
-    pub restraints: States,
+    pub restraints: States<T>,
 }
 
 impl<R: Scalar> Forcing<R> {
@@ -153,7 +153,7 @@ impl<R: Scalar> Forcing<R> {
             x: Dual::new(self.x, derivative.x),
             z: Dual::new(self.z, derivative.z),
             moment: Dual::new(self.moment, derivative.moment),
-            restraints: self.restraints,
+            restraints: self.restraints.map(|number| Dual::new(number, R::default())),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
 use crate::block::restraints::{self, States};
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Block, Corner, Kinematics, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -259,6 +259,13 @@ impl Simulation {
     /// The states of the restraints.
     pub fn restraints(&self) -> States {
         self.pose.restraints
+    }
+
+    /// The plastic elongations of the restraints (m), by their numbers, positive for longer ones.
+    pub fn plastic_elongations(&self) -> [f64; restraints::MAX] {
+        let (block, excitation) = (self.block(), Excitation::none());
+        let now = self.now(block, &excitation);
+        restraints::plastic_elongations(block, &now.forcing.restraints, &Kinematics::of(&now.instant))
     }
 
     /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has

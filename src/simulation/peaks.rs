@@ -27,7 +27,7 @@ pub struct Peaks<T = f64> {
     pub friction_demand: T,
     /// Of the displacement of the foot from the start (m).
     pub slip: T,
-    /// Of the pulls of the restraints (N), by their numbers.
+    /// Of the pulls of the restraints, or of their pushes (N), by their numbers.
     pub pull: [T; restraints::MAX],
 }
 
@@ -137,7 +137,7 @@ impl Peaks {
     /// Includes the pulls of the restraints at one instant.
     pub fn include_pulls(&mut self, now: &Evaluation) {
         for number in now.block.restraints.numbers() {
-            self.include_pull(now.block, number, now.pull(number).value);
+            self.include_pull(now.block, number, now.pull(number).value.abs());
         }
     }
 
@@ -153,6 +153,12 @@ impl Peaks {
             let duration = there.time - here.time;
             let most = greatest(self.pull[number], start, end, duration, |elapsed| inside(elapsed).pull(number));
             self.include_pull(here.block, number, most);
+            if here.block.restraints.pushes(number) {
+                let [start, end] = [start, end].map(Sample::negated);
+                let pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
+                let most = greatest(self.pull[number], start, end, duration, pushed);
+                self.include_pull(here.block, number, most);
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! A pose → the equations of motion at any time while its contacts last, and the quantities that follow from them at one instant.
 
+use crate::block::restraints::States;
 use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::Dual;
@@ -46,7 +47,7 @@ pub struct ForcingAt<'a, R = f64> {
     pub excitation: &'a Excitation<R>,
     /// The time (s).
     pub time: R,
-    /// The forcing at that time, without restraints.
+    /// The forcing at that time, with the memory of the restraints.
     pub forcing: Forcing<R>,
 }
 
@@ -59,6 +60,7 @@ pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
     since: T,
     footing: Footing<T>,
     contacts: Contacts<T>,
+    restraints: States<T>,
 }
 
 /// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
@@ -95,9 +97,9 @@ impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
 impl<const N: usize, T: Elementary> Motion<'_, AnyMode, N, T> {
     /// Returns the rate of a state by [`Motion::at_called`].
     pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
-        let Motion { block, excitation, mode, contacts, .. } = *self;
+        let Motion { block, excitation, mode, contacts, restraints, .. } = *self;
         let footing = self.footing_at(time, state);
-        let now = Motion::<_, 4, _> { block, excitation, mode, since: time, footing, contacts };
+        let now = Motion::<_, 4, _> { block, excitation, mode, since: time, footing, contacts, restraints };
         self.rate_of(&now.at_called(time, first_four(state))).state
     }
 }
@@ -106,8 +108,8 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the motion that begins with a pose in this mode.
     #[inline(always)]
     pub fn under(mode: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
-        let Pose { time, contacts, footing, .. } = *pose;
-        Motion { block, excitation, mode, since: time, footing, contacts }
+        let Pose { time, contacts, footing, restraints, .. } = *pose;
+        Motion { block, excitation, mode, since: time, footing, contacts, restraints }
     }
 
     /// Returns the mode of the motion.
@@ -124,7 +126,8 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return self.at_held(time, first_four(&state), footing, held);
         }
         let support_heights = self.support_heights(time);
-        let forcing_at = ForcingAt { excitation: self.excitation, time, forcing: self.excitation.at(time) };
+        let forcing = Forcing { restraints: self.restraints, ..self.excitation.at(time) };
+        let forcing_at = ForcingAt { excitation: self.excitation, time, forcing };
         Evaluation::of(self.mode, self.block, forcing_at, footing, first_four(&state), support_heights)
     }
 
@@ -187,7 +190,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         footing: Footing<T>,
         held: Held<T>,
     ) -> Evaluation<'a, T> {
-        let forcing = self.mode.acting(self.excitation.at(time));
+        let forcing = self.mode.acting(self.excitation.at(time), self.restraints);
         let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
         Evaluation {
@@ -317,7 +320,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
         support_heights: [Sample<R>; 2],
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (mode.foundation(), mode.regime());
-        let forcing = mode.acting(forcing);
+        let forcing = mode.acting(forcing, forcing.restraints);
         // The closure is short enough to be inlined; otherwise it would be compiled without the vectors of lanes.
         let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
             (instant, rate_of(mode, block, &instant, forcing))

@@ -159,7 +159,7 @@ pub struct Pose<T = f64> {
     /// The horizontal hold.
     pub footing: Footing<T>,
     /// The states of the restraints.
-    pub restraints: States,
+    pub restraints: States<T>,
 }
 
 impl<T> Pose<T> {
@@ -172,8 +172,9 @@ impl<T> Pose<T> {
 impl Pose {
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let Pose { time, state, contacts, footing, restraints: _ } = self;
-        time.is_finite() && state.is_finite() && contacts.is_finite() && footing.is_finite()
+        let Pose { time, state, contacts, footing, restraints } = self;
+        let finite = state.is_finite() && contacts.is_finite() && footing.is_finite();
+        time.is_finite() && finite && restraints.is_finite()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A pose → its mode: the equations of motion from there on.
 
-use crate::block::restraints::States;
+use crate::block::restraints::{Modes, States};
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::Elementary;
@@ -60,16 +60,16 @@ pub trait MotionMode: Copy {
         false
     }
 
-    /// The states of the restraints.
+    /// The modes under which the restraints act.
     #[inline(always)]
-    fn restraints(self) -> States {
-        States::NONE
+    fn restraints(self) -> Modes {
+        States::<f64>::NONE.modes()
     }
 
-    /// The forcing with the restraints that act under this mode.
+    /// The forcing with the restraints that act under this mode, and have this memory.
     #[inline(always)]
-    fn acting<T>(self, forcing: Forcing<T>) -> Forcing<T> {
-        Forcing { restraints: self.restraints(), ..forcing }
+    fn acting<T>(self, forcing: Forcing<T>, memory: States<T>) -> Forcing<T> {
+        Forcing { restraints: memory.under(self.restraints()), ..forcing }
     }
 }
 
@@ -83,7 +83,7 @@ pub struct AnyMode<const EXTENDED: bool = false> {
     has_friction: bool,
     slides: bool,
     restrained: bool,
-    restraints: States,
+    restraints: Modes,
 }
 
 impl AnyMode {
@@ -99,7 +99,7 @@ impl AnyMode {
             has_friction: block.friction.value() > 0.0,
             slides: matches!(footing, Footing::Slides { .. }),
             restrained: !block.restraints.is_empty(),
-            restraints: *restraints,
+            restraints: restraints.modes(),
         }
     }
 
@@ -142,7 +142,7 @@ impl<const EXTENDED: bool> MotionMode for AnyMode<EXTENDED> {
     }
 
     #[inline(always)]
-    fn restraints(self) -> States {
+    fn restraints(self) -> Modes {
         self.restraints
     }
 }

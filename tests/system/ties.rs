@@ -77,7 +77,7 @@ fn slopes(block: &Block, tie: &Tie, at: [f64; 3]) -> Vector3<f64> {
 /// The block in flight with ties in these states.
 fn flying(block: &Block, [u, v, theta]: [f64; 3], ties: TieStates) -> Instant<f64> {
     let [u_dot, v_dot, theta_dot] = RATE;
-    let forcing = Forcing { restraints: States { ties }, ..Forcing::default() };
+    let forcing = Forcing { restraints: States { ties, plastic: None }, ..Forcing::default() };
     instant(block, Regime::Separated, [theta, theta_dot, v, v_dot], Footing::Free { u, u_dot }, forcing)
 }
 
@@ -100,7 +100,7 @@ fn ties_pull_shorten_and_store() {
             ties[..5].copy_from_slice(&states);
             let x = flying(&block, at, ties);
             let (mut force, mut stored, mut taken) = (Vector3::zeros(), 0.0, 0.0);
-            let tensions = forces::pulls(&block, &States { ties }, &x);
+            let tensions = forces::pulls(&block, &States { ties, plastic: None }, &x);
             for (i, of) in real(&block) {
                 let (s, slopes) = (stretch(&block, of, at), slopes(&block, of, at));
                 let rate = slopes.dot(&Vector3::from(RATE));
@@ -119,7 +119,8 @@ fn ties_pull_shorten_and_store() {
             near(mass * x.u_ddot, force[0], "M ü");
             near(mass * (x.v_ddot + block.gravity), force[1], "M (v̈ + g)");
             near(mass * block.i0 * x.theta_ddot, force[2], "I0 θ̈");
-            let (tied, untied) = (Forcing { restraints: States { ties }, ..Forcing::default() }, Forcing::default());
+            let (tied, untied) =
+                (Forcing { restraints: States { ties, plastic: None }, ..Forcing::default() }, Forcing::default());
             let potential = |forcing: &Forcing<f64>| mass * forces::energy(&block, Regime::Separated, forcing, &x).1;
             near(potential(&tied) - potential(&untied), stored, "stored energy");
             near(mass * forces::dissipated(&block, &tied, &x)[1], taken, "power");

@@ -210,7 +210,8 @@ impl Follower {
     /// Replaces the values, which differ by round-off, by those of the run. A pose of another kind makes the derivatives NaN.
     fn adopt_values(&mut self, run: &Pose) {
         let pose = &mut self.pose;
-        let mut alike = self.system.block.restraints.is_empty() || pose.restraints == run.restraints;
+        let same = pose.restraints.adopt_values(&run.restraints, |number, value| number.re = value);
+        let mut alike = same || self.system.block.restraints.is_empty();
         pose.time.re = run.time;
         for (number, value) in pose.state.0.iter_mut().zip(run.state.0) {
             number.re = value;
@@ -236,7 +237,6 @@ impl Follower {
                 (contact, value) => (*contact, alike) = (value.map(Number::from), false),
             }
         }
-        pose.restraints = run.restraints;
         debug_assert!(alike, "{pose:?} {run:?}");
         if !alike {
             for number in &mut pose.state.0 {

@@ -185,6 +185,8 @@ pub struct Varied {
 
 impl Varied {
     /// Returns the derivatives with respect to the parameters with these names, at most [`BATCH`]. `None` if one is not read.
+    ///
+    /// The force modes of the ties are those of the block, without derivatives.
     pub fn with_respect_to(parameters: &Parameters, block: &Block, names: &[&str]) -> Option<Varied> {
         let mut varied = parameters.map(Number::from);
         for (i, name) in names.iter().enumerate() {
@@ -193,7 +195,8 @@ impl Varied {
         let Parameters { parameterization, common, ties, initial, pulse, scale } = varied;
         let mut derived = Block::of_parameters(&parameterization, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
-        derived.restraints.ties = Ties::of(&ties);
+        let laws: Vec<_> = block.restraints.ties.laws().iter().map(|mode| mode.map(Number::from)).collect();
+        derived.restraints.ties = Ties::with_laws(&ties, &laws);
         let block = with_values(derived, block);
         Some(Varied { block, initial, pulse, ground })
     }

@@ -17,7 +17,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-pub use tie::{MAX_TIES, Tie, TieState, TieStates, Ties};
+pub use tie::{ForceLaw, Kind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
 
 /// The restraints of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,48 +46,111 @@ impl<T> Restraints<T> {
         let Restraints { ties } = self;
         0..ties.all().len()
     }
+
+    /// Whether the restraint with this number pushes, too.
+    pub fn pushes(&self, number: usize) -> bool {
+        let Restraints { ties } = self;
+        ties.laws().get(number).is_some_and(|law| law.kind == Kind::Damper)
+    }
 }
 
 /// Maximum number of restraints of a block.
 pub const MAX: usize = MAX_TIES;
 
-/// The states of all restraints of a block.
+/// The states of the restraints of a block without their memory: they decide the equations of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct States {
+pub struct Modes {
     /// The states of the ties.
     pub ties: TieStates,
 }
 
-impl States {
+/// The states of all restraints of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct States<T = f64> {
+    /// The states of the ties.
+    pub ties: TieStates,
+    /// Their plastic elongations (m).
+    pub plastic: Plastic<T>,
+}
+
+impl<T> States<T> {
     /// No restraint acts.
-    pub const NONE: States = States { ties: tie::NO_TIES };
+    pub const NONE: States<T> = States { ties: tie::NO_TIES, plastic: None };
+
+    /// Returns the states without their memory.
+    #[inline(always)]
+    pub fn modes(&self) -> Modes {
+        let States { ties, plastic: _ } = self;
+        Modes { ties: *ties }
+    }
+
+    /// Returns the memory with other modes.
+    #[inline(always)]
+    pub fn under(self, modes: Modes) -> States<T> {
+        let Modes { ties } = modes;
+        States { ties, ..self }
+    }
+
+    /// Returns the states with each number converted by `f`.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> States<U> {
+        let States { ties, plastic } = self;
+        States { ties, plastic: plastic.map(|all| all.map(f)) }
+    }
 
     /// Whether a restraint pulls.
     #[inline(always)]
     pub fn pull(&self) -> bool {
-        let States { ties } = self;
+        let States { ties, plastic: _ } = self;
         tie::pull::pulls(ties)
     }
 
     /// Whether a restraint takes energy.
     #[inline(always)]
     pub fn dissipate(&self) -> bool {
-        let States { ties } = self;
+        let States { ties, plastic: _ } = self;
         tie::pull::dissipates(ties)
     }
 
     /// Returns the function whose value is the pull of the restraint with this number, if it pulls.
     pub fn pull_of(&self, number: usize) -> Option<RestraintFunction> {
-        let States { ties } = self;
+        let States { ties, plastic: _ } = self;
         let function = tie::switching::of_pull(*ties.get(number)?)?;
         Some(RestraintFunction::Tie(number as u8, function))
+    }
+}
+
+impl<T: Copy> States<T> {
+    /// Takes the modes of `run`, and its numbers by `set`. Returns whether the modes were the same.
+    pub fn adopt_values(&mut self, run: &States, set: impl Fn(&mut T, f64)) -> bool {
+        let alike = self.modes() == run.modes() && self.plastic.is_some() == run.plastic.is_some();
+        let States { ties, plastic } = run;
+        self.ties = *ties;
+        for (number, value) in self.plastic.iter_mut().flatten().zip(plastic.iter().flatten()) {
+            set(number, *value);
+        }
+        alike
+    }
+
+    /// Returns the tie with this index.
+    fn link<'a, P>(&self, block: &'a Block<P>, tie: u8) -> tie::Link<'a, P, T> {
+        let (i, ties) = (usize::from(tie), &block.restraints.ties);
+        let plastic = self.plastic.map(|all| all[i]);
+        tie::Link { tie: &ties.all()[i], law: &ties.laws()[i], state: self.ties[i], plastic }
+    }
+}
+
+impl States {
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.plastic.iter().flatten().all(|plastic| plastic.is_finite())
     }
 }
 
 /// Energies or powers, one account for each kind of restraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RestraintEnergies<T = f64> {
-    /// Energy dissipated by the dashpots of the ties and lost from the springs of broken ties.
+    /// Energy dissipated by the dashpots and by the yielding of the ties, and lost from the springs of broken ties.
     pub ties: T,
 }
 
@@ -147,18 +210,32 @@ impl RestraintEnergies {
 /// Adds the pull of the restraints to a forcing `[x, z, moment]` per mass.
 pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    states: &States,
+    states: &States<T>,
     kinematics: &Kinematics<T>,
     forcing: [T; 3],
 ) -> [T; 3] {
-    let States { ties } = states;
-    tie::pull::add_pull(block, ties, kinematics, forcing)
+    let States { ties, plastic } = states;
+    tie::pull::add_pull(block, ties, plastic, kinematics, forcing)
 }
 
 /// Returns the pulls of all restraints (N), by their numbers.
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, kinematics: &Kinematics<T>) -> [T; MAX] {
-    let States { ties } = states;
-    tie::pull::tensions(block, ties, kinematics)
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States<T>,
+    kinematics: &Kinematics<T>,
+) -> [T; MAX] {
+    let States { ties, plastic } = states;
+    tie::pull::tensions(block, ties, plastic, kinematics)
+}
+
+/// Returns the plastic elongations of all restraints (m), by their numbers, positive for longer ones, also while they yield.
+pub fn plastic_elongations(block: &Block, states: &States, kinematics: &Kinematics<f64>) -> [f64; MAX] {
+    let States { ties, plastic } = states;
+    let mut all = [0.0; MAX];
+    for (value, link) in all.iter_mut().zip(tie::links(block, ties, plastic)) {
+        *value = tie::pull::plastic(link, tie::pull::stretch(block, link.tie, kinematics).length);
+    }
+    all
 }
 
 /// Returns the strength (N) of the restraint with this number, if it can break.
@@ -187,19 +264,23 @@ pub fn fastest(block: &Block) -> f64 {
 }
 
 /// Returns the energy stored in the restraints per mass (m²/s²).
-pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, kinematics: &Kinematics<T>) -> T {
-    let States { ties } = states;
-    tie::pull::energy(block, ties, kinematics)
+pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
+    block: &Block<P>,
+    states: &States<S>,
+    kinematics: &Kinematics<T>,
+) -> T {
+    let States { ties, plastic } = states;
+    tie::pull::energy(block, ties, plastic, kinematics)
 }
 
 /// Returns the powers per mass (m²/s³) dissipated by the restraints.
 pub fn powers<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    states: &States,
+    states: &States<T>,
     kinematics: &Kinematics<T>,
 ) -> RestraintEnergies<T> {
-    let States { ties } = states;
-    RestraintEnergies { ties: tie::pull::power(block, ties, kinematics) }
+    let States { ties, plastic } = states;
+    RestraintEnergies { ties: tie::pull::power(block, ties, plastic, kinematics) }
 }
 
 /// An event function of a restraint: positive until it falls through zero.
@@ -210,16 +291,18 @@ pub enum RestraintFunction {
 }
 
 /// Maximum number of watched functions.
-pub const WATCHED: usize = 2 * MAX_TIES;
+pub const WATCHED: usize = 4 * MAX_TIES;
 
-/// Returns the watched functions of restraints in these states.
-pub fn watched(block: &Block, states: &States) -> [Option<RestraintFunction>; WATCHED] {
-    let (Restraints { ties }, mut watched) = (&block.restraints, [None; WATCHED]);
-    for (i, tie) in (0..).zip(ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
-        let first = 2 * usize::from(i);
-        let of_tie = tie::switching::watched(tie, states.ties[usize::from(i)]);
-        [watched[first], watched[first + 1]] =
-            of_tie.map(|function| function.map(|function| RestraintFunction::Tie(i, function)));
+/// Returns the watched functions of restraints in these modes: those of pulling and breaking first, then those of yielding.
+pub fn watched(block: &Block, modes: &Modes) -> [Option<RestraintFunction>; WATCHED] {
+    let (Modes { ties }, mut watched) = (modes, [None; WATCHED]);
+    let links = tie::links::<_, f64>(block, ties, &None).enumerate();
+    for (i, link) in links.filter(|(_, link)| link.tie.stiffness > 0.0) {
+        for (part, of_tie) in tie::switching::watched(link).into_iter().enumerate() {
+            let first = 2 * (part * MAX_TIES + i);
+            [watched[first], watched[first + 1]] =
+                of_tie.map(|function| function.map(|function| RestraintFunction::Tie(i as u8, function)));
+        }
     }
     watched
 }
@@ -232,6 +315,7 @@ impl RestraintFunction {
     pub fn sample<T: Elementary>(
         self,
         block: &Block<T>,
+        states: &States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
     ) -> Sample<T>
@@ -239,16 +323,14 @@ impl RestraintFunction {
         Dual<T>: CombinesWith<T>,
     {
         match self {
-            RestraintFunction::Tie(tie, function) => {
-                function.sample(block, &block.ties()[usize::from(tie)], kinematics, rates)
-            }
+            RestraintFunction::Tie(tie, function) => function.sample(block, states.link(block, tie), kinematics, rates),
         }
     }
 
     /// Returns the value.
-    pub fn value<T: Elementary>(self, block: &Block<T>, kinematics: &Kinematics<T>) -> T {
+    pub fn value<T: Elementary>(self, block: &Block<T>, states: &States<T>, kinematics: &Kinematics<T>) -> T {
         match self {
-            RestraintFunction::Tie(tie, function) => function.value(block, &block.ties()[usize::from(tie)], kinematics),
+            RestraintFunction::Tie(tie, function) => function.value(block, states.link(block, tie), kinematics),
         }
     }
 
@@ -277,13 +359,16 @@ impl RestraintFunction {
     pub fn switch<T: Elementary>(
         self,
         block: &Block<T>,
-        states: &mut States,
+        states: &mut States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
     ) -> Option<RestraintEvent> {
         match self {
             RestraintFunction::Tie(tie, function) => {
-                let i = usize::from(tie);
-                let (state, event) = function.switched(block, &block.ties()[i], kinematics);
+                let (i, link) = (usize::from(tie), states.link(block, tie));
+                let (state, event) = function.switched(block, link, &kinematics);
+                if let Some(plastic) = &mut states.plastic {
+                    plastic[i] = tie::pull::plastic(link, tie::pull::stretch(block, link.tie, &kinematics()).length);
+                }
                 states.ties[i] = state;
                 event.map(|event| RestraintEvent::Tie(tie, event))
             }
@@ -292,9 +377,10 @@ impl RestraintFunction {
 }
 
 /// Returns the states at the beginning of a run; `rounding` is the round-off of a zero relative to its largest term.
-pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, rounding: f64) -> States {
+pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, rounding: f64) -> States<T> {
     let Restraints { ties } = &block.restraints;
-    States { ties: tie::switching::at_beginning(block, ties, kinematics, rounding) }
+    let (ties, plastic) = tie::switching::at_beginning(block, ties, kinematics, rounding);
+    States { ties, plastic }
 }
 
 /// A reported event of a restraint.

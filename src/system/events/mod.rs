@@ -166,7 +166,9 @@ impl EventFunction {
             EventFunction::Friction(push) => friction::distance(at.block, &at.instant, push),
             EventFunction::Speed => friction::speed(at).value,
             EventFunction::StandingSlide => held::standing_slide(at).value,
-            EventFunction::Restraint(function) => function.value(at.block, &Kinematics::of(&at.instant)),
+            EventFunction::Restraint(function) => {
+                function.value(at.block, &at.forcing.restraints, &Kinematics::of(&at.instant))
+            }
             EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]).value,
         }
     }

@@ -18,7 +18,7 @@ pub(super) fn sample<T: Elementary>(function: RestraintFunction, at: &Evaluation
 where
     Dual<T>: CombinesWith<T>,
 {
-    function.sample(at.block, || Kinematics::of(&at.instant), || Kinematics::of(&at.rates()))
+    function.sample(at.block, &at.forcing.restraints, || Kinematics::of(&at.instant), || Kinematics::of(&at.rates()))
 }
 
 impl<T: Elementary> Evaluation<'_, T>

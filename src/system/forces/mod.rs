@@ -70,12 +70,12 @@ pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
 
 /// Returns the pulls of the restraints (N), by their numbers.
 #[inline(always)]
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: &Instant<T>) -> [T; MAX] {
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States<T>, x: &Instant<T>) -> [T; MAX] {
     if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MAX] }
 }
 
 #[inline(never)]
-fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: Instant<T>) -> [T; MAX] {
+fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States<T>, x: Instant<T>) -> [T; MAX] {
     restraints::pulls(block, states, &Kinematics::of(&x))
 }
 
@@ -83,7 +83,7 @@ fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States
 #[inline(always)]
 pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    states: &States,
+    states: &States<T>,
     x: &Instant<T>,
 ) -> restraints::RestraintEnergies<T> {
     if states.dissipate() {
@@ -96,7 +96,7 @@ pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
 #[inline(never)]
 fn powers_called<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    states: &States,
+    states: &States<T>,
     x: Instant<T>,
 ) -> restraints::RestraintEnergies<T> {
     restraints::powers(block, states, &Kinematics::of(&x))
@@ -105,7 +105,7 @@ fn powers_called<P: Scalar, T: CombinesWith<P>>(
 /// Returns kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²).
 ///
 /// Both are zero at rest without restraints.
-pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
+pub fn energy<P: Elementary, T: CombinesWith<P> + From<F>, F: Copy>(
     block: &Block<P>,
     regime: Regime,
     forcing: &Forcing<F>,

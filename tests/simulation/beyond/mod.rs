@@ -2,6 +2,7 @@
 
 mod beginning;
 mod friction;
+mod links;
 mod random;
 mod ties;
 
@@ -10,7 +11,7 @@ use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Footing;
 
-use crate::beyond_cases::{Case, Change, cases};
+use crate::beyond_cases::{Case, Change, cases, cases_with_links, instants};
 use crate::common::{Record, inputs_at, record_named};
 use crate::compare::check_cases;
 
@@ -34,7 +35,7 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
     let rows = case.rows();
     let step = records[0].as_ref().map_or(case.dt, |record| record.dt);
     let per_row = (case.dt / step).round() as usize;
-    let mut greatest = [0.0_f64; 7];
+    let mut greatest = [0.0_f64; 8];
     let mut events: Vec<(f64, Change)> = vec![];
     for (i, row) in rows.iter().enumerate() {
         for sample in (i * per_row).saturating_sub(per_row)..i * per_row {
@@ -48,8 +49,8 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                             EventKind::Restraint(RestraintEvent::Tie(tie, TieEvent::Taut | TieEvent::Slack)) => {
                                 Some(format!("tie{tie}"))
                             }
-                            EventKind::Restraint(RestraintEvent::Tie(tie, TieEvent::Break)) => {
-                                Some(format!("break{tie}"))
+                            EventKind::Restraint(RestraintEvent::Tie(tie, event)) => {
+                                Some(format!("{}{tie}", event.word()))
                             }
                             _ => None,
                         });
@@ -60,7 +61,18 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                     events.push((simulation.time(), tie.map_or(state.clone(), Change::Tie)));
                 }
                 let after = simulation.time();
-                let progress = simulation.advance_to_event(until, after, &inputs, &mut |_| ()).unwrap();
+                // Further events of the same instant are applied at once.
+                let mut at_once = vec![];
+                let observer = &mut |event: &rocking_block::system::events::Event| at_once.push(event.kind);
+                let progress = simulation.advance_to_event(until, after, &inputs, observer).unwrap();
+                for kind in at_once {
+                    if let EventKind::Restraint(RestraintEvent::Tie(tie, event)) = kind
+                        && !case.links.is_empty()
+                    {
+                        events.push((after, Change::Tie(format!("{}{tie}", event.word()))));
+                    }
+                }
+
                 assert!(matches!(progress, Some(Progress::Reached) | None), "{}: {progress:?}", case.name);
             }
         }
@@ -77,31 +89,52 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                 .abs()
                 .max((seen.pull[1] - row.tension_2.unwrap_or(0.0)).abs())
                 / weight,
+            [row.plastic_1, row.plastic_2]
+                .into_iter()
+                .zip(simulation.plastic_elongations())
+                .fold(0.0_f64, |most, (row, found)| most.max((found - row.unwrap_or(found)).abs()))
+                / block.r0,
         ];
         for (greatest, difference) in greatest.iter_mut().zip(differences) {
             *greatest = greatest.max(difference.abs());
         }
     }
     let (name, residual) = (&case.name, simulation.energies().residual);
-    println!("{name}: θ, θ̇, v, u, N, H, T within {greatest:?}, residual {residual:.1e} J");
+    println!("{name}: θ, θ̇, v, u, N, H, T, s_p within {greatest:?}, residual {residual:.1e} J");
     let mut wrong = vec![];
     // The reactions and θ̇ of a row may be those right before or after an event in it.
-    for (of, found, most) in [("θ", greatest[0], CLOSE), ("v", greatest[2], CLOSE), ("u", greatest[3], CLOSE)] {
+    for (of, found, most) in
+        [("θ", greatest[0], CLOSE), ("v", greatest[2], CLOSE), ("u", greatest[3], CLOSE), ("s_p", greatest[7], CLOSE)]
+    {
         if found.is_nan() || found > most {
             wrong.push(format!("{name}: {of} differs by {found:e}"));
         }
     }
-    let expected = case.lasting_events();
-    for (i, (found, expected)) in events.iter().zip(&expected).enumerate() {
-        if found.1 != expected.1 || (found.0 - expected.0).abs() > CLOSE {
-            wrong.push(format!("{name}: event {i} is {found:?}, not {expected:?}"));
-            break;
-        }
-    }
-    if events.len() != expected.len() {
-        wrong.push(format!("{name}: {} events, not {}", events.len(), expected.len()));
+    if case.links.is_empty() {
+        wrong.extend(differing(name, &events, &case.lasting_events()));
+    } else {
+        let [(found, pauses), (expected, expected_pauses)] = [instants(&events), instants(&case.events)];
+        wrong.extend(differing(name, &found, &expected));
+        wrong.extend(differing(name, &pauses, &expected_pauses));
+        println!("{name}: {} instants, {} pauses", found.len(), pauses.len());
     }
     Ok(wrong)
+}
+
+/// Returns a message for the first event that differs, and for a different number of events.
+fn differing<E: PartialEq + std::fmt::Debug>(name: &str, found: &[(f64, E)], expected: &[(f64, E)]) -> Vec<String> {
+    let differs = |found: &(f64, E), expected: &(f64, E)| found.1 != expected.1 || (found.0 - expected.0).abs() > CLOSE;
+    let mut pairs = found.iter().zip(expected).enumerate();
+    let first = pairs.find(|(_, (found, expected))| differs(found, expected));
+    let wrong = first.map(|(i, (found, expected))| format!("{name}: event {i} is {found:?}, not {expected:?}"));
+    let count = format!("{name}: {} events, not {}", found.len(), expected.len());
+    wrong.into_iter().chain((found.len() != expected.len()).then_some(count)).collect()
+}
+
+/// The same with ties and dampers that yield; also the plastic elongations.
+#[test]
+fn trajectories_with_ties_and_dampers_that_yield() {
+    check_cases(&cases_with_links(), |case| &case.name, run);
 }
 
 /// θ and the places within 1e-7 of α and of R0, with the same events within 1e-7 s.

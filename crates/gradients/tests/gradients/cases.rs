@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{ForceLaw, Kind, Tie};
 use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -45,7 +45,13 @@ pub fn reference(folder: &str, name: &str) -> Run {
     };
     let mass = of("M", 1.0);
     let pair = |value: &Value| [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()];
-    let ties = case["ties"].as_array().into_iter().flatten().map(|tie| Tie {
+    let links = ["ties", "links"].into_iter().filter_map(|key| case[key].as_array()).flatten();
+    let laws = links.clone().map(|link| ForceLaw {
+        kind: if link["kind"] == "damper" { Kind::Damper } else { Kind::Tie },
+        yield_force: mass * or(&link["yield_force"], 0.0),
+        hardening: or(&link["hardening"], 0.0),
+    });
+    let ties = links.map(|tie| Tie {
         block: pair(&tie["block"]),
         ground: pair(&tie["ground"]),
         stiffness: mass * or(&tie["stiffness"], 0.0),
@@ -87,6 +93,7 @@ pub fn reference(folder: &str, name: &str) -> Run {
             },
             scale: None,
         },
+        laws: laws.collect(),
         ground: Ground::default(),
         flies: false,
         tolerance: 1e-13,

@@ -200,6 +200,19 @@ fn with_ties() {
     );
 }
 
+/// The plastic elongations carry their derivatives from one yielding to the next.
+#[test]
+fn with_ties_and_dampers_that_yield() {
+    let names =
+        ["alpha", "eta", "xi_v", "tie_1.stiffness", "tie_1.block_z", "tie_1.ground_x", "mass", "pulse.amplitude"];
+    for (name, rows) in [("dampers", 30), ("dampers_plastic", 30), ("tendons_yield", 30), ("hybrid", 30)] {
+        // Without rebound a damper at the corner has a rate near zero after a landing, where no derivative of its next event exists.
+        // The error of the differences falls with their sixth power, and at 2e-4 exceeds the tolerance.
+        let run = Run { rows, difference: 1e-4, ..reference("reference_links", name) };
+        check(&run.with("epsilon", 0.3), names);
+    }
+}
+
 #[test]
 fn uneven_and_all_three() {
     check(

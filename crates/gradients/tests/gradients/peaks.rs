@@ -31,6 +31,7 @@ fn run(
             pulse,
             scale: None,
         },
+        laws: Vec::new(),
         ground: Ground::default(),
         flies: true,
         tolerance,

@@ -78,6 +78,7 @@ fn derivatives_of_peaks_match_differences() {
                 pulse,
                 scale: None,
             },
+            laws: Vec::new(),
             ground: Ground::default(),
             flies: true,
             tolerance,

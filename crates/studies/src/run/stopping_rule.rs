@@ -12,7 +12,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use rocking_block::block::restraints::{TieState, TieStates};
+use rocking_block::block::restraints::{States, TieState, tie};
 use rocking_block::block::{Block, Corner, Foundation, Regime};
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
@@ -70,7 +70,7 @@ fn barrier_over(block: &Block, corner: Corner) -> f64 {
 /// On the rigid base `(4/p) arcosh(1/√(1 − fraction))` (Housner 1963, in terms of the energy); supports add the period of rocking
 /// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter. For a
 /// block with ties see [`tied_rocking_period`].
-fn cycle(block: &Block, ties: &TieStates, slip: f64, theta: f64, fraction: f64) -> f64 {
+fn cycle(block: &Block, ties: &States, slip: f64, theta: f64, fraction: f64) -> f64 {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
     let rocking = match block.ties().is_empty() {
         true => 4.0 / slowest(block) * libm::acosh(1.0 / (1.0 - fraction).sqrt()),
@@ -86,10 +86,10 @@ fn cycle(block: &Block, ties: &TieStates, slip: f64, theta: f64, fraction: f64) 
 /// Rocking period (s) of a block with ties on the rigid base, at this slip (m) and rotation and an energy of `fraction` times the barrier
 /// of the rigid base: twice `∫ dθ/θ̇` between the rotations at which it turns back.
 ///
-/// By energy `½ (I0/M + R_I²) θ̇² = E − g R_I [cos(α_I − |θ|) − cos α_I] − Σ k s²/(2 M)`, with the stretch s of each tie that is not broken. A
-/// tendon through the base shortens the period (Vassiliou and Makris 2015); a tie that pulls to a side may lengthen it. Dashpots,
-/// impacts, and a gap that only lasting energy would cross are left out.
-pub fn tied_rocking_period(block: &Block, ties: &TieStates, slip: f64, theta: f64, fraction: f64) -> f64 {
+/// By energy `½ (I0/M + R_I²) θ̇² = E − g R_I [cos(α_I − |θ|) − cos α_I] − Σ k s²/(2 M)`, with the elastic elongation s of each tie that is not
+/// broken; beyond its yield force [`tie::pull::work_to`]. A tendon through the base shortens the period (Vassiliou and Makris
+/// 2015); a tie that pulls to a side may lengthen it. Dashpots, impacts, and a gap that only lasting energy would cross are left out.
+pub fn tied_rocking_period(block: &Block, ties: &States, slip: f64, theta: f64, fraction: f64) -> f64 {
     /// Intervals of the search for the turning points, over both slenderness angles.
     const SCAN: u32 = 400;
     /// Halvings of the interval of a turning point.
@@ -127,19 +127,19 @@ pub fn tied_rocking_period(block: &Block, ties: &TieStates, slip: f64, theta: f6
 }
 
 /// θ̇² (rad²/s²) of a block that rocks on the rigid base with this energy per unit mass (m²/s²).
-fn rate_squared(block: &Block, ties: &TieStates, slip: f64, energy: f64, theta: f64) -> f64 {
+fn rate_squared(block: &Block, ties: &States, slip: f64, energy: f64, theta: f64) -> f64 {
     let corner = if theta < 0.0 { Corner::Left } else { Corner::Right };
     let (offset, h) = (block.offset(corner), block.h);
     let (sin, cos) = libm::sincos(theta);
     // The corner stays; the centre of mass rises by `Q − h`.
     let mut potential = block.gravity * (h * cos - offset * sin - h);
-    for (tie, _) in block.ties().iter().zip(ties).filter(|(_, state)| **state != TieState::Broken) {
+    for link in tie::links(block, &ties.ties, &ties.plastic).filter(|link| link.state != TieState::Broken) {
+        let tie = link.tie;
         let foot = -block.half_base(corner);
         let [x, z] = [tie.block[0] - foot, tie.block[1]];
         let end = [slip + foot + x * cos + z * sin - tie.ground[0], z * cos - x * sin - tie.ground[1]];
         let free = tie.length() + tie.slack - if tie.stiffness > 0.0 { tie.pretension / tie.stiffness } else { 0.0 };
-        let stretch = (libm::hypot(end[0], end[1]) - free).max(0.0);
-        potential += 0.5 * tie.stiffness * stretch * stretch / block.mass;
+        potential += tie::pull::work_to(link, libm::hypot(end[0], end[1]) - free) / block.mass;
     }
     2.0 * (energy - potential) / (block.i0 + offset * offset + h * h)
 }
@@ -208,7 +208,9 @@ impl StoppingRule {
         let restarts = self.earliest.is_none() || slides || slip.total != self.path;
         self.path = slip.total;
         if let (true, Some(fraction)) = (restarts, fraction_of_barrier(simulation)) {
-            let period = cycle(block, &simulation.restraints().ties, slip.now, simulation.state()[0], fraction);
+            let mut ties = simulation.restraints();
+            ties.plastic = ties.plastic.map(|_| simulation.plastic_elongations());
+            let period = cycle(block, &ties, slip.now, simulation.state()[0], fraction);
             let further = (period * block.p).ceil() as u64;
             self.earliest = Some(self.checks + further.max(u64::from(slides)));
         }
@@ -250,7 +252,8 @@ fn is_held_by_ties(simulation: &Simulation) -> bool {
         return false;
     }
     let is_within = is_within_balance(block, simulation.state()[0]);
-    if !is_within && !simulation.restraints().ties.contains(&TieState::Taut) {
+    let acts = |state: &TieState| matches!(state, TieState::Taut | TieState::Yields(_));
+    if !is_within && !simulation.restraints().ties.iter().any(acts) {
         return false;
     }
     let [kinetic, most_acceleration] = if is_within { STILL } else { STILL_BEYOND_BALANCE };

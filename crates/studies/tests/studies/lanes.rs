@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
+use rocking_block::block::restraints::{self, ForceLaw, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
@@ -226,7 +227,7 @@ fn ground(scale: f64, vertical: bool) -> Ground {
 fn run(number: u32) -> Run {
     let k = f64::from(number);
     let foundation = if number % 7 == 3 { Foundation::Rigid } else { Foundation::Viscoelastic };
-    // Blocks with friction are stepped alone between the others.
+    // Blocks with friction, or with a damper, are stepped alone between the others.
     let friction = if number % 5 == 2 { 0.4 } else { 0.0 };
     let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], friction, ..Common::default() };
     let d = Dimensionless {
@@ -238,8 +239,13 @@ fn run(number: u32) -> Run {
     let shape = shapes[number as usize / 6 % shapes.len()];
     let pulse = Pulse { shape, amplitude: 3.0, period: 0.7, start: 2.0, ..Pulse::NONE };
     let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
+    let block = Block::from_dimensionless(&d, &common).unwrap();
+    let (b, weight) = (block.b, block.mass * block.gravity);
+    let tie = Tie { block: [b, 0.0], ground: [b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
+    let law = ForceLaw { kind: restraints::Kind::Damper, yield_force: 0.05 * weight, hardening: 0.1 };
+    let links = [(tie, law)];
     Run {
-        block: Block::from_dimensionless(&d, &common).unwrap(),
+        block: block.with_links(if number % 9 == 4 { &links } else { &[] }).unwrap(),
         settings: Settings {
             tolerance: [1e-8, 1e-6, 1e-4][number as usize / 2 % 3],
             on_separation: on_separation[number as usize % 4],

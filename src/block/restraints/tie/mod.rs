@@ -1,9 +1,11 @@
-//! Ties between the block and the ground: their ends, stiffness and strength, and their states.
+//! Ties and dampers between the block and the ground: their ends, stiffness, strength and yielding, and their states.
 //!
 //! | module | in → out |
 //! | --- | --- |
 //! | [`pull`] | position and motion of the block → stretch and tension of a tie; its energy and power |
-//! | [`switching`] | event functions of a tie → it is taut, slack or limp, or breaks |
+//! | [`switching`] | event functions of a tie → it is taut, slack or limp, yields, or breaks |
+//!
+//! A damper is a tie that also pushes. In tables both are ties.
 
 pub mod pull;
 pub mod switching;
@@ -12,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::parameters::not_negative;
 use crate::block::{Block, BlockError};
-use crate::numerics::scalar::Elementary;
+use crate::numerics::scalar::{Elementary, Scalar};
 
 pub use switching::{TieEvent, TieFunction};
 
@@ -49,6 +51,59 @@ pub struct Tie<T = f64> {
     pub strength: T,
 }
 
+/// The sense in which a tie acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kind {
+    /// It only pulls.
+    #[default]
+    Tie,
+    /// It pulls and pushes.
+    Damper,
+}
+
+/// The force law of a tie beyond its spring and dashpot: kind, and yielding with the kinematic hardening of W. Prager, "A new method of
+/// analyzing stresses and strains in work-hardening plastic solids", Journal of Applied Mechanics 23 (1956), 493–496.
+///
+/// The force of the spring, positive in tension, stays between the lines `r k s ± (1 − r) F_y` over the stretch s of [`pull`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ForceLaw<T = f64> {
+    /// The sense in which it acts.
+    pub kind: Kind,
+    /// Force F_y (N) of the spring, in tension and in compression, at which it yields first; 0 means that it stays elastic.
+    pub yield_force: T,
+    /// Stiffness while it yields over that before, r (1): at least 0, below 1.
+    pub hardening: T,
+}
+
+impl<T> ForceLaw<T> {
+    /// Returns the law with each number converted by `f`.
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> ForceLaw<U> {
+        ForceLaw { kind: self.kind, yield_force: f(self.yield_force), hardening: f(self.hardening) }
+    }
+}
+
+impl<T: Scalar<Real = f64>> ForceLaw<T> {
+    /// Whether the tie can yield.
+    pub fn yields(&self) -> bool {
+        self.yield_force.value() > 0.0
+    }
+}
+
+impl ForceLaw {
+    /// Refuses an impossible law. An error names the parameter.
+    pub fn check(&self) -> Result<(), BlockError> {
+        not_negative("yield force of a tie", self.yield_force)?;
+        match (0.0..1.0).contains(&self.hardening) {
+            true => Ok(()),
+            false => Err(BlockError::OutOfRange {
+                name: "hardening of a tie",
+                value: self.hardening,
+                expected: "a ratio of stiffnesses from 0 to below 1",
+            }),
+        }
+    }
+}
+
 /// The ties of a block, at most [`MAX_TIES`]. A step of lanes, which makes blocks, writes nothing for [`Ties::Nothing`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ties<T = f64> {
@@ -58,17 +113,25 @@ pub enum Ties<T = f64> {
     Some {
         /// The ties, and copies of the last one.
         ties: [Tie<T>; MAX_TIES],
+        /// Their force laws.
+        laws: [ForceLaw<T>; MAX_TIES],
         /// Their number.
         count: usize,
     },
 }
 
-impl<T: Copy> Ties<T> {
-    /// Makes ties of the first [`MAX_TIES`] of a list, without checks.
+impl<T: Copy + Default> Ties<T> {
+    /// Makes elastic ties of the first [`MAX_TIES`] of a list, without checks.
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
+        Ties::with_laws(ties, &[])
+    }
+
+    /// Makes ties with these force laws of the first [`MAX_TIES`] of a list, without checks. Ties beyond the list of laws are elastic.
+    pub fn with_laws(ties: &[Tie<T>], laws: &[ForceLaw<T>]) -> Ties<T> {
         let Some(&last) = ties.last() else { return Ties::Nothing };
         Ties::Some {
             ties: std::array::from_fn(|number| ties.get(number).copied().unwrap_or(last)),
+            laws: std::array::from_fn(|number| laws.get(number).copied().unwrap_or_default()),
             count: ties.len().min(MAX_TIES),
         }
     }
@@ -80,7 +143,15 @@ impl<T> Ties<T> {
     pub fn all(&self) -> &[Tie<T>] {
         match self {
             Ties::Nothing => &[],
-            Ties::Some { ties, count } => &ties[..(*count).min(MAX_TIES)],
+            Ties::Some { ties, count, .. } => &ties[..(*count).min(MAX_TIES)],
+        }
+    }
+
+    /// Returns the force laws of the ties.
+    pub fn laws(&self) -> &[ForceLaw<T>] {
+        match self {
+            Ties::Nothing => &[],
+            Ties::Some { laws, count, .. } => &laws[..(*count).min(MAX_TIES)],
         }
     }
 
@@ -189,6 +260,17 @@ impl Block {
         self.restraints.ties = Ties::of(ties);
         Ok(self)
     }
+
+    /// Returns the block with these ties and dampers, at most [`MAX_TIES`], instead of its ties. An error names the first invalid parameter.
+    ///
+    /// The FMU has no parameters of force laws: a block whose ties yield is stepped by [`Simulation`](crate::simulation::Simulation) alone.
+    pub fn with_links(self, links: &[(Tie, ForceLaw)]) -> Result<Block, BlockError> {
+        let (ties, laws): (Vec<Tie>, Vec<ForceLaw>) = links.iter().copied().unzip();
+        let mut block = self.with_ties(&ties)?;
+        laws.iter().try_for_each(ForceLaw::check)?;
+        block.restraints.ties = Ties::with_laws(&ties, &laws);
+        Ok(block)
+    }
 }
 
 impl<T> Block<T> {
@@ -205,12 +287,60 @@ pub enum TieState {
     /// Too short to pull, or absent.
     #[default]
     Slack,
-    /// Pulling.
+    /// Pulling, or pushing, without yielding.
     Taut,
+    /// Yielding in this direction.
+    Yields(Direction),
     /// Stretched, but shortening so fast that dashpot and spring together would push.
     Limp,
     /// Broken.
     Broken,
+}
+
+/// The direction in which a tie yields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// It becomes longer.
+    Longer,
+    /// It becomes shorter.
+    Shorter,
+}
+
+impl Direction {
+    /// Returns the sign σ of the rate of the plastic elongation.
+    pub fn sign(self) -> f64 {
+        match self {
+            Direction::Longer => 1.0,
+            Direction::Shorter => -1.0,
+        }
+    }
+}
+
+/// A tie with its force law and its state.
+#[derive(Clone, Copy, Debug)]
+pub struct Link<'a, P, S> {
+    /// The tie.
+    pub tie: &'a Tie<P>,
+    /// Its force law.
+    pub law: &'a ForceLaw<P>,
+    /// Its state.
+    pub state: TieState,
+    /// Its plastic elongation s_p (m) unless it yields; `None` if no tie of the block can yield.
+    pub plastic: Option<S>,
+}
+
+/// The plastic elongations s_p (m) of ties at the end of their last yielding, positive for longer ones; `None` if none can yield.
+pub type Plastic<T> = Option<[T; MAX_TIES]>;
+
+/// Returns the ties of a block with their numbers and states.
+pub fn links<'a, P, S: Copy>(
+    block: &'a Block<P>,
+    states: &TieStates,
+    plastic: &Plastic<S>,
+) -> impl Iterator<Item = Link<'a, P, S>> {
+    let ties = &block.restraints.ties;
+    let both = ties.all().iter().zip(ties.laws()).enumerate();
+    both.map(|(i, (tie, law))| Link { tie, law, state: states[i], plastic: plastic.map(|all| all[i]) })
 }
 
 /// The states of all ties of a block.

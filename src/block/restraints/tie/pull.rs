@@ -1,8 +1,10 @@
 //! The pull of ties, along the line between their ends.
 //!
-//! A taut tie stretched by `s = L − L0 − slack + T0/k` pulls with `T = k s + c ṡ`; other ties do not pull.
+//! A taut tie stretched by `s = L − L0 − slack + T0/k` pulls with `T = k (s − s_p) + c ṡ`; slack, limp and broken ties do not pull.
+//! The plastic elongation s_p changes while the tie yields in the direction σ: then `k (s − s_p) − h s_p = σ F_y` with the kinematic
+//! hardening `h = k r/(1 − r)`, so that s_p follows from s and the spring pulls with `r k s + (1 − r) σ F_y`.
 
-use super::{MAX_TIES, Tie, TieState, TieStates, Ties};
+use super::{Direction, ForceLaw, Kind, Link, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, links};
 use crate::block::{Block, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
@@ -43,53 +45,109 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(
     }
 }
 
-/// Returns the tension (N) of a taut tie.
-#[inline(always)]
-pub fn taut_tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, stretch: &Stretch<T>) -> T {
-    stretch.length * tie.stiffness + stretch.rate * tie.damping
+/// Returns the plastic elongation s_p (m) of a tie stretched by `length` (m).
+pub fn plastic<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
+    let Link { tie, law, state, plastic } = link;
+    match (state, plastic) {
+        (TieState::Yields(direction), _) => {
+            (length - law.yield_force / tie.stiffness * direction.sign()) * (P::from(1.0) - law.hardening)
+        }
+        (_, Some(plastic)) => T::from(plastic),
+        (_, None) => T::from(0.0),
+    }
 }
 
-/// Returns the tension (N) of a tie in this state.
+/// Returns the elastic elongation `s − s_p` (m) of a tie stretched by `length` (m).
 #[inline(always)]
-pub fn tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, state: TieState, stretch: &Stretch<T>) -> T {
+pub fn elastic<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
+    match link.plastic {
+        None => length,
+        Some(_) => length - plastic(link, length),
+    }
+}
+
+/// Returns the tension (N) of a taut tie.
+#[inline(always)]
+pub fn taut_tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, stretch: &Stretch<T>) -> T {
+    spring(link, stretch.length) + stretch.rate * link.tie.damping
+}
+
+/// Returns the force (N) of the spring of a tie stretched by `length` (m).
+#[inline(always)]
+fn spring<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
+    let Link { tie, law, state, .. } = link;
     match state {
-        TieState::Taut => taut_tension(tie, stretch),
+        TieState::Yields(direction) => {
+            length * (law.hardening * tie.stiffness)
+                + (P::from(1.0) - law.hardening) * law.yield_force * direction.sign()
+        }
+        TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => elastic(link, length) * tie.stiffness,
+    }
+}
+
+/// Returns the tension (N) of a tie in its state.
+#[inline(always)]
+pub fn tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, stretch: &Stretch<T>) -> T {
+    match link.state {
+        TieState::Taut | TieState::Yields(_) => taut_tension(link, stretch),
         TieState::Slack | TieState::Limp | TieState::Broken => T::from(0.0),
     }
 }
 
 /// Adds the pull of the ties to a forcing `[x, z, moment]` per mass.
-pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
+pub fn add_pull<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
     states: &TieStates,
+    plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
     [mut x, mut z, mut moment]: [T; 3],
 ) -> [T; 3] {
-    for (tie, &state) in block.ties().iter().zip(states) {
-        if state == TieState::Taut {
-            let stretch = stretch(block, tie, kinematics);
-            let pull = tension(tie, state, &stretch) * (P::from(1.0) / block.mass);
-            let along = stretch.along;
-            // A forcing is a ground acceleration, so a load on the block has the opposite sign.
-            x = x + pull * along[0];
-            z = z + pull * along[1];
-            moment = moment - pull * along[2];
-        }
+    for link in links(block, states, plastic).filter(|link| acts(link.state)) {
+        let stretch = stretch(block, link.tie, kinematics);
+        let pull = tension(link, &stretch) * (P::from(1.0) / block.mass);
+        let along = stretch.along;
+        // A forcing is a ground acceleration, so a load on the block has the opposite sign.
+        x = x + pull * along[0];
+        z = z + pull * along[1];
+        moment = moment - pull * along[2];
     }
     [x, z, moment]
+}
+
+/// Whether a tie in this state pulls or pushes.
+#[inline(always)]
+fn acts(state: TieState) -> bool {
+    matches!(state, TieState::Taut | TieState::Yields(_))
 }
 
 /// Whether a tie pulls.
 #[inline(always)]
 pub fn pulls(states: &TieStates) -> bool {
     // The compiler evaluates this for constant states, unlike `contains`.
-    states.iter().any(|state| matches!(state, TieState::Taut))
+    states.iter().any(|&state| acts(state))
 }
 
-/// Whether the dashpot of a tie may take energy.
+/// Whether a tie may take energy, in its dashpot or by yielding.
 #[inline(always)]
 pub fn dissipates(states: &TieStates) -> bool {
-    states.iter().any(|state| matches!(state, TieState::Taut | TieState::Limp))
+    states.iter().any(|&state| acts(state) || state == TieState::Limp)
+}
+
+/// Returns the direction in which a tie without plastic elongation yields if it is stretched by `length` (m), if it does.
+pub fn yielding_at_rest<T: Elementary>(tie: &Tie<T>, law: &ForceLaw<T>, length: T, rounding: f64) -> Option<Direction> {
+    let beyond = (length * tie.stiffness).value().abs() > law.yield_force.value() + rounding;
+    let direction = if length.value() > 0.0 { Direction::Longer } else { Direction::Shorter };
+    (law.yields() && beyond).then_some(direction)
+}
+
+/// Returns a tie in its state at rest.
+fn at_rest<'a, T: Elementary>(tie: &'a Tie<T>, law: &'a ForceLaw<T>, length: T) -> Link<'a, T, T> {
+    let state = match yielding_at_rest(tie, law, length, 0.0) {
+        _ if law.kind == Kind::Tie && length.value() <= 0.0 => TieState::Slack,
+        Some(direction) => TieState::Yields(direction),
+        None => TieState::Taut,
+    };
+    Link { tie, law, state, plastic: None }
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
@@ -99,9 +157,10 @@ pub fn less_static_pull<T: Elementary>(
     kinematics: &Kinematics<T>,
     mut force: T,
 ) -> T {
-    for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
+    for (tie, law) in ties.all().iter().zip(ties.laws()).filter(|(tie, _)| tie.stiffness.value() != 0.0) {
         let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
-        let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
+        let link = at_rest(tie, law, length);
+        let tension = if acts(link.state) { spring(link, length) } else { T::from(0.0) };
         force = force - tension * z;
     }
     force
@@ -109,57 +168,121 @@ pub fn less_static_pull<T: Elementary>(
 
 /// Returns the vertical stiffness (N/m) of the ties at rest.
 pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
-    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, kinematics)).sum()
+    ties.all().iter().zip(ties.laws()).map(|(tie, law)| stiffness_at_rest(block, tie, law, kinematics)).sum()
 }
 
-/// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
-fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
+/// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z, `r k` in place of k where it yields.
+fn stiffness_at_rest<T: Elementary>(
+    block: &Block<T>,
+    tie: &Tie<T>,
+    law: &ForceLaw<T>,
+    kinematics: &Kinematics<T>,
+) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
     }
     let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
+    let link = at_rest(tie, law, length);
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
-    if stretch > 0.0 { stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)) } else { 0.0 }
+    match link.state {
+        TieState::Slack | TieState::Limp | TieState::Broken => 0.0,
+        TieState::Taut => stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)),
+        TieState::Yields(_) => {
+            law.hardening.value() * stiffness * z * z + spring(link, length).value() * (1.0 - z * z) / (stretch + free)
+        }
+    }
 }
 
 /// Returns the tensions of all ties (N).
-pub fn tensions<P: Scalar, T: CombinesWith<P>>(
+pub fn tensions<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
     states: &TieStates,
+    plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
 ) -> [T; MAX_TIES] {
     let mut tensions = [T::from(0.0); MAX_TIES];
-    for ((value, tie), &state) in tensions.iter_mut().zip(block.ties()).zip(states) {
-        *value = tension(tie, state, &stretch(block, tie, kinematics));
+    for (value, link) in tensions.iter_mut().zip(links(block, states, plastic)) {
+        *value = tension(link, &stretch(block, link.tie, kinematics));
     }
     tensions
 }
 
-/// Returns the energy of the springs of the ties per mass (m²/s²): `½ k s²` of each stretched tie.
-pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, kinematics: &Kinematics<T>) -> T {
-    sum_stretched(block, states, kinematics, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
+/// Returns the energy stored in the ties per mass (m²/s²): `½ k (s − s_p)²` of each stretched tie and `½ h s_p²` of each that is not broken.
+pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
+    block: &Block<P>,
+    states: &TieStates,
+    plastics: &Plastic<S>,
+    kinematics: &Kinematics<T>,
+) -> T {
+    let springs = sum_stretched(block, states, plastics, kinematics, |link, Stretch { length, .. }| {
+        let elastic = elastic(link, length);
+        elastic * elastic * (link.tie.stiffness * 0.5)
+    });
+    if plastics.is_none() {
+        return springs;
+    }
+    let mut sum = springs;
+    for link in links(block, states, plastics).filter(|link| link.state != TieState::Broken) {
+        let ForceLaw { hardening, .. } = *link.law;
+        let plastic = plastic(link, stretch(block, link.tie, kinematics).length);
+        let modulus = link.tie.stiffness * hardening / (P::from(1.0) - hardening);
+        sum = sum + plastic * plastic * (modulus * 0.5 / block.mass);
+    }
+    sum
 }
 
-/// Returns the power per mass (m²/s³) dissipated by the dashpots of the ties: `(T − k s) ṡ`.
-pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, kinematics: &Kinematics<T>) -> T {
-    sum_stretched(block, states, kinematics, |tie, state, stretch| {
-        (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
+/// Returns the work (J) that stretches a tie from its plastic elongation to `length` (m) without a turn: `½ k (s − s_p)²` up to the yield
+/// surface, from where on the stiffness is `r k`.
+pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
+    let Link { tie: &Tie { stiffness, .. }, law, plastic, .. } = link;
+    let plastic = plastic.unwrap_or(0.0);
+    let elastic = match law.kind {
+        Kind::Tie => (length - plastic).max(0.0),
+        Kind::Damper => length - plastic,
+    };
+    if !law.yields() {
+        return 0.5 * stiffness * elastic * elastic;
+    }
+    let back_stress = stiffness * law.hardening / (1.0 - law.hardening) * plastic;
+    let first = ((law.yield_force + back_stress * elastic.signum()) / stiffness).clamp(0.0, elastic.abs());
+    let beyond = elastic.abs() - first;
+    stiffness * (0.5 * first * first + beyond * (first + 0.5 * law.hardening * beyond))
+}
+
+/// Returns the power per mass (m²/s³) dissipated by the ties: `(T − F) ṡ` by the dashpots beside the force F of the spring, and
+/// `F_y |ṡ_p|` by yielding.
+pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
+    block: &Block<P>,
+    states: &TieStates,
+    plastic: &Plastic<S>,
+    kinematics: &Kinematics<T>,
+) -> T {
+    sum_stretched(block, states, plastic, kinematics, |link, stretch| {
+        let dashpot = (tension(link, &stretch) - spring(link, stretch.length)) * stretch.rate;
+        match link.state {
+            TieState::Yields(direction) => {
+                let ForceLaw { yield_force, hardening, .. } = *link.law;
+                dashpot + stretch.rate * ((P::from(1.0) - hardening) * yield_force * direction.sign())
+            }
+            TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => dashpot,
+        }
     })
 }
 
 /// Returns the sum of `term` over the stretched ties, per mass.
-fn sum_stretched<P: Scalar, T: CombinesWith<P>>(
+fn sum_stretched<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
     states: &TieStates,
+    plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
-    term: impl Fn(&Tie<P>, TieState, Stretch<T>) -> T,
+    term: impl Fn(Link<P, S>, Stretch<T>) -> T,
 ) -> T {
     let mut sum = T::from(0.0);
-    for (tie, &state) in block.ties().iter().zip(states) {
-        if matches!(state, TieState::Taut | TieState::Limp) {
-            sum = sum + term(tie, state, stretch(block, tie, kinematics)) * (P::from(1.0) / block.mass);
+    for link in links(block, states, plastic) {
+        if acts(link.state) || link.state == TieState::Limp {
+            sum = sum + term(link, stretch(block, link.tie, kinematics)) * (P::from(1.0) / block.mass);
         }
     }
     sum

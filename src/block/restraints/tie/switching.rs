@@ -1,10 +1,11 @@
-//! A tie becomes taut when its stretch rises through zero, slack when its tension falls through zero, and breaks when its tension
-//! reaches its strength.
+//! A tie becomes taut when its elastic elongation rises through zero, slack when its tension falls through zero, and breaks when its
+//! tension reaches its strength, that of a damper in either sense. It yields when the force of its spring reaches the yield surface, and
+//! unloads when its rate of elongation changes its sign.
 
 use serde::{Deserialize, Serialize};
 
-use super::pull::{stretch, taut_tension};
-use super::{NO_TIES, Tie, TieState, TieStates, Ties};
+use super::pull::{elastic, plastic, stretch, taut_tension, yielding_at_rest};
+use super::{Direction, Kind, Link, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties};
 use crate::block::{Block, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -13,9 +14,9 @@ use crate::numerics::scalar::{CombinesWith, Elementary};
 /// An event function of a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TieFunction {
-    /// The opposite of the stretch of a slack tie (m).
+    /// The opposite of the elastic elongation of a slack tie (m).
     Shortness,
-    /// The stretch of a limp tie (m).
+    /// The elastic elongation of a limp tie (m).
     Stretch,
     /// The tension of a taut tie (N).
     Tension,
@@ -23,6 +24,12 @@ pub enum TieFunction {
     Limpness,
     /// Strength minus tension of a taut tie (N).
     Strength,
+    /// Strength plus tension of a taut damper (N).
+    Thrust,
+    /// Elongation (m) that separates a taut tie from yielding in this direction.
+    Yield(Direction),
+    /// Rate of elongation (m/s) of a tie that yields, in this direction.
+    Unload(Direction),
 }
 
 /// A reported event of a tie.
@@ -32,6 +39,10 @@ pub enum TieEvent {
     Taut,
     /// It stops pulling.
     Slack,
+    /// It begins to yield.
+    Yield,
+    /// It stops yielding.
+    Unload,
     /// It breaks.
     Break,
 }
@@ -42,6 +53,8 @@ impl TieEvent {
         match self {
             TieEvent::Taut => "taut",
             TieEvent::Slack => "slack",
+            TieEvent::Yield => "yield",
+            TieEvent::Unload => "unload",
             TieEvent::Break => "break",
         }
     }
@@ -52,28 +65,46 @@ impl std::fmt::Display for TieEvent {
         f.write_str(match self {
             TieEvent::Taut => "is taut",
             TieEvent::Slack => "is slack",
+            TieEvent::Yield => "yields",
+            TieEvent::Unload => "unloads",
             TieEvent::Break => "breaks",
         })
     }
 }
 
-/// Returns the watched functions of a tie in this state.
-pub fn watched(tie: &Tie, state: TieState) -> [Option<TieFunction>; 2] {
-    use TieFunction::{Limpness, Shortness, Strength, Stretch, Tension};
-    match state {
-        TieState::Slack => [Some(Shortness), None],
-        TieState::Taut => [Some(Tension), (tie.strength > 0.0).then_some(Strength)],
-        TieState::Limp => [Some(Stretch), Some(Limpness)],
-        TieState::Broken => [None; 2],
+/// Returns the watched functions of a tie in its state: those of pulling and breaking, then those of yielding.
+pub fn watched<P, S>(link: Link<P, S>) -> [[Option<TieFunction>; 2]; 2]
+where
+    P: Elementary,
+{
+    use Direction::{Longer, Shorter};
+    let (breaks, kind) = (link.tie.strength.value() > 0.0, link.law.kind);
+    let acting = match kind {
+        Kind::Tie => [Some(TieFunction::Tension), breaks.then_some(TieFunction::Strength)],
+        Kind::Damper => [TieFunction::Thrust, TieFunction::Strength].map(|function| breaks.then_some(function)),
+    };
+    match link.state {
+        TieState::Slack => [[Some(TieFunction::Shortness), None], [None; 2]],
+        TieState::Taut => [acting, [Longer, Shorter].map(|way| link.law.yields().then_some(TieFunction::Yield(way)))],
+        TieState::Yields(direction) => [acting, [Some(TieFunction::Unload(direction)), None]],
+        TieState::Limp => [[Some(TieFunction::Stretch), Some(TieFunction::Limpness)], [None; 2]],
+        TieState::Broken => [[None; 2]; 2],
     }
 }
 
 /// Returns the function whose value is the tension of a tie in this state, if it pulls.
 pub fn of_pull(state: TieState) -> Option<TieFunction> {
     match state {
-        TieState::Taut => Some(TieFunction::Tension),
+        TieState::Taut | TieState::Yields(_) => Some(TieFunction::Tension),
         TieState::Slack | TieState::Limp | TieState::Broken => None,
     }
+}
+
+/// Returns the elongation (m) that separates a taut tie stretched by `length` (m) from yielding: `F_y/k − σ (s − s_p/(1 − r))`.
+fn margin<T: Elementary>(link: Link<T, T>, length: T, direction: Direction) -> T {
+    let Link { tie, law, .. } = link;
+    let plastic = plastic(link, length);
+    law.yield_force / tie.stiffness - (length - plastic / (T::from(1.0) - law.hardening)) * direction.sign()
 }
 
 impl TieFunction {
@@ -82,19 +113,20 @@ impl TieFunction {
     pub fn sample<T: Elementary>(
         self,
         block: &Block<T>,
-        tie: &Tie<T>,
+        link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
     ) -> Sample<T>
     where
         Dual<T>: CombinesWith<T>,
     {
+        let Link { tie, .. } = link;
         let stretch_with_rate = || {
             let stretch = stretch(block, tie, &kinematics());
-            Sample { value: stretch.length, rate: stretch.rate }
+            Sample { value: elastic(link, stretch.length), rate: stretch.rate }
         };
         let tension = || {
-            let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &rates()));
+            let Dual { re, eps } = taut_tension(link, &stretch(block, tie, &rates()));
             Sample { value: re, rate: eps }
         };
         match self {
@@ -106,26 +138,42 @@ impl TieFunction {
                 let Sample { value, rate } = tension();
                 Sample { value: tie.strength - value, rate: -rate }
             }
+            TieFunction::Thrust => {
+                let Sample { value, rate } = tension();
+                Sample { value: tie.strength + value, rate }
+            }
+            TieFunction::Yield(direction) => {
+                let stretch = stretch(block, tie, &kinematics());
+                Sample { value: margin(link, stretch.length, direction), rate: -stretch.rate * direction.sign() }
+            }
+            TieFunction::Unload(direction) => {
+                let Dual { re, eps } = stretch(block, tie, &rates()).rate;
+                Sample { value: re * direction.sign(), rate: eps * direction.sign() }
+            }
         }
     }
 
     /// Returns the value.
-    pub fn value<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> T {
+    pub fn value<T: Elementary>(self, block: &Block<T>, link: Link<T, T>, kinematics: &Kinematics<T>) -> T {
+        let Link { tie, .. } = link;
         let stretch = stretch(block, tie, kinematics);
         match self {
-            TieFunction::Shortness => -stretch.length,
-            TieFunction::Stretch => stretch.length,
-            TieFunction::Tension => taut_tension(tie, &stretch),
-            TieFunction::Limpness => -taut_tension(tie, &stretch),
-            TieFunction::Strength => tie.strength - taut_tension(tie, &stretch),
+            TieFunction::Shortness => -elastic(link, stretch.length),
+            TieFunction::Stretch => elastic(link, stretch.length),
+            TieFunction::Tension => taut_tension(link, &stretch),
+            TieFunction::Limpness => -taut_tension(link, &stretch),
+            TieFunction::Strength => tie.strength - taut_tension(link, &stretch),
+            TieFunction::Thrust => tie.strength + taut_tension(link, &stretch),
+            TieFunction::Yield(direction) => margin(link, stretch.length, direction),
+            TieFunction::Unload(direction) => stretch.rate * direction.sign(),
         }
     }
 
     /// Whether value and rate follow from the state and its rate alone.
     pub fn follows_from_state(self) -> bool {
         match self {
-            TieFunction::Shortness | TieFunction::Stretch => true,
-            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength => false,
+            TieFunction::Shortness | TieFunction::Stretch | TieFunction::Yield(_) | TieFunction::Unload(_) => true,
+            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength | TieFunction::Thrust => false,
         }
     }
 
@@ -133,8 +181,11 @@ impl TieFunction {
     #[inline(never)]
     pub fn size<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>) -> f64 {
         match self {
-            TieFunction::Shortness | TieFunction::Stretch => size_of_stretch(block, tie),
-            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength => size_of_tension(block, tie),
+            TieFunction::Shortness | TieFunction::Stretch | TieFunction::Yield(_) => size_of_stretch(block, tie),
+            TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength | TieFunction::Thrust => {
+                size_of_tension(block, tie)
+            }
+            TieFunction::Unload(_) => size_of_stretch(block, tie) * block.p.value(),
         }
     }
 
@@ -142,18 +193,21 @@ impl TieFunction {
     pub fn switched<T: Elementary>(
         self,
         block: &Block<T>,
-        tie: &Tie<T>,
+        link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
     ) -> (TieState, Option<TieEvent>) {
+        let Link { tie, .. } = link;
         match self {
             TieFunction::Shortness | TieFunction::Limpness => (TieState::Taut, Some(TieEvent::Taut)),
             TieFunction::Tension => {
-                let stretched = stretch(block, tie, &kinematics()).length.value() > 0.0;
+                let stretched = elastic(link, stretch(block, tie, &kinematics()).length).value() > 0.0;
                 let damped = tie.damping.value() > 0.0 && stretched;
                 (if damped { TieState::Limp } else { TieState::Slack }, Some(TieEvent::Slack))
             }
             TieFunction::Stretch => (TieState::Slack, None),
-            TieFunction::Strength => (TieState::Broken, Some(TieEvent::Break)),
+            TieFunction::Strength | TieFunction::Thrust => (TieState::Broken, Some(TieEvent::Break)),
+            TieFunction::Yield(direction) => (TieState::Yields(direction), Some(TieEvent::Yield)),
+            TieFunction::Unload(_) => (TieState::Taut, Some(TieEvent::Unload)),
         }
     }
 }
@@ -170,30 +224,35 @@ fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
     spring.max(dashpot).max((block.mass * block.gravity).value())
 }
 
-/// Returns the states of ties at the beginning: one without slack is taut, and one beyond its strength is broken. `rounding` is the round-off
-/// of a zero relative to its largest term.
+/// Returns the states of ties at the beginning, and their plastic elongations: a tie without slack is taut, one beyond its yield force
+/// yields, and one beyond its strength is broken. `rounding` is the round-off of a zero relative to its largest term.
 pub fn at_beginning<T: Elementary>(
     block: &Block<T>,
     ties: &Ties<T>,
     kinematics: &Kinematics<T>,
     rounding: f64,
-) -> TieStates {
+) -> (TieStates, Plastic<T>) {
     let mut states = NO_TIES;
-    for (state, tie) in states.iter_mut().zip(ties.all()).filter(|(_, tie)| tie.stiffness.value() > 0.0) {
+    let links = ties.all().iter().zip(ties.laws());
+    for (state, (tie, law)) in states.iter_mut().zip(links).filter(|(_, (tie, _))| tie.stiffness.value() > 0.0) {
         let stretch = stretch(block, tie, kinematics);
-        let (tension, strength) = (taut_tension(tie, &stretch).value(), tie.strength.value());
         let rounding_of_tension = rounding * size_of_tension(block, tie);
         let rounding_of_stretch = rounding * size_of_stretch(block, tie);
+        let yielding = yielding_at_rest(tie, law, stretch.length, rounding_of_tension);
+        let taut = yielding.map_or(TieState::Taut, TieState::Yields);
+        let link = Link { tie, law, state: taut, plastic: None };
+        let (tension, strength) = (taut_tension::<_, T, _>(link, &stretch).value(), tie.strength.value());
         let shortens = stretch.rate.value() < -rounding_of_stretch * block.p.value();
-        *state = if stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch } {
+        let is_short = stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch };
+        *state = if law.kind == Kind::Tie && is_short {
             TieState::Slack
-        } else if tension < -rounding_of_tension {
+        } else if law.kind == Kind::Tie && tension < -rounding_of_tension {
             TieState::Limp
-        } else if strength > 0.0 && tension > strength + rounding_of_tension {
+        } else if strength > 0.0 && tension.abs() > strength + rounding_of_tension {
             TieState::Broken
         } else {
-            TieState::Taut
+            taut
         };
     }
-    states
+    (states, ties.laws().iter().any(|law| law.yields()).then_some([T::from(0.0); MAX_TIES]))
 }

@@ -114,7 +114,7 @@ fn the_rocking_period_with_ties_is_the_measured_one() {
         let initial = Initial { theta: 0.08, ..Initial::default() };
         let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
         let fraction = fraction_of_barrier(&simulation).unwrap();
-        let rule = tied_rocking_period(&block, &simulation.restraints().ties, 0.0, 0.08, fraction);
+        let rule = tied_rocking_period(&block, &simulation.restraints(), 0.0, 0.08, fraction);
         let mut landings = vec![];
         let take = &mut |event: &_| {
             let &rocking_block::system::events::Event { time, kind, .. } = event;
