@@ -59,7 +59,8 @@ fn a_prescribed_motion_follows_pragers_loop() {
         let (stiffness, amplitude) = (32768.0, 0.25);
         let yield_force = stiffness / 32.0;
         let tie = Tie { block: [0.0, plain.h], ground: [-2.0, plain.h], stiffness, ..Tie::default() };
-        let block = plain.with_links(&[(tie, ForceLaw { kind: Kind::Damper, yield_force, hardening })]).unwrap();
+        let law = ForceLaw { kind: Kind::Damper, yield_force, hardening };
+        let block = plain.with_links(&[(tie, law)]).unwrap();
         let mut states = States { plastic: Some(Default::default()), ..States::NONE };
         states.ties[0] = TieState::Taut;
         let line = |s: f64, sign: f64| hardening * stiffness * s + sign * (1.0 - hardening) * yield_force;
@@ -86,6 +87,10 @@ fn a_prescribed_motion_follows_pragers_loop() {
                     work += 0.5 * (force + found) * by;
                     taken += loss;
                     taken_in_loop += if turn >= 2 { loss } else { 0.0 };
+                }
+                if turn == 0 {
+                    let link = tie::Link { tie: &tie, law: &law, state: TieState::Taut, plastic: Some(0.0) };
+                    assert!((tie::pull::work_to(link, s) - work).abs() <= CLOSE * yield_force * amplitude);
                 }
                 force = found;
                 stored = restraints::energy(&block, &states, &kinematics) * block.mass;

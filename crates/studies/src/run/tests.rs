@@ -1,7 +1,8 @@
 //! Rows of a run, and its stops.
 
 use super::*;
-use rocking_block::block::{Common, Dimensionless, Supports};
+use rocking_block::block::restraints::{ForceLaw, Kind, Tie};
+use rocking_block::block::{Common, Dimensionless, Ratios, Supports};
 use rocking_records::{ReadOptions, Record, Unit, parse};
 
 /// Times of the rows of a block at rest, and the number of stops; panics beyond `most` stops.
@@ -26,6 +27,29 @@ fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f
         }
     }
     (rows, stops)
+}
+
+/// A free motion ends at rest, with the forces that dampers lock in, long before the greatest time of the stopping rule.
+#[test]
+fn a_block_whose_dampers_have_yielded_comes_to_rest() {
+    for supports in [Supports::HOUSNER, Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 })] {
+        let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
+        let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
+        let (b, weight) = (block.b, block.mass * block.gravity);
+        let links = [-1.0, 1.0].map(|side| {
+            let tie =
+                Tie { block: [side * b, 0.0], ground: [side * b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
+            (tie, ForceLaw { kind: Kind::Damper, yield_force: 0.05 * weight, hardening: 0.1 })
+        });
+        let at_rest = Run::at_rest(block.with_links(&links).unwrap(), Settings::default());
+        let run = Run { initial: Initial { theta: 0.1, ..Initial::default() }, ..at_rest };
+        let outcome = run.outcome();
+        assert!(outcome.end == End::Completed && outcome.end_time < 60.0, "{outcome:?}");
+        let mut simulation = run.begin();
+        simulation.advance(outcome.end_time, &Inputs::default(), &mut |_| ()).unwrap();
+        let [left, right, ..] = simulation.plastic_elongations();
+        assert!(left.abs() + right.abs() > 1e-4 * b && stopping_rule::is_at_rest(&simulation), "{left} {right}");
+    }
 }
 
 /// Durations of a whole number of decimal steps, their neighbouring numbers, and others.
