@@ -21,6 +21,7 @@ NAMED = 'unit="m/s2" or another, the unit of trace.data'
 
 def samples_of(trace: Any, unit: str | None, g: float) -> tuple[Floats, float, str]:
     """Returns samples [m/s²], time step [s] and name of a trace; refuses gaps and samples in an unknown unit."""
+    check_trace(trace)
     stats = trace.stats
     name = f"{trace.id} {stats.starttime}"
     refuse_masked(trace.data, f"{name}: ", lambda i: f" at {stats.starttime + i * stats.delta}")
@@ -29,6 +30,12 @@ def samples_of(trace: Any, unit: str | None, g: float) -> tuple[Floats, float, s
         unit, sensitivity = unit_of(stats, name)
         samples = samples / sensitivity
     return samples * _engine.unit_factor(unit, g), float(stats.delta), name
+
+
+def check_trace(trace: object) -> None:
+    """Refuses whatever is no trace."""
+    if not hasattr(trace, "stats") or not hasattr(trace, "data"):
+        raise TypeError(f"trace = {trace!r}; expected a Trace of ObsPy; records_from takes a Stream")
 
 
 def refuse_masked(data: object, name: str, place: Any = lambda _: "") -> None:
@@ -72,9 +79,13 @@ def unit_of(stats: Any, name: str) -> tuple[str, float]:
 
 def check_gaps(stream: Iterable[Any]) -> list[Any]:
     """Returns the traces of a stream in its order; refuses several of one channel, with the place of the gap between them."""
+    # A text is iterable, too.
+    if isinstance(stream, str | bytes) or not hasattr(stream, "__iter__"):
+        raise TypeError(f"stream = {stream!r}; expected a Stream of ObsPy or a list of traces")
     traces = list(stream)
     by_channel: dict[str, list[Any]] = {}
     for trace in traces:
+        check_trace(trace)
         by_channel.setdefault(trace.id, []).append(trace)
     for name, parts in by_channel.items():
         for before, after in pairwise(sorted(parts, key=lambda trace: trace.stats.starttime)):

@@ -41,6 +41,17 @@ def test_a_named_unit_is_that_of_the_samples():
         rb.Record.from_obspy(trace(), unit="m/s2")
 
 
+def test_only_traces_and_streams_are_taken():
+    for given in [5, None, "event.mseed", obspy.Stream([trace()])]:
+        with pytest.raises(TypeError, match="expected a Trace of ObsPy; records_from takes a Stream"):
+            rb.Record.from_obspy(given)
+    for given in [5, None, "event.mseed"]:
+        with pytest.raises(TypeError, match="expected a Stream of ObsPy or a list of traces"):
+            rb.records_from(given)
+    with pytest.raises(TypeError, match="expected a Trace of ObsPy"):
+        rb.records_from([1, 2])
+
+
 def test_a_response_states_the_unit():
     warnings.filterwarnings("ignore", "ObsPy can not map unit")
     for units, factor in [("M/S**2", 1.0), ("m/(s**2)", 1.0), ("CM/S**2", 0.01)]:
