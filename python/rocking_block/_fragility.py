@@ -255,8 +255,8 @@ def fragility(
         heading.
     limit : "overturned", "balance", float or str, optional
         The limit: overturning, the balance (the rotation that puts the centre of mass over the corner), a rotation |θ|/α > 0 [1], or a
-        slip in metres as in "slip:0.1"; a block that overturned exceeds any. By default overturning, or the balance if ties hold blocks
-        beyond it for which overturning leaves runs undecided.
+        slip in metres as in "slip:0.1"; a block that overturned exceeds any. By default overturning, or the balance for blocks with
+        ties, which may hold a block beyond it.
     ci : float
         Confidence level of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
@@ -304,9 +304,8 @@ def fragility(
     slip = _slip(limit)
     outcome = outcomes_of(table)
     if limit is None:
-        held = "peak.theta/balance" in table and "ensemble.samples" not in table
-        held = held and bool(((outcome == "undecided") & (numbers(table, "peak.theta/balance") > 1.0)).any())
-        limit = "balance" if held else "overturned"
+        tied = "peak.theta/balance" in table and "ensemble.samples" not in table
+        limit = "balance" if tied else "overturned"
     elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
         limit = limit.lower()
     elif slip is not None:

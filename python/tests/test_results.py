@@ -423,6 +423,17 @@ def test_undecided_blocks_on_ties_count_by_their_balance_or_give_a_range():
     assert higher.exceeded == (0.375, 0.5)
 
 
+def test_blocks_that_hang_at_rest_on_ties_count_by_their_balance():
+    rows = {
+        "PGV": np.arange(2, 10) / 10,
+        "outcome": ["completed"] * 8,
+        "peak.theta/alpha": [0.1, 0.2, 1.1, 0.4, 1.4, 0.6, 1.3, 1.8],
+    }
+    rows["peak.theta/balance"] = rows["peak.theta/alpha"]
+    fit = rb.fragility(rows, im="PGV", progress=False)
+    assert fit.limit == "balance" and fit.exceeded == (0.5, 0.5)
+
+
 def test_unknown_samples_of_ensembles_give_a_range():
     exceeded, unknown = np.array([0, 1, 3, 0, 4, 7]), np.array([0, 4, 0, 8, 2, 0])
     known = 8 - unknown

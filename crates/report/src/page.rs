@@ -184,8 +184,11 @@ impl Page<'_> {
             .peak_tension
             .map(|tension| format!("breaking load of a tie: at least {} times the weight", short(tension)));
         let no_curve = variant.no_curve.as_ref().map(|why| numbers::no_curve(&variant.runs, why));
-        let left_out =
-            (variant.runs.left_out > 0).then(|| format!("{} runs without a known outcome", variant.runs.left_out));
+        let left_out = match variant.runs.left_out {
+            0 => None,
+            1 => Some("1 run without a known outcome".into()),
+            runs => Some(format!("{runs} runs without a known outcome")),
+        };
         let limit = (variant.limit != self.report.variants[0].limit).then(|| limit(&variant.limit));
         [limit, slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
     }

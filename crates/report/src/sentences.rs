@@ -132,14 +132,21 @@ fn best_variants(report: &Report) -> Option<String> {
     }
     let best: Vec<&Comparison> = variants.iter().filter(|variant| worst(variant) == least).collect();
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
+    // Blocks with ties have a limit of their own.
+    let mut verbs: Vec<String> = best.iter().map(|variant| numbers::exceed(&variant.limit)).collect();
+    verbs.dedup();
+    let before = numbers::exceeded(&plain.runs);
+    let before = match verbs.iter().all(|verb| *verb == exceed) {
+        true => format!(" instead of {before}"),
+        false => format!("; as it is, {before} {exceed}"),
+    };
     let mut text = format!(
-        "Of the variants, {} {} most: {} of {} runs {} instead of {}.",
+        "Of the variants, {} {} most: {} of {} runs {}{before}.",
         join(&names),
         if best.len() == 1 { "helps" } else { "help" },
         numbers::exceeded(&best[0].runs),
         best[0].runs.all(),
-        numbers::exceed(&best[0].limit),
-        numbers::exceeded(&plain.runs)
+        verbs.join(" or ")
     );
     for (variant, name) in best.iter().zip(&names) {
         let Some(slip) = variant.peak_slip.filter(|slip| *slip > 0.0) else { continue };
@@ -170,9 +177,9 @@ fn strongest_assumption(report: &Report) -> Option<String> {
     Some(format!(
         "Of the assumptions, the {} matters most: {} runs {exceed} with {}, {} with {}.",
         quantity(&strongest.name),
-        low.runs.exceeded,
+        numbers::exceeded(&low.runs),
         short(strongest.values[0]),
-        high.runs.exceeded,
+        numbers::exceeded(&high.runs),
         short(strongest.values[1])
     ))
 }

@@ -1,6 +1,6 @@
 //! Results → CSV, in SI units and full precision.
 
-use rocking_studies::assess::{Comparison, Plan, Results};
+use rocking_studies::assess::{Comparison, Counts, Plan, Results};
 use rocking_studies::fragility::split_heading;
 use rocking_studies::output::csv::lines;
 use rocking_studies::output::runner::Study;
@@ -29,6 +29,11 @@ fn table(results: &Results, name: &str, columns: &[String]) -> Result<csv::Write
     Ok(writer)
 }
 
+/// The runs with a known outcome, those of them beyond the limit, and the runs without.
+fn counts(runs: Counts) -> [String; 3] {
+    [runs.known, runs.exceeded, runs.left_out].map(|count| count.to_string())
+}
+
 fn finished(writer: csv::Writer<Vec<u8>>) -> Result<String, csv::Error> {
     let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
@@ -38,14 +43,15 @@ fn states(results: &Results) -> Result<String, csv::Error> {
     let (name, unit) = split_heading(&results.report.im);
     let unit = unit.unwrap_or("1");
     let im = |column: &str| format!("{column}.{name} [{unit}]");
-    let mut columns = ["state", "limit", "source", "runs [1]", "exceeded [1]"].map(String::from).to_vec();
+    let mut columns =
+        ["state", "limit", "source", "runs [1]", "exceeded [1]", "unknown [1]"].map(String::from).to_vec();
     columns.extend([im("median"), im("median.low"), im("median.high")]);
     columns.extend(["beta [1]", "beta.low [1]", "beta.high [1]"].map(String::from));
     columns.extend(["rate [1/year]", "rate.low [1/year]", "rate.high [1/year]"].map(String::from));
     let mut writer = table(results, "states", &columns)?;
     for state in &results.report.states {
         let mut row = vec![state.name.clone(), state.limit.clone(), state.source.clone().unwrap_or_default()];
-        row.extend([state.runs.known, state.runs.exceeded].map(|count| count.to_string()));
+        row.extend(counts(state.runs));
         let curve = state.curve;
         row.push(text(curve.map(|curve| curve.median)));
         row.extend(curve.map_or([None; 2], |curve| curve.median_interval).map(text));
@@ -63,8 +69,8 @@ fn comparisons(results: &Results) -> Result<String, csv::Error> {
     let report = &results.report;
     let (name, unit) = split_heading(&report.im);
     let unit = unit.unwrap_or("1");
-    let columns = ["kind", "name", "value", "alpha [rad]", "static_threshold [m/s2]", "runs [1]", "exceeded [1]"];
-    let mut columns: Vec<String> = columns.map(String::from).to_vec();
+    let mut columns = ["kind", "name", "value", "alpha [rad]", "static_threshold [m/s2]"].map(String::from).to_vec();
+    columns.extend(["limit", "runs [1]", "exceeded [1]", "unknown [1]"].map(String::from));
     columns.push(format!("median.{name} [{unit}]"));
     columns.extend(["beta [1]", "rate [1/year]", "peak.slip [m]", "peak.tension/weight [1]"].map(String::from));
     let limit = &report.states[report.compared_state].limit;
@@ -72,7 +78,8 @@ fn comparisons(results: &Results) -> Result<String, csv::Error> {
     let mut write = |kind: &str, value: Option<f64>, comparison: &Comparison| {
         let mut row = vec![kind.to_string(), comparison.name.clone(), text(value), comparison.alpha.to_string()];
         row.push(text(comparison.static_threshold));
-        row.extend([comparison.runs.known, comparison.runs.exceeded].map(|count| count.to_string()));
+        row.push(comparison.limit.clone());
+        row.extend(counts(comparison.runs));
         row.extend(
             [comparison.curve.map(|curve| curve.median), comparison.curve.map(|curve| curve.beta), comparison.rate]
                 .map(text),

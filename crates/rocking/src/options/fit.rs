@@ -19,8 +19,8 @@ use rocking_studies::spec::words::Words;
 #[derive(Args)]
 pub struct FitOptions {
     /// Limit to exceed: overturned, balance (the rotation that puts the centre of mass over the corner), a number such as 0.5 for
-    /// |theta|/alpha > 0.5, or a slip such as slip:0.1 in metres. By default overturned, or balance if ties hold blocks beyond it for
-    /// which overturned leaves runs undecided. Counts the probabilities of ensembles if the table has them, else the outcomes of runs
+    /// |theta|/alpha > 0.5, or a slip such as slip:0.1 in metres. By default overturned, or balance for blocks with ties. Counts the
+    /// probabilities of ensembles if the table has them, else the outcomes of runs
     #[arg(long, value_name = "LIMIT")]
     limit: Option<Limit>,
     /// Use only the rows in which a column has this value; several conditions must all hold
@@ -57,8 +57,8 @@ impl FitOptions {
     }
 
     /// Returns the limit, or the usual one of a table.
-    pub fn limit(&self, table: &SweepTable) -> anyhow::Result<Limit> {
-        Ok(self.limit.map_or_else(|| table.usual_limit(), Ok)?)
+    pub fn limit(&self, table: &SweepTable) -> Limit {
+        self.limit.unwrap_or_else(|| table.usual_limit())
     }
 
     /// Reads the rows of a table that meet the conditions, and returns its name with them. Columns that are neither named nor needed by

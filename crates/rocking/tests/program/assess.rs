@@ -367,6 +367,27 @@ fn pulses_and_thresholds_go_through_the_building() {
 }
 
 /// A ground motion named twice would make one curve of two: it is refused before the first run.
+/// Blocks that hang on damped ties at the end have come to rest, and count as beyond the limit of tied blocks.
+#[test]
+fn blocks_that_hang_on_ties_are_not_counted_as_standing() {
+    let variant = "[assess]\ntitle = \"T\"\nvariants = [{ name = \"loose\", ties = 10, parameters = { tie_1.slack = 0.45, tie_2.slack = 0.45, \
+                   tie_1.damping = 2e4, tie_2.damping = 2e4 } }]\nsensitivity = {}\n";
+    let folder = folder(variant);
+    let report = json(folder.path(), &["assess", "study.toml", "--out", "report"]);
+    let [plain, loose] = [0, 1].map(|variant| &report["variants"][variant]);
+    assert_eq!((plain["limit"].as_str(), loose["limit"].as_str()), (Some("overturned"), Some("balance")));
+    let exceeded = loose["runs"]["exceeded"].as_u64().unwrap();
+    assert!(exceeded > 3, "{loose}");
+    let table = Table::read(&folder.path().join("report/variants.csv"));
+    assert_eq!([0, 1].map(|row| table.get(row, "limit")), ["overturned", "balance"]);
+    assert_eq!([0, 1].map(|row| table.number(row, "runs") + table.number(row, "unknown")), [40.0, 40.0]);
+    let page = fs::read_to_string(folder.path().join("report/report.html")).unwrap();
+    assert!(page.contains(&format!(
+        "{exceeded} of 40 runs pass their balance; as it is, {} overturn.",
+        plain["runs"]["exceeded"]
+    )));
+}
+
 #[test]
 fn a_ground_motion_is_named_once() {
     let folder = folder("[[records]]\nhorizontal = \"0111a.smc\"\n[assess]\ntitle = \"a\"\n");

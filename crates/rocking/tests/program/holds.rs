@@ -263,6 +263,30 @@ fn a_block_on_ties_says_what_happened_to_it() {
     );
 }
 
+/// Blocks that come to rest on ties beyond their balance are `completed` and exceed the usual limit of blocks with ties.
+#[test]
+fn blocks_that_hang_at_rest_on_ties_exceed_the_usual_limit() {
+    let folder = folder();
+    let ties = [(1, -1.5), (2, 1.5)].map(|(number, x)| {
+        format!(
+            "tie_{number}.block_z = 1.8\ntie_{number}.ground_z = 1.8\ntie_{number}.ground_x = {x}\ntie_{number}.stiffness = 6e4\n\
+             tie_{number}.slack = 0.6\ntie_{number}.damping = 2e4\n"
+        )
+    });
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\nfoundation = \"rigid\"\nalpha = [0.18, 0.2, 0.22]\np = 2\nmass = 1000\n\
+                 pulse.shape = \"one-sine\"\npulse.period = [0.8, 1.5]\npulse.amplitude = { from = 1.6, to = 4, count = 12 }\n";
+    std::fs::write(folder.path().join("study.toml"), [study, &ties.concat()].concat()).unwrap();
+    stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+    let table = Table::read(&folder.path().join("s.csv"));
+    assert!((0..table.rows.len()).all(|row| table.get(row, "outcome") == "completed"));
+    let hanging = table.column("end.theta/alpha").iter().filter(|end| end.abs() > 1.0).count();
+    let beyond = table.column("peak.theta/balance").iter().filter(|peak| **peak > 1.0).count();
+    assert!(hanging > 3 && beyond >= hanging && beyond < table.rows.len(), "{hanging} {beyond}");
+    let fitted = stdout(folder.path(), &["fragility", "s.csv", "--im", "pulse.amplitude", "--json"]);
+    let fitted: serde_json::Value = serde_json::from_str(&fitted).unwrap();
+    assert_eq!((fitted["limit"].as_str(), fitted["rows"]["exceeded"].as_f64()), (Some("balance"), Some(beyond as f64)));
+}
+
 /// The balance angle is that of the side on which the block is: `arctan((b ± e_x)/h)`.
 #[test]
 fn an_uneven_block_passes_the_balance_of_its_side() {

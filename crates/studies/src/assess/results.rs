@@ -290,7 +290,7 @@ pub struct Comparison {
     pub static_threshold: Option<f64>,
     /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
-    /// The limit, as in options: that of the compared state, or the balance where ties keep blocks beyond it from overturning.
+    /// The limit, as in options: that of the compared state, or the balance of blocks with ties.
     pub limit: String,
     /// The runs, relative to the limit.
     pub runs: Counts,

@@ -152,7 +152,8 @@ fn comparison(
 ) -> Result<Comparison, AssessError> {
     let hazard = plan.hazard.as_ref().map(|hazard| &hazard.curve);
     let limit = match plan.states[compared].limit {
-        Limit::Overturned => table.usual_limit()?,
+        // For an object with ties, overturning is a choice of the study.
+        Limit::Overturned if plan.sweep.holds().ties == 0 => table.usual_limit(),
         limit => limit,
     };
     let found = StateCurve::new(table, plan.measure, limit, hazard)?;

@@ -303,14 +303,10 @@ impl SweepTable {
         self.column(if is_even { "peak.theta/alpha" } else { OVER_BALANCE })
     }
 
-    /// The usual limit: overturning, or the balance where ties hold blocks beyond it that never come to rest.
-    ///
-    /// # Errors
-    /// Those of [`SweepTable::cases`].
-    pub fn usual_limit(&self) -> Result<Limit, SweepTableError> {
+    /// The usual limit: overturning, or the balance of blocks with ties, which may hold a block beyond it at rest or in motion.
+    pub fn usual_limit(&self) -> Limit {
         let has_ties = self.column(OVER_BALANCE).is_ok() && self.column("ensemble.samples").is_err();
-        let ties_decide = has_ties && self.cases(Limit::Balance)?.undecided < self.cases(Limit::Overturned)?.undecided;
-        Ok(if ties_decide { Limit::Balance } else { Limit::Overturned })
+        if has_ties { Limit::Balance } else { Limit::Overturned }
     }
 
     /// The end of each row's run.

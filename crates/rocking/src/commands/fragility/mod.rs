@@ -92,7 +92,7 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let named: Vec<&str> = im.iter().chain(beside).chain(&options.surface).map(String::as_str).collect();
     // All columns identify the curves of an analysis.
     let (name, table) = fit.table(&options.table, ida.is_none().then_some(&named))?;
-    let limit = fit.limit(&table)?;
+    let limit = fit.limit(&table);
     let found = table.cases(limit)?;
     let blocks = charts::blocks(&table);
     let column = |name: &str| -> anyhow::Result<Vec<Option<f64>>> {

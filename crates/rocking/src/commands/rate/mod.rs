@@ -247,7 +247,7 @@ impl FragilityOptions {
         let Some(path) = &self.table else { unreachable!("checked before") };
         let FitOptions { link, ci, .. } = self.fit;
         let (name, table) = self.fit.table(path, Some(&[im]))?;
-        let limit = self.fit.limit(&table)?;
+        let limit = self.fit.limit(&table);
         let Cases { cases, .. } = table.cases(limit)?;
         let numbers = table.numbers(im)?;
         let heading = table.heading(im)?;
