@@ -161,6 +161,27 @@ fn jma_components() {
         refusal(&text.replace("NS,EW,UD\n", ""), &channel("NS")),
         "made-up, line 7: found \"0.000,  -0.000,   0.000\", expected the names of the components, as NS,EW,UD"
     );
+    // Files of other years: eight columns in all lines, a blank before the sign, and another word for the rate.
+    let expected = accelerations(&text, &channel("EW")).acceleration;
+    let (header, rows) = text.split_once("NS,EW,UD\n").unwrap();
+    let wide = format!("{header}NS,EW,UD\n{rows}").replace('\n', ",,,,,\n");
+    let blank = text.replace('=', " =").replace("2001 02", "01 02");
+    let rate = text.replace("SAMPLING RATE= 100Hz", "Sampling Freq= 100Hz,,").replace("07 58 13", "07 58 13,,");
+    for text in [wide, blank, rate] {
+        let record = accelerations(&text, &channel("EW"));
+        assert_eq!(
+            (record.format, record.time_step, &record.acceleration),
+            (Format::Jma, 0.01, &expected),
+            "{}",
+            &text[..300]
+        );
+        assert!(
+            record.title.starts_with("47675大島町, ") && record.title.ends_with("01 02 03 07 58 13, EW"),
+            "{}",
+            record.title
+        );
+    }
+    assert!(refusal(&text.replace(",  ", ",, "), &channel("NS")).contains("expected"));
     // Shift-JIS, as the agency writes it.
     let (before, after) = text.split_once("大島町").unwrap();
     let bytes = [before.as_bytes(), b"\x91\xE5\x93\x87\x92\xAC", after.as_bytes()].concat();
