@@ -49,7 +49,8 @@ fn steps(c: &mut Criterion) {
     let (block, excitation, start) = (block(Foundation::Viscoelastic), excitation(), State::from(STATE));
     let rate = |time: f64, x: &State| right_hand_side(&block, Regime::TiltingRight, &excitation, time, x);
     let first = rate(0.0, &start);
-    group.bench_function("of order 8", |b| b.iter(|| DenseStep::attempt(0.0, black_box(0.02), start, first, &rate).end));
+    group
+        .bench_function("of order 8", |b| b.iter(|| DenseStep::attempt(0.0, black_box(0.02), start, first, &rate).end));
     group.bench_function("of order 5", |b| {
         b.iter(|| ShortStep::attempt(0.0, black_box(0.002), start, first, &rate).end);
     });

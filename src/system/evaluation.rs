@@ -126,7 +126,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return self.at_held(time, first_four(&state), footing, held);
         }
         let support_heights = self.support_heights(time);
-        let forcing = Forcing { restraints: self.restraints, ..self.excitation.at(time) };
+        let forcing = self.mode.acting(self.excitation.at(time), self.restraints);
         let forcing_at = ForcingAt { excitation: self.excitation, time, forcing };
         Evaluation::of(self.mode, self.block, forcing_at, footing, first_four(&state), support_heights)
     }
@@ -292,6 +292,8 @@ pub fn rate<R: Scalar>(
     footing: Footing<R>,
     state: &State<R>,
 ) -> Rate<R> {
+    // Blocks with restraints also integrate the horizontal motion.
+    let forcing = Forcing { restraints: States::NONE, ..forcing };
     instant_of(block, mode.foundation(), mode.regime(), state.0, footing, forcing, |x| {
         rate_of(mode, block, &x, forcing)
     })

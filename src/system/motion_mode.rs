@@ -69,7 +69,9 @@ pub trait MotionMode: Copy {
     /// The forcing with the restraints that act under this mode, and have this memory.
     #[inline(always)]
     fn acting<T>(self, forcing: Forcing<T>, memory: States<T>) -> Forcing<T> {
-        Forcing { restraints: memory.under(self.restraints()), ..forcing }
+        // Blocks with restraints have no mode with its own type; a constant leaves nothing to copy.
+        let restraints = if Self::STATIC { States::NONE } else { memory.under(self.restraints()) };
+        Forcing { restraints, ..forcing }
     }
 }
 

@@ -120,17 +120,22 @@ fn acts(state: TieState) -> bool {
     matches!(state, TieState::Taut | TieState::Yields(_))
 }
 
-/// Whether a tie pulls.
+/// Whether a tie pulls or pushes.
 #[inline(always)]
 pub fn pulls(states: &TieStates) -> bool {
-    // The compiler evaluates this for constant states, unlike `contains`.
-    states.iter().any(|&state| acts(state))
+    any(states, acts)
 }
 
 /// Whether a tie may take energy, in its dashpot or by yielding.
 #[inline(always)]
 pub fn dissipates(states: &TieStates) -> bool {
-    states.iter().any(|&state| acts(state) || state == TieState::Limp)
+    any(states, |state| acts(state) || state == TieState::Limp)
+}
+
+/// Whether any of the states is so. Written out, since the compiler evaluates it for constant states, unlike a loop.
+#[inline(always)]
+fn any(&[a, b, c, d, e, f, g, h]: &TieStates, is: impl Fn(TieState) -> bool) -> bool {
+    is(a) | is(b) | is(c) | is(d) | is(e) | is(f) | is(g) | is(h)
 }
 
 /// Returns the direction in which a tie without plastic elongation yields if it is stretched by `length` (m), if it does.
