@@ -366,7 +366,6 @@ fn pulses_and_thresholds_go_through_the_building() {
     }
 }
 
-/// A ground motion named twice would make one curve of two: it is refused before the first run.
 /// Blocks that hang on damped ties at the end have come to rest, and count as beyond the limit of tied blocks.
 #[test]
 fn blocks_that_hang_on_ties_are_not_counted_as_standing() {
@@ -388,6 +387,7 @@ fn blocks_that_hang_on_ties_are_not_counted_as_standing() {
     )));
 }
 
+/// A ground motion named twice would make one curve of two: it is refused before the first run.
 #[test]
 fn a_ground_motion_is_named_once() {
     let folder = folder("[[records]]\nhorizontal = \"0111a.smc\"\n[assess]\ntitle = \"a\"\n");
