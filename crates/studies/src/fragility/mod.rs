@@ -31,7 +31,7 @@
 //! let data = Data::new(rows.map(|(pgv, overturned)| Observation::of(&[pgv], overturned)).to_vec())?;
 //! let fit = data.fit(Link::Probit)?;
 //! assert!((0.4..0.5).contains(&fit.median()));
-//! # Ok::<(), rocking_studies::fragility::FitError>(())
+//! # Ok::<(), rocking_studies::fragility::CurveFitError>(())
 //! ```
 
 mod assessment;
