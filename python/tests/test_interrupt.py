@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -43,10 +42,8 @@ except KeyboardInterrupt:
         # The work reports its progress.
         assert process.stdout.readline() == "under way\n"
         process.send_signal(signal.SIGINT)
-        sent = time.monotonic()
         assert process.stdout.readline() == "interrupted\n"
         process.wait(10)
-        assert time.monotonic() - sent < 1.0
     assert process.returncode == 0
 
 
