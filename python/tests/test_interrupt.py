@@ -84,7 +84,7 @@ said = []
 
 @contextlib.contextmanager
 def ticking(progress):
-    yield lambda done, total: done and not said and said.append(print("under way", flush=True))
+    yield lambda done, total: done > 500 and not said and said.append(print("under way", flush=True))
 
 _studies.ticking = ticking
 try:
