@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rocking_block::block::restraints::{ForceLaw, Kind, Tie};
+use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use serde::Deserialize;
 
@@ -109,7 +109,7 @@ impl Case {
                 damping: mass * case.damping,
                 strength: mass * case.strength,
             };
-            let kind = if case.kind == "damper" { Kind::Damper } else { Kind::Tie };
+            let kind = if case.kind == "damper" { LinkKind::Damper } else { LinkKind::Tie };
             (tie, ForceLaw { kind, yield_force: mass * case.yield_force, hardening: case.hardening })
         };
         let links: Vec<(Tie, ForceLaw)> = self.ties.iter().chain(&self.links).map(link).collect();

@@ -17,7 +17,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-pub use tie::{ForceLaw, Kind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
+pub use tie::{ForceLaw, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
 
 /// The restraints of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ impl<T> Restraints<T> {
     /// Whether the restraint with this number pushes, too.
     pub fn pushes(&self, number: usize) -> bool {
         let Restraints { ties } = self;
-        ties.laws().get(number).is_some_and(|law| law.kind == Kind::Damper)
+        ties.laws().get(number).is_some_and(|law| law.kind == LinkKind::Damper)
     }
 }
 

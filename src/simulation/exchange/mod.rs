@@ -80,7 +80,7 @@ impl ExchangePiece {
 impl Simulation {
     /// Lets the block be stepped from outside from here on.
     ///
-    /// Indicators exist for the ties of the FMU, which do not yield: a block with others has to be stepped by [`Simulation::advance`].
+    /// Indicators exist for the restraints of the FMU, which do not yield: a block with others has to be stepped by [`Simulation::advance`].
     pub fn begin_exchange(&mut self) {
         let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
         self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });

@@ -1,6 +1,6 @@
 //! Ties and dampers that yield: closed forms, energy, mirror images and limits.
 
-use rocking_block::block::restraints::{self, ForceLaw, Kind, States, Tie, TieState, tie};
+use rocking_block::block::restraints::{self, ForceLaw, LinkKind, States, Tie, TieState, tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Kinematics, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -19,7 +19,7 @@ fn damper(block: &Block, side: f64, [stiffness, yield_force, hardening]: [f64; 3
     let (b, weight) = (block.b, block.mass * block.gravity);
     let tie =
         Tie { block: [side * b, 0.0], ground: [side * b, -b], stiffness: stiffness * weight / b, ..Tie::default() };
-    (tie, ForceLaw { kind: Kind::Damper, yield_force: yield_force * weight, hardening })
+    (tie, ForceLaw { kind: LinkKind::Damper, yield_force: yield_force * weight, hardening })
 }
 
 /// Runs a block under a one-sine pulse; returns the run and its events.
@@ -59,7 +59,7 @@ fn a_prescribed_motion_follows_pragers_loop() {
         let (stiffness, amplitude) = (32768.0, 0.25);
         let yield_force = stiffness / 32.0;
         let tie = Tie { block: [0.0, plain.h], ground: [-2.0, plain.h], stiffness, ..Tie::default() };
-        let law = ForceLaw { kind: Kind::Damper, yield_force, hardening };
+        let law = ForceLaw { kind: LinkKind::Damper, yield_force, hardening };
         let block = plain.with_links(&[(tie, law)]).unwrap();
         let mut states = States { plastic: Some(Default::default()), ..States::NONE };
         states.ties[0] = TieState::Taut;
@@ -340,7 +340,7 @@ fn random_blocks_keep_energy_and_symmetry() {
                         strength: if draw(0.0, 1.0) < 0.3 { draw(0.2, 1.0) * weight } else { 0.0 },
                         ..Tie::default()
                     };
-                    let kind = if damper { Kind::Damper } else { Kind::Tie };
+                    let kind = if damper { LinkKind::Damper } else { LinkKind::Tie };
                     let hardening = if draw(0.0, 1.0) < 0.3 { 0.0 } else { draw(0.0, 0.6) };
                     (tie, ForceLaw { kind, yield_force: draw(0.01, 0.3) * weight, hardening })
                 })

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use rocking_block::block::restraints::{ForceLaw, Kind, Tie};
+use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
 use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -47,7 +47,7 @@ pub fn reference(folder: &str, name: &str) -> Run {
     let pair = |value: &Value| [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()];
     let links = ["ties", "links"].into_iter().filter_map(|key| case[key].as_array()).flatten();
     let laws = links.clone().map(|link| ForceLaw {
-        kind: if link["kind"] == "damper" { Kind::Damper } else { Kind::Tie },
+        kind: if link["kind"] == "damper" { LinkKind::Damper } else { LinkKind::Tie },
         yield_force: mass * or(&link["yield_force"], 0.0),
         hardening: or(&link["hardening"], 0.0),
     });

@@ -1,7 +1,7 @@
 //! Rows of a run, and its stops.
 
 use super::*;
-use rocking_block::block::restraints::{ForceLaw, Kind, Tie};
+use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
 use rocking_block::block::{Common, Dimensionless, Ratios, Supports};
 use rocking_records::{ReadOptions, Record, Unit, parse};
 
@@ -39,7 +39,7 @@ fn a_block_whose_dampers_have_yielded_comes_to_rest() {
         let links = [-1.0, 1.0].map(|side| {
             let tie =
                 Tie { block: [side * b, 0.0], ground: [side * b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
-            (tie, ForceLaw { kind: Kind::Damper, yield_force: 0.05 * weight, hardening: 0.1 })
+            (tie, ForceLaw { kind: LinkKind::Damper, yield_force: 0.05 * weight, hardening: 0.1 })
         });
         let at_rest = Run::at_rest(block.with_links(&links).unwrap(), Settings::default());
         let run = Run { initial: Initial { theta: 0.1, ..Initial::default() }, ..at_rest };

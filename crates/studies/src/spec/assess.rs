@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::spec::schema;
-use crate::spec::study::{Positive, Word};
+use crate::spec::values::{Positive, Word};
 
 /// `[assess]`
 #[derive(Deserialize, JsonSchema)]

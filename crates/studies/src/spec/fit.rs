@@ -6,7 +6,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::spec::schema;
-use crate::spec::study::{Column, Positive, RecordsTable, Seed};
+use crate::spec::study::{Column, RecordsTable};
+use crate::spec::values::{Positive, Seed};
 
 /// A file of tests, for `rocking fit`.
 #[derive(Deserialize, JsonSchema)]

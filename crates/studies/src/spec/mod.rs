@@ -6,6 +6,7 @@
 //! | [`block`] | parameters, some of them given → a checked block |
 //! | [`pulse`] | parameters, some of them given → a checked pulse |
 //! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
+//! | [`values`] | types of values that several tables have |
 //! | [`schema`] | these tables → a JSON Schema, for editors |
 //! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie |
 //!
@@ -21,6 +22,7 @@ pub mod pulse;
 pub mod schema;
 pub mod study;
 pub mod tie;
+pub mod values;
 
 pub use block::{BlockSpec, HoldSpec};
 pub use pulse::{GaborSpec, PulseSpec};

@@ -10,16 +10,7 @@ use serde::Deserialize;
 
 use crate::spec::assess::AssessTable;
 use crate::spec::schema;
-
-/// A number > 0.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(inline, extend("exclusiveMinimum" = 0))]
-pub struct Positive(pub f64);
-
-/// A whole number from 0 to 2^63 - 1, which determines random choices.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-pub struct Seed(#[schemars(range(min = 0, max = 9_223_372_036_854_775_807_u64))] pub u64);
+use crate::spec::values::{Positive, Seed, Word};
 
 /// A study of many runs, for `rocking sweep`, `rocking ida` and `rocking assess`.
 #[derive(Deserialize, JsonSchema)]
@@ -186,17 +177,6 @@ pub struct EnsembleTable {
     #[serde(flatten)]
     #[schemars(schema_with = "schema::spreads::<Spread>")]
     pub parameters: toml::Table,
-}
-
-/// A number > 0, or a text.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(untagged)]
-pub enum Word {
-    /// A number.
-    Number(Positive),
-    /// A text.
-    Text(String),
 }
 
 /// A coefficient of variation, or a distribution and its width.

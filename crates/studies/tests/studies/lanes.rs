@@ -242,7 +242,7 @@ fn run(number: u32) -> Run {
     let block = Block::from_dimensionless(&d, &common).unwrap();
     let (b, weight) = (block.b, block.mass * block.gravity);
     let tie = Tie { block: [b, 0.0], ground: [b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
-    let law = ForceLaw { kind: restraints::Kind::Damper, yield_force: 0.05 * weight, hardening: 0.1 };
+    let law = ForceLaw { kind: restraints::LinkKind::Damper, yield_force: 0.05 * weight, hardening: 0.1 };
     let links = [(tie, law)];
     Run {
         block: block.with_links(if number % 9 == 4 { &links } else { &[] }).unwrap(),

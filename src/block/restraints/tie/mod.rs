@@ -53,7 +53,7 @@ pub struct Tie<T = f64> {
 
 /// The sense in which a tie acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
+pub enum LinkKind {
     /// It only pulls.
     #[default]
     Tie,
@@ -68,7 +68,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceLaw<T = f64> {
     /// The sense in which it acts.
-    pub kind: Kind,
+    pub kind: LinkKind,
     /// Force F_y (N) of the spring, in tension and in compression, at which it yields first; 0 means that it stays elastic.
     pub yield_force: T,
     /// Stiffness while it yields over that before, r (1): at least 0, below 1.
@@ -290,7 +290,7 @@ pub enum TieState {
     /// Pulling, or pushing, without yielding.
     Taut,
     /// Yielding in this direction.
-    Yields(Direction),
+    Yields(YieldDirection),
     /// Stretched, but shortening so fast that dashpot and spring together would push.
     Limp,
     /// Broken.
@@ -299,19 +299,19 @@ pub enum TieState {
 
 /// The direction in which a tie yields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Direction {
+pub enum YieldDirection {
     /// It becomes longer.
     Longer,
     /// It becomes shorter.
     Shorter,
 }
 
-impl Direction {
+impl YieldDirection {
     /// Returns the sign σ of the rate of the plastic elongation.
     pub fn sign(self) -> f64 {
         match self {
-            Direction::Longer => 1.0,
-            Direction::Shorter => -1.0,
+            YieldDirection::Longer => 1.0,
+            YieldDirection::Shorter => -1.0,
         }
     }
 }

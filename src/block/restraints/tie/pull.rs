@@ -4,7 +4,7 @@
 //! The plastic elongation s_p changes while the tie yields in the direction σ: then `k (s − s_p) − h s_p = σ F_y` with the kinematic
 //! hardening `h = k r/(1 − r)`, so that s_p follows from s and the spring pulls with `r k s + (1 − r) σ F_y`.
 
-use super::{Direction, ForceLaw, Kind, Link, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, links};
+use super::{ForceLaw, Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
 use crate::block::{Block, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
@@ -15,7 +15,7 @@ pub struct Stretch<T> {
     pub length: T,
     /// Its rate ṡ (m/s).
     pub rate: T,
-    /// Direction from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
+    /// YieldDirection from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
     along: [T; 3],
 }
 
@@ -139,16 +139,21 @@ fn any(&[a, b, c, d, e, f, g, h]: &TieStates, is: impl Fn(TieState) -> bool) -> 
 }
 
 /// Returns the direction in which a tie without plastic elongation yields if it is stretched by `length` (m), if it does.
-pub fn yielding_at_rest<T: Elementary>(tie: &Tie<T>, law: &ForceLaw<T>, length: T, rounding: f64) -> Option<Direction> {
+pub fn yielding_at_rest<T: Elementary>(
+    tie: &Tie<T>,
+    law: &ForceLaw<T>,
+    length: T,
+    rounding: f64,
+) -> Option<YieldDirection> {
     let beyond = (length * tie.stiffness).value().abs() > law.yield_force.value() + rounding;
-    let direction = if length.value() > 0.0 { Direction::Longer } else { Direction::Shorter };
+    let direction = if length.value() > 0.0 { YieldDirection::Longer } else { YieldDirection::Shorter };
     (law.yields() && beyond).then_some(direction)
 }
 
 /// Returns a tie in its state at rest.
 fn at_rest<'a, T: Elementary>(tie: &'a Tie<T>, law: &'a ForceLaw<T>, length: T) -> Link<'a, T, T> {
     let state = match yielding_at_rest(tie, law, length, 0.0) {
-        _ if law.kind == Kind::Tie && length.value() <= 0.0 => TieState::Slack,
+        _ if law.kind == LinkKind::Tie && length.value() <= 0.0 => TieState::Slack,
         Some(direction) => TieState::Yields(direction),
         None => TieState::Taut,
     };
@@ -244,8 +249,8 @@ pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
     let Link { tie: &Tie { stiffness, .. }, law, plastic, .. } = link;
     let plastic = plastic.unwrap_or(0.0);
     let elastic = match law.kind {
-        Kind::Tie => (length - plastic).max(0.0),
-        Kind::Damper => length - plastic,
+        LinkKind::Tie => (length - plastic).max(0.0),
+        LinkKind::Damper => length - plastic,
     };
     if !law.yields() {
         return 0.5 * stiffness * elastic * elastic;

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::pull::{elastic, plastic, stretch, taut_tension, yielding_at_rest};
-use super::{Direction, Kind, Link, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties};
+use super::{Link, LinkKind, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection};
 use crate::block::{Block, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -27,9 +27,9 @@ pub enum TieFunction {
     /// Strength plus tension of a taut damper (N).
     Thrust,
     /// Elongation (m) that separates a taut tie from yielding in this direction.
-    Yield(Direction),
+    Yield(YieldDirection),
     /// Rate of elongation (m/s) of a tie that yields, in this direction.
-    Unload(Direction),
+    Unload(YieldDirection),
 }
 
 /// A reported event of a tie.
@@ -77,11 +77,11 @@ pub fn watched<P, S>(link: Link<P, S>) -> [[Option<TieFunction>; 2]; 2]
 where
     P: Elementary,
 {
-    use Direction::{Longer, Shorter};
+    use YieldDirection::{Longer, Shorter};
     let (breaks, kind) = (link.tie.strength.value() > 0.0, link.law.kind);
     let acting = match kind {
-        Kind::Tie => [Some(TieFunction::Tension), breaks.then_some(TieFunction::Strength)],
-        Kind::Damper => [TieFunction::Thrust, TieFunction::Strength].map(|function| breaks.then_some(function)),
+        LinkKind::Tie => [Some(TieFunction::Tension), breaks.then_some(TieFunction::Strength)],
+        LinkKind::Damper => [TieFunction::Thrust, TieFunction::Strength].map(|function| breaks.then_some(function)),
     };
     match link.state {
         TieState::Slack => [[Some(TieFunction::Shortness), None], [None; 2]],
@@ -101,7 +101,7 @@ pub fn of_pull(state: TieState) -> Option<TieFunction> {
 }
 
 /// Returns the elongation (m) that separates a taut tie stretched by `length` (m) from yielding: `F_y/k − σ (s − s_p/(1 − r))`.
-fn margin<T: Elementary>(link: Link<T, T>, length: T, direction: Direction) -> T {
+fn margin<T: Elementary>(link: Link<T, T>, length: T, direction: YieldDirection) -> T {
     let Link { tie, law, .. } = link;
     let plastic = plastic(link, length);
     law.yield_force / tie.stiffness - (length - plastic / (T::from(1.0) - law.hardening)) * direction.sign()
@@ -244,9 +244,9 @@ pub fn at_beginning<T: Elementary>(
         let (tension, strength) = (taut_tension::<_, T, _>(link, &stretch).value(), tie.strength.value());
         let shortens = stretch.rate.value() < -rounding_of_stretch * block.p.value();
         let is_short = stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch };
-        *state = if law.kind == Kind::Tie && is_short {
+        *state = if law.kind == LinkKind::Tie && is_short {
             TieState::Slack
-        } else if law.kind == Kind::Tie && tension < -rounding_of_tension {
+        } else if law.kind == LinkKind::Tie && tension < -rounding_of_tension {
             TieState::Limp
         } else if strength > 0.0 && tension.abs() > strength + rounding_of_tension {
             TieState::Broken
