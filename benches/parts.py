@@ -118,7 +118,7 @@ def fit(folder: Path, rows: int) -> None:
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1000
     print(f"{rows} rows, {path.stat().st_size / 1e6:.0f} MB: {taken:.1f} s, {peak:.0f} MB of memory")
     found = json.loads(printed)
-    curve = found["curves"][0] if "curves" in found else found
+    curve = found["measures"][0]
     begun = time.monotonic()
     median, beta = by_newton(path)
     print(f"by NumPy and SciPy: {time.monotonic() - begun:.1f} s")
