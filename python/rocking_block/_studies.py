@@ -311,7 +311,7 @@ def sweep(
         of one for which fsspec is installed: each worker writes its parts there, complete parts are left alone, and the parts are
         those of `rocking sweep --part`; `read_table` and `fragility` read the folder.
     parts : int, optional
-        Number of parts for the executor; by default about one for 10,000 rows, and at least 32.
+        Number of parts for the executor; by default one for 10,000 rows but at least 32, of at least 500 rows each.
     executor : concurrent.futures.Executor, optional
         Runs the parts: a `ProcessPoolExecutor`, the `get_executor()` of a client of Dask, an `MPIPoolExecutor` of mpi4py, or another one.
         Workers read the records by the paths of the study.
