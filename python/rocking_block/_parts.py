@@ -25,7 +25,7 @@ _ROWS = 10_000
 _PARTS = 32
 """Number of parts by default if there are enough rows, so that workers end at about the same time."""
 
-_LEAST_ROWS = 500
+_MIN_ROWS = 500
 """Least number of rows of a part by default: with 75, the processor's vectors are rarely full, and a study takes 1.7 times as long."""
 
 
@@ -118,7 +118,7 @@ class Store:
 
 def _count(parts: int | None, rows: int) -> int:
     """Returns the number of parts, by default one that suits the number of rows."""
-    count = parts if parts is not None else min(max(_PARTS, -(-rows // _ROWS)), max(rows // _LEAST_ROWS, 1))
+    count = parts if parts is not None else min(max(_PARTS, -(-rows // _ROWS)), max(rows // _MIN_ROWS, 1))
     if count < 1:
         raise ValueError(f"parts = {parts}; expected at least 1")
     return count
