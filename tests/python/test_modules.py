@@ -56,7 +56,7 @@ def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
         pytest.fail(f"{source}: modules import each other: {' -> '.join(reversed(error.args[1]))}")
 
 
-# Variants of one thing, of which a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
+# Variants of one thing; a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
 VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$")]
 
 

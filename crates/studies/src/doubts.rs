@@ -1,4 +1,4 @@
-//! Blocks and pulses → remarks on numbers beyond reason, most of which are slips of units.
+//! Blocks and pulses → remarks on numbers beyond reason, mostly slips of units.
 
 use rocking_block::block::{Block, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};

@@ -171,7 +171,7 @@ fn no_column_is_offered_for_a_block_under_text() {
             assert_eq!(refusal(&format!("Station AOM001\n{remark}\n{block}"), &options), expected);
         }
     }
-    // A user who chooses one of its columns is told how the numbers stand.
+    // The choice of a column gets the arrangement of the numbers as an answer.
     let chosen = ReadOptions { acceleration_column: Some(Choice::Number(2)), ..step.clone() };
     let doubt = |text: &str| parse_with_doubt("made-up", text.as_bytes(), &chosen).unwrap().1;
     assert_eq!(

@@ -156,7 +156,7 @@ impl IdaResult {
             let level = level.map_or("none".into(), |level| format!("{}{unit}", significant(level, 4)));
             format!("{} % {level}", significant(100.0 * fraction, 2))
         });
-        let mut text = format!("curves        {curves}, of which {overturning} overturn\n");
+        let mut text = format!("curves        {curves}, {overturning} overturning\n");
         let levels = levels.collect::<Vec<_>>().join(", ");
         // Writing to a String never fails.
         let _ = writeln!(text, "overturning   by {im}: {levels}");

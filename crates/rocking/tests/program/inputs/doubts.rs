@@ -1,4 +1,4 @@
-//! Warnings of numbers beyond reason, most of which are slips of units.
+//! Warnings of numbers beyond reason, mostly slips of units.
 
 use crate::program::{rocking, text};
 
