@@ -29,7 +29,7 @@ from rocking_block._run import Counts, Energy, Event, Gradient, Grazing, Peak, R
 from rocking_block._search import Search, search_damping, search_overturning
 from rocking_block._studies import blocks, outcomes, spectrum, sweep
 from rocking_block._table import Table, read_table
-from rocking_block._tie import Tie
+from rocking_block._tie import Damper, Tie
 
 __all__ = [
     "AnnualRate",
@@ -39,6 +39,7 @@ __all__ = [
     "Cloud",
     "Combination",
     "Counts",
+    "Damper",
     "Energy",
     "Estimate",
     "Event",

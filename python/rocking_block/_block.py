@@ -12,6 +12,7 @@ from rocking_block._html import html_table
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._run import Run
+from rocking_block._tie import links
 from rocking_block._words import OnOverturning, OnSeparation, number, run_options, ticking
 
 if TYPE_CHECKING:
@@ -61,7 +62,9 @@ class Block(_engine.Block):
     friction : float, optional
         Coulomb's coefficient of friction μ of the feet [1]. By default (None or infinity) it has no limit, so that they do not slide.
     ties : Tie or sequence of Tie
-        One or several ties to the ground, up to eight; they need `mass`.
+        One or several ties to the ground; they need `mass`.
+    dampers : Damper or sequence of Damper
+        One or several dampers to the ground, which need `mass` too. Ties and dampers are up to eight.
 
     Raises
     ------
@@ -233,7 +236,7 @@ class Block(_engine.Block):
             ]
         rows += [("eccentricity", f"{self.eccentricity:.4g} m")] if self.eccentricity else []
         rows += [("friction", f"{self.friction:.4g}")] if math.isfinite(self.friction) else []
-        rows += [(f"tie {number}", repr(tie)) for number, tie in enumerate(self.ties, 1)]
+        rows += [(name.replace("_", " "), repr(link)) for name, link in links(self).items()]
         return html_table("rigid block", (), rows)
 
     def __repr__(self) -> str:
@@ -247,6 +250,7 @@ class Block(_engine.Block):
         paper = f"alpha={self.alpha:.6g}, p={self.p:.6g}, {base}epsilon={self.epsilon:g}"
         paper += f", eccentricity={self.eccentricity:g}" if self.eccentricity else ""
         paper += f", friction={self.friction:g}" if math.isfinite(self.friction) else ""
-        if self.ties:
-            paper += f", {len(self.ties)} tie{'s' if len(self.ties) > 1 else ''}"
+        for kind, found in (("tie", self.ties), ("damper", self.dampers)):
+            if found:
+                paper += f", {len(found)} {kind}{'s' if len(found) > 1 else ''}"
         return f"<Block {size}: {paper}; R0={self.R0:.3g} m, {more}>"

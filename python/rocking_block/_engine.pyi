@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, disjoint_base
 
-from rocking_block._tie import Tie
+from rocking_block._tie import Damper, Tie
 
 __version__: str
 
@@ -43,6 +43,7 @@ class Block:
         eccentricity: float = 0.0,
         friction: float | None = None,
         ties: Sequence[Tie] | Tie | None = ...,
+        dampers: Sequence[Damper] | Damper | None = ...,
     ) -> Self: ...
     def parameters(self) -> dict[str, Any]: ...
     @property
@@ -97,6 +98,8 @@ class Block:
     def friction(self) -> float: ...
     @property
     def ties(self) -> tuple[Tie, ...]: ...
+    @property
+    def dampers(self) -> tuple[Damper, ...]: ...
 
 @final
 class Blocks:
@@ -313,7 +316,7 @@ def outcomes(
     friction_demand: float | None,
     options: dict[str, Any],
     threads: int | None,
-    holds: tuple[bool, int] | None,
+    holds: tuple[bool, int, int, bool] | None,
     tick: _Tick,
 ) -> tuple[list[_Column], str | None]: ...
 

@@ -17,6 +17,7 @@ from rocking_block._block import Block
 from rocking_block._html import html_table
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
+from rocking_block._tie import Damper, Tie, links
 from rocking_block._words import Floats, number, optional, ticking
 
 if TYPE_CHECKING:
@@ -344,14 +345,14 @@ def _free(free: Sequence[str], bounds: _Pairs, prior: _Pairs) -> list[tuple[str,
 
 def _changed(block: Block, values: Mapping[str, float]) -> Block:
     """Returns the block with these values, by the names of the FMU."""
-    ties = list(block.ties)
+    changed = links(block)
     changes: dict[str, Any] = {}
     for name, value in values.items():
-        tie, _, parameter = name.partition(".")
+        link, _, parameter = name.partition(".")
         if parameter:
-            index = int(tie.removeprefix("tie_")) - 1
-            ties[index] = dataclasses.replace(ties[index], **{parameter: value})
-            changes["ties"] = ties
+            changed[link] = dataclasses.replace(changed[link], **{parameter: value})
+            changes["ties"] = [found for found in changed.values() if isinstance(found, Tie)]
+            changes["dampers"] = [found for found in changed.values() if isinstance(found, Damper)]
         else:
             changes[name] = value
     return block.replace(**changes)

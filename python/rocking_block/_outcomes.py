@@ -17,7 +17,7 @@ from rocking_block import _engine, _parts
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._table import Table
-from rocking_block._tie import Tie
+from rocking_block._tie import Damper, Tie, links
 from rocking_block._words import Floats, ticking
 
 # One record or several, as objects or as files.
@@ -32,14 +32,15 @@ _PARAMETERS = ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
 _MORE_PARAMETERS = ("mass", "gamma", "g", "eccentricity", "friction")
 # The same of blocks that are defined by their dimensions.
 _DIMENSIONS = ("width", "height", "K", "C")
-_OF_TIE = tuple(field.name for field in dataclasses.fields(Tie))
+# Parameters of ties and dampers, by their kinds.
+_OF_LINKS = {kind: tuple(field.name for field in dataclasses.fields(of)) for kind, of in (("tie", Tie), ("damper", Damper))}
 # Columns that describe the block.
 OF_BLOCKS = (
     "foundation",
     *_PARAMETERS,
     *_DIMENSIONS,
     *_MORE_PARAMETERS,
-    *(f"tie_{number}.{name}" for number in range(1, 9) for name in _OF_TIE),
+    *(f"{kind}_{number}.{name}" for kind, names in _OF_LINKS.items() for number in range(1, 9) for name in names),
 )
 # Columns of numbers that are made here.
 _UNITS = {"scale": "1", "PGA.vertical": "m/s2", "2pi/p": "s", "omega_p/p": "1"}
@@ -124,15 +125,14 @@ def table_of_outcomes(
 
 
 def varying(blocks: Sequence[_engine.Block]) -> dict[str, Floats]:
-    """Returns the varying parameters beyond those of every table, by their names in the FMU; nan for a tie that a block lacks."""
+    """Returns the varying parameters beyond those of every table, by their names in the FMU; nan for a tie or damper that a block lacks."""
     by_dimensions = any("width" in block.parameters() for block in blocks)
     names = (*(_DIMENSIONS if by_dimensions else ()), *_MORE_PARAMETERS)
     columns = {name: np.array([getattr(block, name) for block in blocks]) for name in names}
-    for number in range(max(len(block.ties) for block in blocks)):
-        ties = [block.ties[number] if number < len(block.ties) else None for block in blocks]
-        for name in _OF_TIE:
-            values = [np.nan if tie is None else getattr(tie, name) for tie in ties]
-            columns[f"tie_{number + 1}.{name}"] = np.array(values)
+    of_blocks = [links(block) for block in blocks]
+    for link in dict.fromkeys(name for of_block in of_blocks for name in of_block):
+        for name in _OF_LINKS[link.partition("_")[0]]:
+            columns[f"{link}.{name}"] = np.array([getattr(of_block.get(link), name, np.nan) for of_block in of_blocks])
     return {name: column for name, column in columns.items() if len(np.unique(column)) > 1}
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from rocking_block import _engine
 from rocking_block._pulse import Pulse
 from rocking_block._table import Table, of_columns
+from rocking_block._tie import links
 from rocking_block._words import optional, ticking
 
 _ROWS = 10_000
@@ -186,7 +187,7 @@ class Settings(NamedTuple):
 
 
 def _outcomes(
-    blocks: Sequence[_engine.Block], pairs: list[Any], scales: list[float], settings: Settings, threads: int, holds: tuple[bool, int]
+    blocks: Sequence[_engine.Block], pairs: list[Any], scales: list[float], settings: Settings, threads: int, holds: tuple[bool, int, int, bool]
 ) -> tuple[Any, str | None]:
     with warnings.catch_warnings():
         # The caller has been warned.
@@ -215,7 +216,12 @@ def outcomes(
     of_pairs = np.array_split(np.arange(len(pairs)), min(count, len(pairs)))
     of_blocks = np.array_split(np.arange(len(blocks)), min(-(-count // len(of_pairs)), len(blocks)))
     # Each part has the columns of all blocks.
-    holds = (any(math.isfinite(block.friction) for block in blocks), max(len(block.ties) for block in blocks))
+    holds = (
+        any(math.isfinite(block.friction) for block in blocks),
+        max(len(block.ties) for block in blocks),
+        max(len(block.dampers) for block in blocks),
+        any(link.yield_force > 0.0 for block in blocks for link in links(block).values()),
+    )
     split = [(motions, some) for motions in of_pairs for some in of_blocks]
     calls = [
         ([blocks[i] for i in some], [pairs[i] for i in motions], scales, settings, threads or 1, holds)

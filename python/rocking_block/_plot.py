@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
+from rocking_block._tie import force_of, links
 from rocking_block._words import Floats, optional
 
 with optional("plot", "matplotlib"):
@@ -52,7 +53,7 @@ def run(
 ) -> Any:
     """Draws a run on one axes or several: rotation, reactions, ground acceleration."""
     has_ground = bool(np.any(columns["a_gx"]) or np.any(columns["a_gz"]))
-    kinds = [_rotation, _reactions, *([_slip] if np.isfinite(block.friction) else []), *([_tensions] if block.ties else [])]
+    kinds = [_rotation, _reactions, *([_slip] if np.isfinite(block.friction) else []), *([_forces] if links(block) else [])]
     panels = _panels(ax, [*kinds, _ground] if has_ground else kinds)
     number = _drawn(panels[0], "run")
     first = number == 0
@@ -134,15 +135,31 @@ def _slip(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: st
     axes.set_ylabel("slip [mm]")
 
 
-def _tensions(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+def _forces(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     weight = block.mass * block.g
-    tensions = [run[f"tie_{number}.tension"] for number in range(1, len(block.ties) + 1)]
-    for number, tension in enumerate(tensions, 1):
+    names = list(links(block))
+    for number, name in enumerate(names, 1):
         paler = {"alpha": 1.0 / number**0.7}
-        axes.plot(run["t"], tension / weight, **style, **paler, linewidth=0.8, label=f"tie {number}" if first else None)
-    axes.set_ylabel("tension T/(M g)")
-    if first and len(tensions) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(tensions), frameon=False)
+        label = name.replace("_", " ") if first else None
+        axes.plot(run["t"], run[force_of(name)] / weight, **style, **paler, linewidth=0.8, label=label)
+    axes.set_ylabel("force T/(M g)" if block.dampers else "tension T/(M g)")
+    if first and len(names) > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(names), frameon=False)
+
+
+def loops(block: _engine.Block, run: Columns, ax: Axes | None) -> Axes:
+    """Draws the forces of dampers and of ties that yield over their elongations."""
+    names = [name for name in links(block) if f"{name}.elongation" in run]
+    if not names:
+        raise ValueError("no loops: the block has no damper, and no tie of it yields; expected Block(dampers=...)")
+    axes = new_axes(ax, None, (5.0, 4.0))
+    weight = block.mass * block.g
+    for name in names:
+        axes.plot(1e3 * run[f"{name}.elongation"], run[force_of(name)] / weight, linewidth=0.8, label=name.replace("_", " "))
+    axes.set_xlabel("elongation [mm]")
+    axes.set_ylabel("force T/(M g)")
+    axes.legend(frameon=False)
+    return axes
 
 
 def _ground(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._html import html_table
+from rocking_block._tie import force_of, links
 from rocking_block._words import Floats, Outcome, optional
 
 if TYPE_CHECKING:
@@ -53,6 +54,10 @@ class Peak:
     """Distance of the foot from its initial position [m], of blocks with friction."""
     tensions: tuple[float, ...]
     """Tension of each tie [N]."""
+    damper_forces: tuple[float, ...] = ()
+    """Force of each damper [N]."""
+    plastic_elongations: tuple[float, ...] = ()
+    """Plastic elongation of each tie, then of each damper [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +116,9 @@ class Energy:
     friction: Floats
     """Lost by sliding."""
     ties: Floats
-    """Lost in the dashpots of ties and in ties that broke."""
+    """Lost in the dashpots and the yielding of ties, and in ties that broke."""
+    dampers: Floats
+    """Lost in the dashpots and the yielding of dampers, and in dampers that broke."""
     impacts: Floats
     """Lost at impacts."""
     constraint: Floats
@@ -153,7 +160,9 @@ class Run:
     ends_tilted: bool = False
     """Whether the block rests at the end without standing upright, as one that leans on a tie."""
     broken: tuple[bool, ...] = ()
-    """Whether each tie is broken at the end."""
+    """Whether each tie, and then each damper, is broken at the end."""
+    yield_energies: tuple[float, ...] = ()
+    """Energy lost by yielding of each tie, then of each damper [J]."""
     gradients: dict[str, Gradient] = field(default_factory=dict)
     """Derivatives by the names of their parameters, as requested in `Block.run`; NaN after `grazing`."""
     grazing: Grazing | None = None
@@ -302,6 +311,28 @@ class Run:
         return tuple(self.columns[f"tie_{number}.tension"] for number in range(1, len(self.block.ties) + 1))
 
     @property
+    def damper_forces(self) -> tuple[Floats, ...]:
+        """Force of each damper [N], positive in tension."""
+        return tuple(self.columns[f"damper_{number}.force"] for number in range(1, len(self.block.dampers) + 1))
+
+    def plot_loops(self, ax: Axes | None = None) -> Axes:
+        """Draws the forces of dampers, and of ties that yield, over their elongations with Matplotlib.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw on; by default those of a new figure.
+
+        Raises
+        ------
+        ValueError
+            A block without dampers, whose ties do not yield.
+        """
+        from rocking_block import _plot
+
+        return _plot.loops(self.block, self.columns, ax)
+
+    @property
     def a_gx(self) -> Floats:
         """Horizontal ground acceleration [m/s²], including the pulse, positive to the right."""
         return self.columns["a_gx"]
@@ -380,8 +411,10 @@ class Run:
             ("impacts, lift-offs", f"{counts.impacts}, {counts.liftoffs}"),
             *([("greatest slip", f"{peak.slip:.4g} m")] if math.isfinite(self.block.friction) else []),
             *(
-                (f"greatest tension of tie {number}", f"{tension:.4g} N{', broken' if broken else ''}")
-                for number, (tension, broken) in enumerate(zip(peak.tensions, self.broken, strict=True), 1)
+                (f"greatest {force_of(name).partition('.')[2]} of {name.replace('_', ' ')}", f"{force:.4g} N{', broken' if broken else ''}")
+                for name, force, broken in zip(
+                    links(self.block), peak.tensions + peak.damper_forces, self.broken, strict=True
+                )
             ),
             ("rows", f"{len(self)}, to t = {self.t[-1]:.4g} s"),
         ]

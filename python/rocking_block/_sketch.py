@@ -7,6 +7,7 @@ from typing import Any
 
 from rocking_block import _engine
 from rocking_block._plot import INK, _add, new_axes
+from rocking_block._tie import links
 from rocking_block._words import optional
 
 with optional("plot", "matplotlib"):
@@ -31,7 +32,7 @@ def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     b, body = block.width / 2, block.height
     h, offset = body / 2, block.eccentricity
     size = max(2 * b, body)
-    ties = [_reach(tie, b, body, size) for tie in block.ties]
+    ties = [_reach(link, b, body, size) for link in links(block).values()]
     ends = [end for start, end, _ in ties] + [start for start, _, _ in ties]
     left = min([-b - _LABELS * size, *(x - 0.05 * size for x, _ in ends)])
     right = max([b + _LABELS * size, *(x + 0.05 * size for x, _ in ends)])
@@ -45,11 +46,11 @@ def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     below = _foundation(axes, block, b, size, (left, right) if ties else None)
     below = min([below, *(z for _, z in ends)])
     _angles(axes, b, h, offset, size)
-    for number, (start, end, is_anchor) in enumerate(ties, 1):
+    for name, (start, end, is_anchor) in zip(links(block), ties):
         axes.plot([start[0], end[0]], [start[1], end[1]], color=_TIE, lw=1.8, marker="o", ms=5, markevery=[0])
         axes.plot(*end, color=_TIE, marker="s" if is_anchor else (2, 0, 45), ms=7)
         at = (start[0] + 0.3 * (end[0] - start[0]), start[1] + 0.3 * (end[1] - start[1]))
-        axes.text(*at, str(number), ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "ec": _TIE})
+        axes.text(*at, name[-1] if name.startswith("tie") else f"D{name[-1]}", ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "ec": _TIE})
     for angle in (0, 180):
         axes.add_patch(Wedge((offset, h), 0.022 * size, angle, angle + 90, fc=INK, zorder=4))
     axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=INK, lw=1.2, zorder=3))
@@ -201,9 +202,10 @@ def _values(block: _engine.Block, offset: float) -> list[str]:
                   rf"η = {block.eta:.4g}, $ξ_v$ = {block.xi_v:.4g}, ε = {block.epsilon:.4g}"]
     if math.isfinite(block.friction):
         lines += [f"friction μ = {block.friction:.4g}"]
-    for number, tie in enumerate(block.ties, 1):
+    for name, tie in links(block).items():
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
-        lines += ["", f"tie {number}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
-        options = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"))
-        lines += [f"{name} {getattr(tie, name):.4g} {unit}" for name, unit in options if getattr(tie, name)]
+        lines += ["", f"{name.replace('_', ' ')}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
+        options = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"), ("yield_force", "N"),
+                   ("hardening", ""))
+        lines += [f"{key.replace('_', ' ')} {getattr(tie, key):.4g} {unit}" for key, unit in options if getattr(tie, key, 0.0)]
     return lines

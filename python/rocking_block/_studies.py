@@ -157,7 +157,8 @@ def blocks(**parameters: npt.ArrayLike | Sequence[float | None] | None) -> list[
     Parameters
     ----------
     **parameters : array_like
-        Those of `Block`; `foundation` may be an array of words, and `friction` may contain None. All blocks have the same `ties`.
+        Those of `Block`; `foundation` may be an array of words, and `friction` may contain None. All blocks have the same `ties`
+        and `dampers`.
 
     Examples
     --------
@@ -165,7 +166,7 @@ def blocks(**parameters: npt.ArrayLike | Sequence[float | None] | None) -> list[
     >>> [block.p for block in rb.blocks(alpha=[0.1, 0.2], p=[1.0, 2.0], eta=60)]
     [1.0, 2.0]
     """
-    ties: dict[str, Any] = {name: parameters.pop(name) for name in ("ties",) if name in parameters}
+    ties: dict[str, Any] = {name: parameters.pop(name) for name in ("ties", "dampers") if name in parameters}
     names = list(parameters)
     arrays = _same_shape({name: np.asarray(value) for name, value in parameters.items()})
     rows = zip(*(array.ravel().tolist() for array in arrays.values()), strict=True)

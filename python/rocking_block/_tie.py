@@ -1,10 +1,61 @@
-"""Ties between a block and the ground."""
+"""Ties and dampers between a block and the ground."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 from rocking_block._words import number
+
+if TYPE_CHECKING:
+    from rocking_block import _engine
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damper:
+    """A damper, which pulls and pushes a point of the block along the line to a point of the ground.
+
+    Coordinates are measured from the middle of the base of the block at rest without ties, x to the right and z up [m]. Elongated by s from its
+    length there, a damper has the force k (s - s_p) + c ds/dt, positive in tension. The spring yields where its force reaches the lines
+    r k s ± (1 - r) F_y, and the plastic elongation s_p grows then: kinematic hardening after Prager.
+
+    Parameters
+    ----------
+    block_x, block_z : float
+        Its end on the block [m].
+    ground_x, ground_z : float
+        Its end on the ground [m].
+    stiffness : float
+        Stiffness k [N/m], > 0.
+    damping : float
+        Damping c [N s/m].
+    strength : float
+        Force at which it breaks for good, in tension and in compression [N]; 0 for one that does not break.
+    yield_force : float
+        Force F_y of the spring at which it yields first, in tension and in compression [N]; 0 for an elastic one.
+    hardening : float
+        Stiffness after yielding over that before, r [1], 0 <= r < 1. A damper of friction is a stiff one with r = 0.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> absorber = rb.Damper(block_x=-0.5, ground_x=-0.5, ground_z=-1.0, stiffness=2e6, yield_force=5e3, hardening=0.02)
+    >>> rb.Block(mass=5000, dampers=[absorber]).dampers[0].yield_force
+    5000.0
+    """
+
+    block_x: float = 0.0
+    block_z: float = 0.0
+    ground_x: float = 0.0
+    ground_z: float = 0.0
+    stiffness: float
+    damping: float = 0.0
+    strength: float = 0.0
+    yield_force: float = 0.0
+    hardening: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -12,7 +63,7 @@ class Tie:
     """A tendon, guy or restraint, which pulls a point of the block towards a point of the ground and never pushes.
 
     Coordinates are measured from the middle of the base of the block at rest without ties, x to the right and z up [m]. Stretched by s from its
-    length there, minus the slack and plus pretension/stiffness, a tie pulls with k s + c ds/dt while s and this force are positive.
+    length there, minus the slack and plus pretension/stiffness, a tie pulls with k (s - s_p) + c ds/dt while s - s_p and this force are positive.
 
     Parameters
     ----------
@@ -30,6 +81,10 @@ class Tie:
         Damping c [N s/m].
     strength : float
         Tension at which it breaks for good [N]; 0 for an unbreakable tie.
+    yield_force : float
+        Tension of the spring at which it yields first [N]; 0 for an elastic tie. The plastic elongation s_p follows the law of `Damper`.
+    hardening : float
+        Stiffness after yielding over that before [1], 0 <= r < 1.
 
     Examples
     --------
@@ -48,9 +103,28 @@ class Tie:
     slack: float = 0.0
     damping: float = 0.0
     strength: float = 0.0
+    yield_force: float = 0.0
+    hardening: float = 0.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, number(field.name, getattr(self, field.name)))
-        if not self.stiffness > 0.0:
-            raise ValueError(f"stiffness = {self.stiffness}; expected a stiffness of the tie > 0 N/m")
+        _check(self)
+
+
+def _check(link: Tie | Damper) -> None:
+    """Refuses what is no number, and a stiffness that makes no tie or damper."""
+    for field in fields(link):
+        object.__setattr__(link, field.name, number(field.name, getattr(link, field.name)))
+    if not link.stiffness > 0.0:
+        kind = type(link).__name__.lower()
+        raise ValueError(f"stiffness = {link.stiffness}; expected a stiffness of the {kind} > 0 N/m")
+
+
+def force_of(link: str) -> str:
+    """Returns the column of the force of a tie or a damper with this name."""
+    return f"{link}.tension" if link.startswith("tie") else f"{link}.force"
+
+
+def links(block: _engine.Block) -> dict[str, Tie | Damper]:
+    """Returns the ties and dampers of a block by their names in the FMU, in the order of the engine."""
+    of_kind: list[tuple[str, Tie | Damper]] = [(f"tie_{i}", tie) for i, tie in enumerate(block.ties, 1)]
+    return dict(of_kind + [(f"damper_{i}", damper) for i, damper in enumerate(block.dampers, 1)])

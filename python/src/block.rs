@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use rocking_block::block::restraints::LinkKind;
 use rocking_block::block::{self as engine, Common, Corner, Foundation, Parameterization};
 use rocking_studies::doubts;
 use rocking_studies::spec::words::{Words, friction};
@@ -56,7 +57,7 @@ impl Block {
     #[pyo3(signature = (
         *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=None,
         epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None, center_height=None, inertia=None,
-        eccentricity=0.0, friction=None, ties=None,
+        eccentricity=0.0, friction=None, ties=None, dampers=None,
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
     fn new(
@@ -80,8 +81,8 @@ impl Block {
         eccentricity: f64,
         friction: Option<f64>,
         ties: Option<&Bound<PyAny>>,
+        dampers: Option<&Bound<PyAny>>,
     ) -> PyResult<Block> {
-        let ties = ties.map_or(Ok(Vec::new()), tie::one_or_several)?;
         let spec = BlockSpec {
             alpha,
             p,
@@ -102,7 +103,8 @@ impl Block {
             hold: HoldSpec {
                 eccentricity: Some(eccentricity),
                 friction: Some(friction::to_user(friction_of_block(friction)?)),
-                ties,
+                ties: tie::one_or_several(LinkKind::Tie, ties)?,
+                dampers: tie::one_or_several(LinkKind::Damper, dampers)?,
             },
         };
         let block = spec.block().map_err(refused)?;
@@ -130,8 +132,10 @@ impl Block {
                 parameters.set_item(name, value)?;
             }
         }
-        if !self.block.ties().is_empty() {
-            parameters.set_item("ties", self.ties(py)?)?;
+        for (name, links) in [("ties", self.ties(py)?), ("dampers", self.dampers(py)?)] {
+            if !links.is_empty() {
+                parameters.set_item(name, links)?;
+            }
         }
         parameters.set_item("foundation", self.foundation())?;
         Ok(parameters)
@@ -265,9 +269,12 @@ impl Block {
 
     #[getter]
     fn ties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let class = py.import("rocking_block._tie")?.getattr("Tie")?;
-        let ties = self.block.ties().iter().map(|tie| class.call((), Some(&tie::named(tie, py)?)));
-        PyTuple::new(py, ties.collect::<PyResult<Vec<_>>>()?)
+        tie::of_kind(LinkKind::Tie, self.block.ties(), py)
+    }
+
+    #[getter]
+    fn dampers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        tie::of_kind(LinkKind::Damper, self.block.ties(), py)
     }
 
     #[getter]

@@ -3,6 +3,7 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rocking_block::block::restraints::LinkKind;
 use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_studies::input::parameters::Parameter;
 use rocking_studies::spec::words::Words;
@@ -94,11 +95,12 @@ impl Blocks {
     }
 }
 
-/// Returns the unit of a real parameter; that of any tie, `tie_8.stiffness`, is that of the first.
+/// Returns the unit of a real parameter; that of any tie or damper, `tie_8.stiffness`, is that of the first.
 #[pyfunction]
 pub fn parameter_unit(name: &str) -> PyResult<&'static str> {
-    let of_tie = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.'));
-    let of_first = of_tie.map(|(_, parameter)| format!("tie_1.{parameter}"));
+    let of_link = name.split_once('.').and_then(|(link, parameter)| Some((link.split_once('_')?.0, parameter)));
+    let of_first = of_link.filter(|(kind, _)| LinkKind::ALL.iter().any(|known| known.word() == *kind));
+    let of_first = of_first.map(|(kind, parameter)| format!("{kind}_1.{parameter}"));
     let parameter = Parameter::named(of_first.as_deref().unwrap_or(name)).map_err(PyValueError::new_err)?;
     parameter.metadata.unit.ok_or_else(|| PyValueError::new_err(format!("{name} has no unit")))
 }

@@ -13,6 +13,7 @@ use rocking_gradients::{Grazing, Parameters};
 use rocking_studies::doubts;
 use rocking_studies::run::gradients::{Derivatives, Gradients};
 use rocking_studies::run::outcome::End;
+use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, MemoryError, Run};
 
@@ -143,16 +144,18 @@ fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradient
     Ok(all)
 }
 
-type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, Bound<'py, PyTuple>);
+type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, Bound<'py, PyTuple>, Bound<'py, PyTuple>, Bound<'py, PyTuple>);
 
 fn peak<'py>(py: Python<'py>, block: &engine::Block, peaks: &Peaks) -> PyResult<PeakTuple<'py>> {
-    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } = *peaks;
-    let tensions = PyTuple::new(py, &pull[..block.ties().len()])?;
-    Ok((theta, reaction, horizontal, uplift, friction_demand, slip, tensions))
+    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *peaks;
+    let (pull, plastic) = (&pull[..block.ties().len()], &plastic[..block.ties().len()]);
+    let (tensions, forces) = pull.split_at(Holds::of(block).ties);
+    let [tensions, forces, plastic] = [tensions, forces, plastic].map(|values| PyTuple::new(py, values));
+    Ok((theta, reaction, horizontal, uplift, friction_demand, slip, tensions?, forces?, plastic?))
 }
 
 fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyResult<Bound<'py, PyDict>> {
-    let History { rows, events, peaks, counts, ending, end, ties, .. } = history;
+    let History { rows, events, peaks, counts, ending, end, ties, yield_works, .. } = history;
     let columns = PyDict::new(py);
     for column in table::columns(block) {
         let values = rows.iter().map(|row| column.value(row));
@@ -170,6 +173,7 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
     result.set_item("peak", peak(py, block, peaks)?)?;
     let broken: Vec<bool> = ties[..count].iter().map(|state| *state == TieState::Broken).collect();
     result.set_item("broken", broken)?;
+    result.set_item("yield_energies", PyTuple::new(py, &yield_works[..count])?)?;
     result.set_item("counts", (counts.impacts, counts.liftoffs, counts.steps, counts.rejected, counts.evaluations))?;
     result.set_item("outcome", end.word())?;
     result.set_item("end_time", ending.map_or(last, |(_, time)| time))?;

@@ -68,7 +68,7 @@ fn batches<T: Send>(
 }
 
 /// Computes the outcome of each block under each ground motion: columns with rows ordered block by block, then scale by
-/// scale, then pair by pair. `holds`, friction and the number of ties, chooses the columns; by default those of the blocks.
+/// scale, then pair by pair. `holds`, friction, the numbers of ties and dampers, and whether any yields, chooses the columns; by default those of the blocks.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes<'py>(
@@ -82,7 +82,7 @@ pub fn outcomes<'py>(
     friction_demand: Option<f64>,
     options: RunOptions,
     threads: Option<i64>,
-    holds: Option<(bool, usize)>,
+    holds: Option<(bool, usize, usize, bool)>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Columns<'py>> {
     if let Some(demand) = friction_demand {
@@ -104,7 +104,7 @@ pub fn outcomes<'py>(
     scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let blocks = blocks.get().blocks.clone();
     let holds = match holds {
-        Some((friction, ties)) => Holds { friction, ties },
+        Some((friction, ties, dampers, yields)) => Holds { friction, ties, dampers, yields },
         None => blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or),
     };
     let RunOptions { duration, step, .. } = options;

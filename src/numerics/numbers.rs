@@ -59,7 +59,8 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
             [a, b] => a + b,
             [a, b, c, d] => (a + c) + (b + d),
             [a, b, c, d, e, f, g, h] => ((a + c) + (b + d)) + ((e + g) + (f + h)),
-            _ => unreachable!("a state has four or eight numbers, the quadratures two"),
+            [a, b, c, d, e, f, g, h, i] => (((a + c) + (b + d)) + ((e + g) + (f + h))) + i,
+            _ => unreachable!("a state has four, eight or nine numbers, the quadratures two"),
         }
     }
 

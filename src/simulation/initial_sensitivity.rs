@@ -2,7 +2,7 @@
 
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::Excitation;
-use crate::numerics::dual::Dual;
+use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::gradient::DirectionalDual;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};
@@ -56,7 +56,12 @@ impl Simulation {
         let support_heights = goes_on.support_heights.map(|top| top.value);
         let seen = observe(block, goes_on.regime, &goes_on.instant, support_heights, goes_on.forcing);
         let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
-        let peaks = Peaks { pull: seen.pull.map(|pull| pull.eps), ..channels(&seen).peak_sensitivity() };
+        let of_size = |x: Dual64| if x.re < 0.0 { -x.eps } else { x.eps };
+        let peaks = Peaks {
+            pull: seen.restraints.map(|restraint| of_size(restraint.pull)),
+            plastic: seen.restraints.map(|restraint| of_size(restraint.plastic)),
+            ..channels(&seen).peak_sensitivity()
+        };
         let seen = if self.is_frozen() { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Block, Corner, Regime, restraints};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
@@ -77,6 +77,8 @@ pub struct Simulation {
     sums: EnergySums,
     peaks: Peaks,
     slip: Slip,
+    /// Paths of the plastic elongations of the restraints (m).
+    plastic_paths: [f64; restraints::MAX],
     counts: Counts,
     last_event: f64,
     events_in_this_instant: u32,
@@ -131,6 +133,7 @@ impl Simulation {
             sums: EnergySums::default(),
             peaks: Peaks::default(),
             slip: Slip::default(),
+            plastic_paths: [0.0; restraints::MAX],
             counts: Counts::default(),
             last_event: time,
             events_in_this_instant: 0,
@@ -142,7 +145,7 @@ impl Simulation {
         let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
         simulation.peaks.include(&shown.channels());
-        simulation.peaks.include_pulls(&shown);
+        simulation.peaks.include_restraints(&shown);
         simulation
     }
 
@@ -271,6 +274,7 @@ impl Simulation {
             && self.peaks.is_valid()
             && self.slip.now.is_finite()
             && self.slip.total.is_finite()
+            && self.plastic_paths.iter().all(|path| path.is_finite())
             && self.ending.is_none_or(|(_, time)| time.is_finite())
             && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
             && self.foreseen_surface().is_none_or(|function| function.is_of(self.block()))

@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
-use crate::block::restraints::{self, States};
-use crate::block::{Block, Corner, Kinematics, Regime};
+use crate::block::restraints::{self, ObservedRestraint, States};
+use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -52,8 +52,8 @@ pub struct Observation<T> {
     pub friction_demand: T,
     /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
     pub slip_rate: T,
-    /// Pulls of the restraints (N), by their numbers.
-    pub pull: [T; restraints::MAX],
+    /// The restraints, by their numbers.
+    pub restraints: [ObservedRestraint<T>; restraints::MAX],
     /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
     pub power: [T; 2],
     /// Power taken by friction (W).
@@ -92,7 +92,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
         uplift,
         friction_demand,
         slip_rate: x.slip_rate,
-        pull: forces::pulls(block, &forcing.restraints, x),
+        restraints: forces::observe_restraints(block, &forcing.restraints, x),
         power: [power[0] * block.mass, power[1] * block.mass],
         friction_power,
         restraint_power: restraints::RestraintEnergies::from_array(restraint_power),
@@ -178,7 +178,7 @@ impl<T: Scalar> Observation<T> {
             uplift: self.uplift.map(&f),
             friction_demand: f(self.friction_demand),
             slip_rate: f(self.slip_rate),
-            pull: self.pull.map(&f),
+            restraints: self.restraints.map(|restraint| restraint.map(&f)),
             power: self.power.map(&f),
             friction_power: f(self.friction_power),
             restraint_power: self.restraint_power.map(&f),
@@ -205,7 +205,7 @@ impl<T: Scalar> Observation<T> {
             base_moment: zero,
             friction_demand: zero,
             slip_rate: zero,
-            pull: [zero; restraints::MAX],
+            restraints: self.restraints.map(|restraint| ObservedRestraint { pull: zero, ..restraint }),
             power: [zero; 2],
             friction_power: zero,
             restraint_power: self.restraint_power.map(|_| zero),
@@ -263,9 +263,24 @@ impl Simulation {
 
     /// The plastic elongations of the restraints (m), by their numbers, positive for longer ones.
     pub fn plastic_elongations(&self) -> [f64; restraints::MAX] {
-        let (block, excitation) = (self.block(), Excitation::none());
-        let now = self.now(block, &excitation);
-        restraints::plastic_elongations(block, &now.forcing.restraints, &Kinematics::of(&now.instant))
+        self.now(self.block(), &Excitation::none()).plastic_elongations()
+    }
+
+    /// The energy that a restraint with this number has lost by yielding since the start (J), up to the last step: its yield force times the
+    /// path of its plastic elongation.
+    pub fn plastic_work(&self, number: usize) -> f64 {
+        self.plastic_paths[number] * restraints::yield_force(self.block(), number)
+    }
+
+    /// Includes the plastic elongations of a step.
+    pub(super) fn accumulate_plastic(&mut self, here: &Evaluation, there: &Evaluation) {
+        if here.forcing.restraints.plastic.is_some() {
+            let [before, after] = [here, there].map(Evaluation::plastic_elongations);
+            for ((path, before), after) in self.plastic_paths.iter_mut().zip(before).zip(after) {
+                *path += (after - before).abs();
+            }
+            self.peaks.include_plastic(&after);
+        }
     }
 
     /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has

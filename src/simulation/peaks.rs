@@ -29,6 +29,8 @@ pub struct Peaks<T = f64> {
     pub slip: T,
     /// Of the pulls of the restraints, or of their pushes (N), by their numbers.
     pub pull: [T; restraints::MAX],
+    /// Of their plastic elongations (m).
+    pub plastic: [T; restraints::MAX],
 }
 
 /// A quantity whose greatest absolute value is a peak.
@@ -96,8 +98,8 @@ macro_rules! each_candidate {
 impl Peaks {
     /// Whether all are finite and none is negative.
     pub fn is_valid(&self) -> bool {
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } = *self;
-        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull);
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *self;
+        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull).chain(plastic);
         all.into_iter().all(|peak| peak >= 0.0 && peak.is_finite())
     }
 
@@ -134,10 +136,18 @@ impl Peaks {
         });
     }
 
-    /// Includes the pulls of the restraints at one instant.
-    pub fn include_pulls(&mut self, now: &Evaluation) {
+    /// Includes the pulls and the plastic elongations of the restraints at one instant.
+    pub fn include_restraints(&mut self, now: &Evaluation) {
         for number in now.block.restraints.numbers() {
             self.include_pull(now.block, number, now.pull(number).value.abs());
+        }
+        self.include_plastic(&now.plastic_elongations());
+    }
+
+    /// Includes plastic elongations (m), which have no peak inside a step: yielding ends at an event where they turn.
+    pub fn include_plastic(&mut self, elongations: &[f64; restraints::MAX]) {
+        for (peak, plastic) in self.plastic.iter_mut().zip(elongations) {
+            *peak = greater(*peak, plastic.abs());
         }
     }
 

@@ -90,15 +90,16 @@ impl Simulation {
             self.accumulate_slip(here, &there);
         }
         if N > 4 {
-            self.sums.add(std::array::from_fn(|i| beyond[6 + i]));
+            self.sums.add(std::array::from_fn(|i| *beyond.0.get(6 + i).unwrap_or(&0.0)));
             self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at(elapsed));
+            self.accumulate_plastic(here, &there);
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }
         self.commit(&there, work);
         if mode.held().is_some() {
             // The corner lifts and lands so often that only the energy tells.
-            let dissipated = if N > 4 { beyond[6] + beyond[7] } else { 0.0 };
+            let dissipated: f64 = beyond.0.iter().skip(6).sum();
             let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
             self.sums.constraint += made;
             self.sums.impacts -= made;

@@ -10,7 +10,7 @@ use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
 use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::step_interior::{Between, MAX_TURN, SMALL_TURN, StepInterior, may_hold_event, turn_in_flight};
 use crate::simulation::{Pending, Simulation, SimulationError};
-use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
+use crate::system::evaluation::{DAMPED, EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, EventFunction};
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
@@ -48,6 +48,9 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let mode = AnyMode::of(piece.block, &self.pose);
         match mode.extended() {
+            Some(mode) if piece.block.restraints.has_dampers() => {
+                self.steps_under::<DAMPED>(mode, piece, start, None, budget, observer)
+            }
             Some(mode) => self.steps_under::<EXTENDED>(mode, piece, start, None, budget, observer),
             None => dispatch_mode!(mode, mode => self.steps_under::<4>(mode, piece, start, accepted, budget, observer)),
         }
@@ -303,9 +306,8 @@ impl Simulation {
         let across = 1.0 / (self.settings.tolerance * r0 * alpha * p);
         // The energy of a block that rocks with the velocity of the other weights.
         let work_weight = allowed / ((i0 + r0 * r0) * alpha * p);
-        let all =
-            [rocking * allowed, allowed, vertical * upright, upright, p * across, across, work_weight, work_weight];
-        let weights = State::from(std::array::from_fn(|i| all[i]));
+        let of_motion = [rocking * allowed, allowed, vertical * upright, upright, p * across, across];
+        let weights = State::from(std::array::from_fn(|i| *of_motion.get(i).unwrap_or(&work_weight)));
         let restrained = if mode.is_extended() { restraints::fastest(&self.system.block) } else { 0.0 };
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(restrained);
         Limits {

@@ -64,8 +64,11 @@ pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
 }
 
 /// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
-/// [dissipative](forces::dissipated) forces since the beginning of the step.
-pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
+/// [dissipative](forces::dissipated) forces since the beginning of the step, of which the dampers' is the last.
+pub const DAMPED: usize = 6 + forces::DISSIPATIVE;
+
+/// Number of these of a block without dampers: that of a vector of the processor.
+pub const EXTENDED: usize = DAMPED - 1;
 
 impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
     /// Returns the motion of a block from a pose on.
@@ -239,7 +242,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
 /// Returns the first N numbers of a motion and the works of dissipative forces.
 #[inline(always)]
 fn extended<T: Scalar, const N: usize>(motion: [T; 6], works: [T; forces::DISSIPATIVE]) -> State<T, N> {
-    State::first_of(forces::joined::<_, 6, { forces::DISSIPATIVE }, EXTENDED>(motion, works))
+    State::first_of(forces::joined::<_, 6, { forces::DISSIPATIVE }, DAMPED>(motion, works))
 }
 
 /// Returns the first four numbers of a state.

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use crate::block::restraints::TieState;
+use crate::block::restraints::{self, ObservedRestraint, TieState};
 use crate::excitation::Inputs;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
@@ -22,6 +22,7 @@ pub fn state(output: Output) -> Option<usize> {
         Output::EnergyDashpots,
         Output::EnergyFriction,
         Output::EnergyTies,
+        Output::EnergyDampers,
     ];
     STATES.into_iter().position(|state| state == output)
 }
@@ -40,6 +41,10 @@ pub enum Source {
     PeakSlip,
     /// The largest pull of the restraint with this number since the start.
     PeakPull(usize),
+    /// The largest plastic elongation of the restraint with this number since the start.
+    PeakPlastic(usize),
+    /// The energy that the restraint with this number has lost by yielding since the start.
+    PlasticWork(usize),
     /// Whether the foot slides.
     Slides,
     /// The regime.
@@ -50,7 +55,9 @@ pub enum Source {
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Observed, Peak, PeakPull, PeakSlip, Regime, Slides, Slip};
+    use Source::{
+        Discrete, Energy, Observed, Peak, PeakPlastic, PeakPull, PeakSlip, PlasticWork, Regime, Slides, Slip,
+    };
     match output {
         Output::Theta => Observed(|at| at.theta),
         Output::ThetaDot => Observed(|at| at.theta_dot),
@@ -74,9 +81,18 @@ pub fn source(output: Output) -> Source {
         Output::PowerDashpots => Observed(|at| at.power[1]),
         Output::PowerFriction => Observed(|at| at.friction_power),
         Output::PowerTies => Observed(|at| at.restraint_power.ties),
+        Output::PowerDampers => Observed(|at| at.restraint_power.dampers),
         Output::SlipRate => Observed(|at| at.slip_rate),
-        Output::Tie1Tension => Observed(|at| at.pull[0]),
-        Output::Tie2Tension => Observed(|at| at.pull[1]),
+        Output::Tie1Tension => Observed(|at| at.restraints[0].pull),
+        Output::Tie2Tension => Observed(|at| at.restraints[1].pull),
+        Output::Damper1Force => Observed(|at| at.restraints[2].pull),
+        Output::Damper2Force => Observed(|at| at.restraints[3].pull),
+        Output::Damper1Elongation => Observed(|at| at.restraints[2].elongation),
+        Output::Damper2Elongation => Observed(|at| at.restraints[3].elongation),
+        Output::Tie1Plastic => Observed(|at| at.restraints[0].plastic),
+        Output::Tie2Plastic => Observed(|at| at.restraints[1].plastic),
+        Output::Damper1Plastic => Observed(|at| at.restraints[2].plastic),
+        Output::Damper2Plastic => Observed(|at| at.restraints[3].plastic),
         Output::EnergyTotal => Energy(|energies| energies.total),
         Output::EnergyKinetic => Energy(|energies| energies.kinetic),
         Output::EnergyPotential => Energy(|energies| energies.potential),
@@ -84,6 +100,7 @@ pub fn source(output: Output) -> Source {
         Output::EnergyDashpots => Energy(|energies| energies.dashpots),
         Output::EnergyFriction => Energy(|energies| energies.friction),
         Output::EnergyTies => Energy(|energies| energies.restraints.ties),
+        Output::EnergyDampers => Energy(|energies| energies.restraints.dampers),
         Output::EnergyImpacts => Energy(|energies| energies.impacts),
         Output::EnergyConstraint => Energy(|energies| energies.constraint),
         Output::EnergyResidual => Energy(|energies| energies.residual),
@@ -95,6 +112,14 @@ pub fn source(output: Output) -> Source {
         Output::PeakSlip => PeakSlip,
         Output::PeakTie1Tension => PeakPull(0),
         Output::PeakTie2Tension => PeakPull(1),
+        Output::PeakDamper1Force => PeakPull(2),
+        Output::PeakDamper2Force => PeakPull(3),
+        Output::PeakTie1Plastic => PeakPlastic(0),
+        Output::PeakTie2Plastic => PeakPlastic(1),
+        Output::PeakDamper1Plastic => PeakPlastic(2),
+        Output::PeakDamper2Plastic => PeakPlastic(3),
+        Output::Damper1Energy => PlasticWork(2),
+        Output::Damper2Energy => PlasticWork(3),
         Output::Slip => Slip(|slip| slip.now, |rate| rate),
         Output::SlipTotal => Slip(|slip| slip.total, f64::abs),
         Output::Regime => Regime,
@@ -102,11 +127,17 @@ pub fn source(output: Output) -> Source {
         Output::EventsImpacts => Discrete(|simulation| f64::from(simulation.counts().impacts)),
         Output::EventsLiftoffs => Discrete(|simulation| f64::from(simulation.counts().liftoffs)),
         Output::Slides => Slides,
-        Output::Tie1Broken => Discrete(|simulation| flag(simulation.restraints().ties[0] == TieState::Broken)),
-        Output::Tie2Broken => Discrete(|simulation| flag(simulation.restraints().ties[1] == TieState::Broken)),
+        Output::Tie1Broken => Discrete(|simulation| is_broken(simulation, 0)),
+        Output::Tie2Broken => Discrete(|simulation| is_broken(simulation, 1)),
+        Output::Damper1Broken => Discrete(|simulation| is_broken(simulation, 2)),
+        Output::Damper2Broken => Discrete(|simulation| is_broken(simulation, 3)),
         Output::Separated => Discrete(|simulation| ended_by(simulation, Ending::is_separation)),
         Output::Overturned => Discrete(|simulation| ended_by(simulation, Ending::is_overturning)),
     }
+}
+
+fn is_broken(simulation: &Simulation, number: usize) -> f64 {
+    flag(simulation.restraints().ties[number] == TieState::Broken)
 }
 
 fn ended_by(simulation: &Simulation, is: fn(Ending) -> bool) -> f64 {
@@ -139,6 +170,8 @@ pub struct OutputRates {
     pub slip: simulation::Slip,
     /// The largest values since the start.
     pub peaks: Peaks,
+    /// The forces at which the restraints yield first (N), by their numbers.
+    pub yield_forces: [f64; restraints::MAX],
 }
 
 impl Source {
@@ -153,6 +186,8 @@ impl Source {
             Source::Slip(of, _) => of(&simulation.slip()),
             Source::PeakSlip => simulation.peaks().slip,
             Source::PeakPull(number) => simulation.peaks().pull[*number],
+            Source::PeakPlastic(number) => simulation.peaks().plastic[*number],
+            Source::PlasticWork(number) => simulation.plastic_work(*number),
             Source::Slides => flag(simulation.slides_under(inputs)),
             Source::Discrete(of) => of(simulation),
         }
@@ -160,7 +195,7 @@ impl Source {
 
     /// Returns the rate of change.
     pub fn rate(&self, now: &OutputRates) -> f64 {
-        let OutputRates { observed, rates, energies, channels, slip, peaks } = now;
+        let OutputRates { observed, rates, energies, channels, slip, peaks, yield_forces } = now;
         match self {
             Source::Observed(of) => of(rates),
             Source::Energy(of) => of(energies),
@@ -172,7 +207,13 @@ impl Source {
                 let outward = if slip.now == 0.0 { observed.slip_rate.abs() } else { outward };
                 rate_of_peak(peaks.slip, slip.now.abs(), outward)
             }
-            Source::PeakPull(number) => rate_of_peak(peaks.pull[*number], observed.pull[*number], rates.pull[*number]),
+            Source::PeakPull(number) => {
+                restraint_peak_rate(now, peaks.pull[*number], *number, |restraint| restraint.pull)
+            }
+            Source::PeakPlastic(number) => {
+                restraint_peak_rate(now, peaks.plastic[*number], *number, |restraint| restraint.plastic)
+            }
+            Source::PlasticWork(number) => rates.restraints[*number].plastic.abs() * yield_forces[*number],
             Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
@@ -184,7 +225,13 @@ impl Source {
             Source::Energy(value) => value(&derivatives.energies),
             Source::Peak(channel) => derivatives.peaks.of(*channel),
             Source::PeakPull(number) => derivatives.peaks.pull[*number],
-            Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
+            Source::PeakPlastic(number) => derivatives.peaks.plastic[*number],
+            Source::PlasticWork(_)
+            | Source::Slip(..)
+            | Source::PeakSlip
+            | Source::Slides
+            | Source::Regime
+            | Source::Discrete(_) => 0.0,
         }
     }
 
@@ -199,11 +246,19 @@ impl Source {
             Source::Peak(_)
             | Source::PeakSlip
             | Source::PeakPull(_)
+            | Source::PeakPlastic(_)
+            | Source::PlasticWork(_)
             | Source::Slides
             | Source::Regime
             | Source::Discrete(_) => 0.0,
         }
     }
+}
+
+/// Returns the rate of the peak of a quantity's absolute value.
+fn restraint_peak_rate(now: &OutputRates, peak: f64, number: usize, of: impl Fn(&ObservedRestraint) -> f64) -> f64 {
+    let [value, rate] = [&now.observed, &now.rates].map(|observed| of(&observed.restraints[number]));
+    rate_of_peak(peak, value.abs(), if value < 0.0 { -rate } else { rate })
 }
 
 /// Returns the rate of a peak: that of a value that equals it and rises, otherwise zero.

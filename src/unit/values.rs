@@ -2,7 +2,7 @@
 //!
 //! Names every parameter of modelDescription.xml, once.
 
-use crate::block::restraints::{Tie, Ties, tie};
+use crate::block::restraints::{LinkKind, Tie, Ties, tie};
 use crate::block::{
     Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Restraints, Springs,
     Supports,
@@ -59,30 +59,69 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
-/// The names and the variables of the ties.
-pub const TIES: [(&str, Tie<Variable>); tie::VARIABLES] = [
+/// A tie or damper among the variables: its name and its parameters. A damper has no variables of pretension and slack, which are 0.
+pub type LinkVariables = (&'static str, Tie<Option<Variable>>);
+
+/// The ties and dampers among the variables, in the order of their numbers.
+pub const TIES: [LinkVariables; tie::VARIABLES] = [
     (
         "tie_1",
         Tie {
-            block: [Variable::Tie1BlockX, Variable::Tie1BlockZ],
-            ground: [Variable::Tie1GroundX, Variable::Tie1GroundZ],
-            stiffness: Variable::Tie1Stiffness,
-            pretension: Variable::Tie1Pretension,
-            slack: Variable::Tie1Slack,
-            damping: Variable::Tie1Damping,
-            strength: Variable::Tie1Strength,
+            block: [Some(Variable::Tie1BlockX), Some(Variable::Tie1BlockZ)],
+            ground: [Some(Variable::Tie1GroundX), Some(Variable::Tie1GroundZ)],
+            stiffness: Some(Variable::Tie1Stiffness),
+            pretension: Some(Variable::Tie1Pretension),
+            slack: Some(Variable::Tie1Slack),
+            damping: Some(Variable::Tie1Damping),
+            strength: Some(Variable::Tie1Strength),
+            yield_force: Some(Variable::Tie1YieldForce),
+            hardening: Some(Variable::Tie1Hardening),
+            kind: LinkKind::Tie,
         },
     ),
     (
         "tie_2",
         Tie {
-            block: [Variable::Tie2BlockX, Variable::Tie2BlockZ],
-            ground: [Variable::Tie2GroundX, Variable::Tie2GroundZ],
-            stiffness: Variable::Tie2Stiffness,
-            pretension: Variable::Tie2Pretension,
-            slack: Variable::Tie2Slack,
-            damping: Variable::Tie2Damping,
-            strength: Variable::Tie2Strength,
+            block: [Some(Variable::Tie2BlockX), Some(Variable::Tie2BlockZ)],
+            ground: [Some(Variable::Tie2GroundX), Some(Variable::Tie2GroundZ)],
+            stiffness: Some(Variable::Tie2Stiffness),
+            pretension: Some(Variable::Tie2Pretension),
+            slack: Some(Variable::Tie2Slack),
+            damping: Some(Variable::Tie2Damping),
+            strength: Some(Variable::Tie2Strength),
+            yield_force: Some(Variable::Tie2YieldForce),
+            hardening: Some(Variable::Tie2Hardening),
+            kind: LinkKind::Tie,
+        },
+    ),
+    (
+        "damper_1",
+        Tie {
+            block: [Some(Variable::Damper1BlockX), Some(Variable::Damper1BlockZ)],
+            ground: [Some(Variable::Damper1GroundX), Some(Variable::Damper1GroundZ)],
+            stiffness: Some(Variable::Damper1Stiffness),
+            pretension: None,
+            slack: None,
+            damping: Some(Variable::Damper1Damping),
+            strength: Some(Variable::Damper1Strength),
+            yield_force: Some(Variable::Damper1YieldForce),
+            hardening: Some(Variable::Damper1Hardening),
+            kind: LinkKind::Damper,
+        },
+    ),
+    (
+        "damper_2",
+        Tie {
+            block: [Some(Variable::Damper2BlockX), Some(Variable::Damper2BlockZ)],
+            ground: [Some(Variable::Damper2GroundX), Some(Variable::Damper2GroundZ)],
+            stiffness: Some(Variable::Damper2Stiffness),
+            pretension: None,
+            slack: None,
+            damping: Some(Variable::Damper2Damping),
+            strength: Some(Variable::Damper2Strength),
+            yield_force: Some(Variable::Damper2YieldForce),
+            hardening: Some(Variable::Damper2Hardening),
+            kind: LinkKind::Damper,
         },
     ),
 ];
@@ -140,9 +179,9 @@ impl Values {
     }
 
     /// Returns the ties up to the last one that has a stiffness, with the parameters from `of`.
-    pub fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
-        let count = TIES.iter().rposition(|(_, tie)| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
-        TIES[..count].iter().map(|(_, tie)| tie.map(&of)).collect()
+    pub fn ties<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
+        let count = TIES.iter().rposition(|(_, tie)| self.is_present(tie)).map_or(0, |last| last + 1);
+        TIES[..count].iter().map(|(_, tie)| tie.map(|variable| variable.map_or(T::from(0.0), &of))).collect()
     }
 
     /// Returns the parameters of the block from `of`.
@@ -253,7 +292,12 @@ impl Values {
     }
 
     fn has_ties(&self) -> bool {
-        TIES.iter().any(|(_, tie)| self[tie.stiffness] > 0.0)
+        TIES.iter().any(|(_, tie)| self.is_present(tie))
+    }
+
+    /// Whether a tie has a stiffness.
+    fn is_present(&self, tie: &Tie<Option<Variable>>) -> bool {
+        tie.stiffness.is_some_and(|stiffness| self[stiffness] > 0.0)
     }
 
     /// Returns the missing setting that a parameter needs to be read, if any.
@@ -301,7 +345,8 @@ impl Values {
             | Parameter::Tie1Pretension
             | Parameter::Tie1Slack
             | Parameter::Tie1Damping
-            | Parameter::Tie1Strength => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
+            | Parameter::Tie1Strength
+            | Parameter::Tie1YieldForce => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
             Parameter::Tie2BlockX
             | Parameter::Tie2BlockZ
             | Parameter::Tie2GroundX
@@ -309,7 +354,26 @@ impl Values {
             | Parameter::Tie2Pretension
             | Parameter::Tie2Slack
             | Parameter::Tie2Damping
-            | Parameter::Tie2Strength => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
+            | Parameter::Tie2Strength
+            | Parameter::Tie2YieldForce => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
+            Parameter::Damper1BlockX
+            | Parameter::Damper1BlockZ
+            | Parameter::Damper1GroundX
+            | Parameter::Damper1GroundZ
+            | Parameter::Damper1Damping
+            | Parameter::Damper1Strength
+            | Parameter::Damper1YieldForce => (self[Variable::Damper1Stiffness] == 0.0).then_some("damper_1.stiffness"),
+            Parameter::Damper2BlockX
+            | Parameter::Damper2BlockZ
+            | Parameter::Damper2GroundX
+            | Parameter::Damper2GroundZ
+            | Parameter::Damper2Damping
+            | Parameter::Damper2Strength
+            | Parameter::Damper2YieldForce => (self[Variable::Damper2Stiffness] == 0.0).then_some("damper_2.stiffness"),
+            Parameter::Tie1Hardening => (self[Variable::Tie1YieldForce] == 0.0).then_some("tie_1.yield_force"),
+            Parameter::Tie2Hardening => (self[Variable::Tie2YieldForce] == 0.0).then_some("tie_2.yield_force"),
+            Parameter::Damper1Hardening => (self[Variable::Damper1YieldForce] == 0.0).then_some("damper_1.yield_force"),
+            Parameter::Damper2Hardening => (self[Variable::Damper2YieldForce] == 0.0).then_some("damper_2.yield_force"),
             Parameter::PhysicalWidth
             | Parameter::PhysicalCenterHeight
             | Parameter::PhysicalInertia
@@ -324,6 +388,8 @@ impl Values {
             | Parameter::Foundation
             | Parameter::Tie1Stiffness
             | Parameter::Tie2Stiffness
+            | Parameter::Damper1Stiffness
+            | Parameter::Damper2Stiffness
             | Parameter::OnSeparation
             | Parameter::OnOverturning
             | Parameter::InitialTheta

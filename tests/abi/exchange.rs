@@ -181,10 +181,10 @@ fn arrays_of_wrong_length_and_non_finite_numbers_are_refused() {
     let solver = Solver::begin(&FLYING);
     let before = solver.instance.bits();
     let i = &solver.instance;
-    i.refuses(call!(i, get_continuous_states, [0.0; 9].as_mut_ptr(), 9), &["9", "10"]);
-    i.refuses(call!(i, get_derivatives, [0.0; 7].as_mut_ptr(), 7), &["7", "10"]);
-    i.refuses(call!(i, get_event_indicators, [0.0; 3].as_mut_ptr(), 3), &["3", "10"]);
-    i.refuses(call!(i, set_continuous_states, [0.0; 7].as_ptr(), 7), &["7", "10"]);
+    i.refuses(call!(i, get_continuous_states, [0.0; 9].as_mut_ptr(), 9), &["9", "11"]);
+    i.refuses(call!(i, get_derivatives, [0.0; 7].as_mut_ptr(), 7), &["7", "11"]);
+    i.refuses(call!(i, get_event_indicators, [0.0; 3].as_mut_ptr(), 3), &["3", "22"]);
+    i.refuses(call!(i, set_continuous_states, [0.0; 7].as_ptr(), 7), &["7", "11"]);
     i.refuses(call!(i, set_continuous_states, [f64::NAN; STATES].as_ptr(), STATES), &["state 0", "NaN"]);
     i.refuses(call!(i, set_time, f64::INFINITY), &["inf"]);
     i.refuses(call!(i, get_derivatives, std::ptr::null_mut(), STATES), &["derivatives", "NULL"]);

@@ -89,11 +89,11 @@ const TABLE: &[Row] = &[
     ("fmi2EnterContinuousTimeMode", NONE, |i| call!(i, enter_continuous_time_mode)),
     ("fmi2CompletedIntegratorStep", NONE, |i| call!(i, completed_integrator_step, 1, &mut 0, &mut 0)),
     ("fmi2SetTime", NONE, |i| call!(i, set_time, 1.0)),
-    ("fmi2SetContinuousStates", NONE, |i| call!(i, set_continuous_states, [0.01; 10].as_ptr(), 10)),
-    ("fmi2GetDerivatives", NONE, |i| call!(i, get_derivatives, [0.0; 10].as_mut_ptr(), 10)),
-    ("fmi2GetEventIndicators", NONE, |i| call!(i, get_event_indicators, [0.0; 10].as_mut_ptr(), 10)),
-    ("fmi2GetContinuousStates", NONE, |i| call!(i, get_continuous_states, [0.0; 10].as_mut_ptr(), 10)),
-    ("fmi2GetNominalsOfContinuousStates", NONE, |i| call!(i, get_nominals, [0.0; 10].as_mut_ptr(), 10)),
+    ("fmi2SetContinuousStates", NONE, |i| call!(i, set_continuous_states, [0.01; 11].as_ptr(), 11)),
+    ("fmi2GetDerivatives", NONE, |i| call!(i, get_derivatives, [0.0; 11].as_mut_ptr(), 11)),
+    ("fmi2GetEventIndicators", NONE, |i| call!(i, get_event_indicators, [0.0; 22].as_mut_ptr(), 22)),
+    ("fmi2GetContinuousStates", NONE, |i| call!(i, get_continuous_states, [0.0; 11].as_mut_ptr(), 11)),
+    ("fmi2GetNominalsOfContinuousStates", NONE, |i| call!(i, get_nominals, [0.0; 11].as_mut_ptr(), 11)),
 ];
 
 /// Functions that act on no instance, end it, or are never answered.
@@ -250,7 +250,7 @@ fn exchanged_in(state: &str) -> Instance {
         instance.set("on_separation", 3.0);
         TO_CONTINUOUS_TIME_MODE.iter().for_each(|step| assert_eq!(step(&instance), OK));
         // No regime persists in such a state.
-        let states = [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let states = [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert_eq!(call!(instance, set_continuous_states, states.as_ptr(), states.len()), OK);
         assert_eq!(call!(instance, enter_event_mode), OK);
         assert_eq!(call!(instance, new_discrete_states, &mut EventInfo::default()), ERROR);

@@ -3,8 +3,8 @@
 use crate::functions::*;
 use crate::host::{Instance, call};
 
-pub const STATES: usize = 10;
-pub const INDICATORS: usize = 10;
+pub const STATES: usize = 11;
+pub const INDICATORS: usize = 22;
 pub const NAMES: [&str; STATES] = [
     "theta",
     "theta_dot",
@@ -16,6 +16,7 @@ pub const NAMES: [&str; STATES] = [
     "energy.dashpots",
     "energy.friction",
     "energy.ties",
+    "energy.dampers",
 ];
 pub const DERIVATIVES: [&str; STATES] = [
     "theta_dot",
@@ -28,6 +29,7 @@ pub const DERIVATIVES: [&str; STATES] = [
     "power.dashpots",
     "power.friction",
     "power.ties",
+    "power.dampers",
 ];
 
 pub type States = [f64; STATES];

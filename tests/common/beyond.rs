@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
+use rocking_block::block::restraints::{LinkKind, Tie, tie};
 use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use serde::Deserialize;
 
@@ -99,26 +99,25 @@ impl Case {
             ..Common::default()
         };
         let Case { alpha, p, eta, xi_v, mass, .. } = *self;
-        let link = |case: &TieCase| {
-            let tie = Tie {
-                block: case.block,
-                ground: case.ground,
-                stiffness: mass * case.stiffness,
-                pretension: mass * case.pretension,
-                slack: case.slack,
-                damping: mass * case.damping,
-                strength: mass * case.strength,
-            };
-            let kind = if case.kind == "damper" { LinkKind::Damper } else { LinkKind::Tie };
-            (tie, ForceLaw { kind, yield_force: mass * case.yield_force, hardening: case.hardening })
+        let link = |case: &TieCase| Tie {
+            block: case.block,
+            ground: case.ground,
+            stiffness: mass * case.stiffness,
+            pretension: mass * case.pretension,
+            slack: case.slack,
+            damping: mass * case.damping,
+            strength: mass * case.strength,
+            yield_force: mass * case.yield_force,
+            hardening: case.hardening,
+            kind: if case.kind == "damper" { LinkKind::Damper } else { LinkKind::Tie },
         };
-        let links: Vec<(Tie, ForceLaw)> = self.ties.iter().chain(&self.links).map(link).collect();
+        let links: Vec<Tie> = self.ties.iter().chain(&self.links).map(link).collect();
         Block::from_dimensionless(
             &Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) },
             &common,
         )
         .unwrap()
-        .with_links(&links)
+        .with_ties(&links)
         .unwrap()
     }
 }
@@ -158,22 +157,8 @@ impl Case {
         ]
         .map(|(name, value)| (name.to_string(), value))
         .into();
-        for (i, tie) in (1..).zip(block.ties()) {
-            let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
-            values.extend(
-                [
-                    ("block_x", block[0]),
-                    ("block_z", block[1]),
-                    ("ground_x", ground[0]),
-                    ("ground_z", ground[1]),
-                    ("stiffness", stiffness),
-                    ("pretension", pretension),
-                    ("slack", slack),
-                    ("damping", damping),
-                    ("strength", strength),
-                ]
-                .map(|(name, value)| (format!("tie_{i}.{name}"), value)),
-            );
+        for (link, tie) in tie::names(block.ties()).into_iter().zip(block.ties()) {
+            values.extend(tie.named().map(|(name, value)| (format!("{link}.{name}"), value)));
         }
         values
     }

@@ -192,7 +192,7 @@ fn time_is_a_direction() {
         }
     }
     // Time merely decides whether a foot slides at the start, and with it these.
-    const DECIDED: [&str; 8] = [
+    const DECIDED: [&str; 15] = [
         "u_dot",
         "energy.kinetic",
         "energy.potential",
@@ -201,6 +201,13 @@ fn time_is_a_direction() {
         "power.ties",
         "tie_1.tension",
         "tie_2.tension",
+        "power.dampers",
+        "damper_1.force",
+        "damper_2.force",
+        "tie_1.plastic",
+        "tie_2.plastic",
+        "damper_1.plastic",
+        "damper_2.plastic",
     ];
     let all = unknowns.iter().filter(|name| declared[**name].contains("time") && !DECIDED.contains(name));
     let smooth = all.filter(|name| !name.contains("peak") && !name.contains("friction"));

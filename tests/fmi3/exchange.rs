@@ -8,8 +8,8 @@ use crate::host::{FMU, Instance, Wanted, call, reference};
 /// Free rocking on a rigid base.
 const RELEASED: [(&str, f64); 2] = [("foundation", 2.0), ("initial.theta", 0.1)];
 
-const STATES: usize = 10;
-const INDICATORS: usize = 10;
+const STATES: usize = 11;
+const INDICATORS: usize = 22;
 
 /// Result of `fmi3UpdateDiscreteStates`.
 #[derive(Debug)]
@@ -85,8 +85,20 @@ fn least_indicator(block: &Instance, time: f64, states: &[f64; STATES]) -> f64 {
         "indicator.slip_L",
         "indicator.tie_1.taut",
         "indicator.tie_1.strength",
+        "indicator.tie_1.yield",
+        "indicator.tie_1.yield_back",
         "indicator.tie_2.taut",
         "indicator.tie_2.strength",
+        "indicator.tie_2.yield",
+        "indicator.tie_2.yield_back",
+        "indicator.damper_1.thrust",
+        "indicator.damper_1.strength",
+        "indicator.damper_1.yield",
+        "indicator.damper_1.yield_back",
+        "indicator.damper_2.thrust",
+        "indicator.damper_2.strength",
+        "indicator.damper_2.yield",
+        "indicator.damper_2.yield_back",
     ];
     assert_eq!(named.map(|name| block.get(name)), indicators);
     indicators.into_iter().fold(f64::INFINITY, f64::min)
@@ -148,7 +160,7 @@ fn sizes_are_reported_and_checked() {
     let mut values = [f64::NAN; STATES];
     block.ok(call!(block, get_nominals_of_continuous_states, values.as_mut_ptr(), STATES));
     assert!(values.iter().all(|nominal| *nominal > 0.0));
-    block.refuses(call!(block, get_continuous_states, values.as_mut_ptr(), 3), &["room for 3", "10"]);
+    block.refuses(call!(block, get_continuous_states, values.as_mut_ptr(), 3), &["room for 3", "11"]);
     // The pulse's beginning is the next event.
     let pulsed = ready(&[("pulse.shape", 2.0), ("pulse.amplitude", 1.0), ("pulse.start", 0.25)]);
     assert_eq!(update(&pulsed).next_time, Some(0.25));

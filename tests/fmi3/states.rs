@@ -87,14 +87,14 @@ const TABLE: &[Row] = &[
     ("fmi3EnterContinuousTimeMode", "E", |b| call!(b, enter_continuous_time_mode)),
     ("fmi3CompletedIntegratorStep", "K", |b| call!(b, completed_integrator_step, true, &mut false, &mut false)),
     ("fmi3SetTime", "EK", |b| call!(b, set_time, 0.0)),
-    ("fmi3SetContinuousStates", "K", |b| call!(b, set_continuous_states, [0.01; 10].as_ptr(), 10)),
+    ("fmi3SetContinuousStates", "K", |b| call!(b, set_continuous_states, [0.01; 11].as_ptr(), 11)),
     ("fmi3GetContinuousStateDerivatives", "MEKTX", |b| {
-        call!(b, get_continuous_state_derivatives, [0.0; 10].as_mut_ptr(), 10)
+        call!(b, get_continuous_state_derivatives, [0.0; 11].as_mut_ptr(), 11)
     }),
-    ("fmi3GetEventIndicators", "MEKTX", |b| call!(b, get_event_indicators, [0.0; 10].as_mut_ptr(), 10)),
-    ("fmi3GetContinuousStates", "MEKTX", |b| call!(b, get_continuous_states, [0.0; 10].as_mut_ptr(), 10)),
+    ("fmi3GetEventIndicators", "MEKTX", |b| call!(b, get_event_indicators, [0.0; 22].as_mut_ptr(), 22)),
+    ("fmi3GetContinuousStates", "MEKTX", |b| call!(b, get_continuous_states, [0.0; 11].as_mut_ptr(), 11)),
     ("fmi3GetNominalsOfContinuousStates", "MEKTX", |b| {
-        call!(b, get_nominals_of_continuous_states, [0.0; 10].as_mut_ptr(), 10)
+        call!(b, get_nominals_of_continuous_states, [0.0; 11].as_mut_ptr(), 11)
     }),
     ("fmi3GetNumberOfEventIndicators", "ICMEKTX", |b| call!(b, get_number_of_event_indicators, &mut 0)),
     ("fmi3GetNumberOfContinuousStates", "ICMEKTX", |b| call!(b, get_number_of_continuous_states, &mut 0)),
@@ -179,8 +179,8 @@ fn block_in(state: char) -> Instance {
         block.ok(call!(
             block,
             set_continuous_states,
-            [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].as_ptr(),
-            10
+            [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].as_ptr(),
+            11
         ));
         block.ok(call!(block, enter_event_mode));
         assert_eq!(update(&block), ERROR);

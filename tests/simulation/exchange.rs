@@ -184,10 +184,13 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
             close(a, b, size);
         }
         // A power is the derivative of its sum, to the last bit.
-        let [.., input, dashpots, friction, ties] = simulation.derivatives(&inputs);
+        let [.., input, dashpots, friction, ties, dampers] = simulation.derivatives(&inputs);
         let seen = simulation.observe(&inputs);
         assert_eq!([input, dashpots], seen.power);
-        assert_eq!([friction, ties], [seen.friction_power, seen.restraint_power.ties]);
+        assert_eq!(
+            [friction, ties, dampers],
+            [seen.friction_power, seen.restraint_power.ties, seen.restraint_power.dampers]
+        );
         for (state, expected) in [
             (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
             (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
@@ -195,7 +198,7 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
             (
                 9,
                 Energies {
-                    restraints: restraints::RestraintEnergies { ties: 1.0 },
+                    restraints: restraints::RestraintEnergies { ties: 1.0, dampers: 0.0 },
                     residual: 1.0,
                     ..Energies::default()
                 },
@@ -301,11 +304,11 @@ fn states_are_read_back_as_set() {
         let inputs = Inputs::default();
         let now = simulation.states(&inputs);
         let deflection = block.static_deflection();
-        let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2, 0.5, 0.4];
+        let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2, 0.5, 0.4, 0.6];
         simulation.set_states(0.0, &put);
         let read = simulation.states(&inputs);
         // The horizontal motion of a gripping foot follows from the others.
-        for i in [0, 1, 2, 3, 6, 7, 8, 9] {
+        for i in [0, 1, 2, 3, 6, 7, 8, 9, 10] {
             assert!(
                 (read[i] - put[i]).abs() <= 1e-14 * (1.0 + put[i].abs()),
                 "{regime:?}, state {i}: {read:?}, {put:?}"

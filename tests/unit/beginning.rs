@@ -112,25 +112,21 @@ const STEPS: [&str; 9] = [
 const SLIDING: [&str; 7] =
     ["u_dot", "energy.kinetic", "energy.potential", "energy.total", "slip_rate", "slides", "power.friction"];
 
-/// Unknowns of the ties.
-const OF_TIES: [&str; 7] = [
-    "power.ties",
-    "tie_1.tension",
-    "tie_2.tension",
-    "tie_1.broken",
-    "tie_2.broken",
-    "peak.tie_1.tension",
-    "peak.tie_2.tension",
-];
+/// Whether an unknown is one of the ties and dampers.
+fn is_of_links(unknown: &str) -> bool {
+    ["tie", "damper"].iter().any(|kind| unknown.contains(kind))
+}
 
 /// Whether a known merely decides in which regime a block begins, or whether a tie has broken, on which the unknown depends.
 fn only_decides(declared: &Declared, unknown: &str, known: &str) -> bool {
-    let own = known.split_once('.').is_some_and(|(tie, _)| tie.starts_with("tie_") && unknown.contains(tie));
+    let own = known.split_once('.').is_some_and(|(link, _)| is_of_links(link) && unknown.contains(link));
     let damps = matches!(known, "dimensionless.xi_v" | "physical.C" | "physical.inertia");
-    let decides = damps || known == "friction" || known.starts_with("tie_") || !declared["v_dot"].contains(known);
+    let decides = damps || known == "friction" || is_of_links(known) || !declared["v_dot"].contains(known);
     // A block that slides from the start, or a tie that breaks there.
     let rare = matches!(unknown, "slip_rate" | "power.friction") || unknown.ends_with(".broken");
-    let of_contacts = SLIDING.contains(&unknown) || STEPS.contains(&unknown) || OF_TIES.contains(&unknown);
+    // The rates decide whether a damper breaks, and keeps the plastic elongation of before.
+    let rare = rare || (unknown.ends_with(".plastic") && known.starts_with("initial."));
+    let of_contacts = SLIDING.contains(&unknown) || STEPS.contains(&unknown) || is_of_links(unknown);
     rare || known.ends_with(".strength") || (of_contacts && decides && !own)
 }
 

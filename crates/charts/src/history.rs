@@ -8,7 +8,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
-use rocking_block::block::restraints::MAX_TIES;
+use rocking_block::block::restraints::{MAX_TIES, tie};
 use rocking_block::block::{Block, Corner, Foundation, Regime};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
@@ -16,20 +16,20 @@ use rocking_studies::run::{History, Row};
 /// Heights of the panels: rotation, reactions, regimes, ground.
 const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
 
-/// Names and line styles of the tensions.
-const TIES: [(&str, LineStyle); MAX_TIES] = [
-    ("tie 1", LineStyle::BLUE),
-    ("tie 2", LineStyle::ORANGE),
-    ("tie 3", LineStyle::BLACK),
-    ("tie 4", LineStyle::DASHED),
-    ("tie 5", LineStyle::DOTTED),
-    ("tie 6", LineStyle::DASH_DOTTED),
-    ("tie 7", LineStyle::FAINT),
-    ("tie 8", LineStyle::THIN),
+/// Line styles of the forces of ties and dampers.
+const LINKS: [LineStyle; MAX_TIES] = [
+    LineStyle::BLUE,
+    LineStyle::ORANGE,
+    LineStyle::BLACK,
+    LineStyle::DASHED,
+    LineStyle::DOTTED,
+    LineStyle::DASH_DOTTED,
+    LineStyle::FAINT,
+    LineStyle::THIN,
 ];
 
 /// A quantity over time: its name in the legend, the style of its line, its value.
-type Series<'a> = (&'static str, LineStyle, &'a dyn Fn(&Row) -> f64);
+type Series<'a> = (&'a str, LineStyle, &'a dyn Fn(&Row) -> f64);
 
 /// A chart with its height and its legend.
 type Panel<'a> = (u32, Vec<Key>, Chart<'a>);
@@ -69,8 +69,8 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         panel(history, HEIGHTS[1], reactions, &[left, right]),
         (HEIGHTS[2], Vec::new(), regimes(history, axis(!has_ground))),
     ];
-    let Holds { friction, ties } = Holds::of(block);
-    if friction {
+    let holds = Holds::of(block);
+    if holds.friction {
         // Round-off would fill the panel of a block that does not slide.
         let is_still = history.rows.iter().all(|row| row.slip.abs() < 1e-9);
         let ordinate = if is_still { -1.0..1.0 } else { 0.0..0.0 };
@@ -79,12 +79,17 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         // Before the regimes, which carry the time axis if there is no ground motion.
         panels.insert(1, panel(history, HEIGHTS[3], slip, &[slip_of]));
     }
-    if ties > 0 {
+    let names = link_names(block);
+    if holds.has_links() {
         let tensions = Chart { x: axis(false), y: ("T/(M g)", 0.0..0.0), ..Chart::default() };
-        let value = |tie: usize| move |row: &Row| row.observation.pull[tie] / weight;
-        let values: Vec<_> = (0..ties).map(value).collect();
-        let series: Vec<Series> =
-            values.iter().zip(TIES).map(|(value, (name, style))| -> Series { (name, style, value) }).collect();
+        let value = |link: usize| move |row: &Row| row.observation.restraints[link].pull / weight;
+        let values: Vec<_> = (0..names.len()).map(value).collect();
+        let series: Vec<Series> = values
+            .iter()
+            .zip(&names)
+            .zip(LINKS)
+            .map(|((value, name), style)| -> Series { (name, style, value) })
+            .collect();
         panels.insert(panels.len() - 1, panel(history, HEIGHTS[3], tensions, &series));
     }
     if has_ground {
@@ -144,10 +149,13 @@ pub fn block_line(block: &Block) -> String {
     if block.friction > 0.0 {
         holds += &format!(", μ = {}", short(block.friction));
     }
-    match block.ties().len() {
-        0 => {}
-        1 => holds += ", 1 tie",
-        ties => holds += &format!(", {ties} ties"),
+    let Holds { ties, dampers, .. } = Holds::of(block);
+    for (count, one, several) in [(ties, "tie", "ties"), (dampers, "damper", "dampers")] {
+        match count {
+            0 => {}
+            1 => holds += &format!(", 1 {one}"),
+            count => holds += &format!(", {count} {several}"),
+        }
     }
     format!(
         "α = {} rad, p = {} rad/s, {foundation}{holds} ({} m wide, {} m high, R0 = {} m)",
@@ -157,6 +165,11 @@ pub fn block_line(block: &Block) -> String {
         significant(2.0 * h, 5),
         significant(r0, 5)
     )
+}
+
+/// Returns the names of the ties and dampers, such as `tie 1`.
+pub fn link_names(block: &Block) -> Vec<String> {
+    tie::names(block.ties()).into_iter().map(|name| name.replace('_', " ")).collect()
 }
 
 /// Draws the regimes in rows, one for each set of touching corners.

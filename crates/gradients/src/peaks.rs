@@ -34,8 +34,10 @@ pub(crate) type ObserveInside<'a> = dyn Fn(&Segment, f64) -> [Observation<Number
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Channel(Channel),
-    /// The pull of the restraint with this number.
+    /// The pull or push of the restraint with this number.
     Pull(usize),
+    /// Its plastic elongation.
+    Plastic(usize),
 }
 
 const CHANNELS: [Channel; 5] =
@@ -46,13 +48,19 @@ const CHANNELS: [Channel; 5] =
 pub(crate) struct PeakSegments {
     channels: [Option<Box<Segment>>; CHANNELS.len()],
     pulls: [Option<Box<Segment>>; restraints::MAX],
+    plastics: [Option<Box<Segment>>; restraints::MAX],
     /// Derivatives of the peak slip.
     slip: [f64; BATCH],
 }
 
 impl PeakSegments {
     pub fn new() -> PeakSegments {
-        PeakSegments { channels: Default::default(), pulls: Default::default(), slip: [0.0; BATCH] }
+        PeakSegments {
+            channels: Default::default(),
+            pulls: Default::default(),
+            plastics: Default::default(),
+            slip: [0.0; BATCH],
+        }
     }
 
     /// Records the start of a block with restraints of these numbers.
@@ -62,6 +70,7 @@ impl PeakSegments {
         }
         for number in restraints {
             self.pulls[number] = Some(Box::new(*start));
+            self.plastics[number] = Some(Box::new(*start));
         }
     }
 
@@ -77,9 +86,12 @@ impl PeakSegments {
                 record(slot);
             }
         }
-        for (number, slot) in self.pulls.iter_mut().enumerate() {
+        for number in 0..restraints::MAX {
             if after.pull[number] != before.pull[number] {
-                record(slot);
+                record(&mut self.pulls[number]);
+            }
+            if after.plastic[number] != before.plastic[number] {
+                record(&mut self.plastics[number]);
             }
         }
         if after.slip != before.slip {
@@ -115,6 +127,7 @@ impl PeakSegments {
                 Some(strength) if strength.re == peaks.pull[i] => strength,
                 Some(_) | None => peak(Quantity::Pull(i), peaks.pull[i], &self.pulls[i]),
             }),
+            plastic: std::array::from_fn(|i| peak(Quantity::Plastic(i), peaks.plastic[i], &self.plastics[i])),
         }
     }
 }
@@ -153,8 +166,10 @@ fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity) -
 
 /// Returns the values of a quantity for each corner or direction, with their rates.
 fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(Number, f64)> {
+    let size = |x: Number| if x.re < 0.0 { -x } else { x };
     let values = |x: &Observation<Number>| match quantity {
-        Quantity::Pull(number) => vec![x.pull[number]],
+        Quantity::Pull(number) => vec![size(x.restraints[number].pull)],
+        Quantity::Plastic(number) => vec![size(x.restraints[number].plastic)],
         Quantity::Channel(Channel::Theta) => vec![x.theta, -x.theta],
         Quantity::Channel(Channel::Reaction) => x.reaction.to_vec(),
         Quantity::Channel(Channel::Horizontal) => vec![x.horizontal, -x.horizontal],

@@ -63,7 +63,10 @@ pub fn unit(name: &str) -> &'static str {
 impl Parameters {
     /// Returns the names of all parameters that the run reads.
     pub fn names(&self) -> Vec<String> {
-        let of_ties = (1..=self.ties.len()).flat_map(|tie| tie::NUMBERS.map(|(name, _)| format!("tie_{tie}.{name}")));
+        let of_tie = |(tie, found): (String, &Tie)| {
+            found.kind.numbers().map(|(name, _)| format!("{tie}.{name}")).collect::<Vec<_>>()
+        };
+        let of_ties = tie::names(&self.ties).into_iter().zip(&self.ties).flat_map(of_tie);
         let all = PARAMETERS.iter().map(|(name, _)| name.to_string()).chain(["pulse.cycles".into()]).chain(of_ties);
         let mut parameters = self.clone();
         all.filter(|name| parameters.number(name).is_some()).collect()
@@ -74,11 +77,18 @@ impl<T: Elementary> Parameters<T> {
     /// Returns the parameter with this name, or `None` if the run does not read it.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
         let Parameters { parameterization, common, ties, initial, pulse, scale } = self;
-        if let Some((tie, name)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
-            let tie = ties.get_mut(tie.parse::<usize>().ok()?.checked_sub(1)?)?;
-            let number = tie.number(name)?;
-            // A strength of 0 means that it does not break.
-            return (name != "strength" || number.value() > 0.0).then_some(number);
+        if let Some((tie, key)) = name.split_once('.')
+            && let Some(i) = tie::names(ties).iter().position(|known| known == tie)
+        {
+            let yields = ties[i].yields();
+            let number = ties[i].number(key)?;
+            // A strength of 0 means that it does not break, a yield force of 0 that it stays elastic.
+            let is_read = match key {
+                "strength" => number.value() > 0.0,
+                "yield_force" | "hardening" => yields,
+                _ => true,
+            };
+            return is_read.then_some(number);
         }
         match parameterization {
             Parameterization::Dimensionless(block) => match (name, &mut block.supports) {
@@ -185,8 +195,6 @@ pub struct Varied {
 
 impl Varied {
     /// Returns the derivatives with respect to the parameters with these names, at most [`BATCH`]. `None` if one is not read.
-    ///
-    /// The force modes of the ties are those of the block, without derivatives.
     pub fn with_respect_to(parameters: &Parameters, block: &Block, names: &[&str]) -> Option<Varied> {
         let mut varied = parameters.map(Number::from);
         for (i, name) in names.iter().enumerate() {
@@ -195,8 +203,7 @@ impl Varied {
         let Parameters { parameterization, common, ties, initial, pulse, scale } = varied;
         let mut derived = Block::of_parameters(&parameterization, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
-        let laws: Vec<_> = block.restraints.ties.laws().iter().map(|mode| mode.map(Number::from)).collect();
-        derived.restraints.ties = Ties::with_laws(&ties, &laws);
+        derived.restraints.ties = Ties::of(&ties);
         let block = with_values(derived, block);
         Some(Varied { block, initial, pulse, ground })
     }

@@ -17,7 +17,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-pub use tie::{ForceLaw, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
+pub use tie::{LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
 
 /// The restraints of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,10 +47,16 @@ impl<T> Restraints<T> {
         0..ties.all().len()
     }
 
+    /// Whether a restraint is a damper.
+    pub fn has_dampers(&self) -> bool {
+        let Restraints { ties } = self;
+        ties.all().last().is_some_and(|tie| tie.kind == LinkKind::Damper)
+    }
+
     /// Whether the restraint with this number pushes, too.
     pub fn pushes(&self, number: usize) -> bool {
         let Restraints { ties } = self;
-        ties.laws().get(number).is_some_and(|law| law.kind == LinkKind::Damper)
+        ties.all().get(number).is_some_and(|tie| tie.kind == LinkKind::Damper)
     }
 }
 
@@ -134,9 +140,8 @@ impl<T: Copy> States<T> {
 
     /// Returns the tie with this index.
     fn link<'a, P>(&self, block: &'a Block<P>, tie: u8) -> tie::Link<'a, P, T> {
-        let (i, ties) = (usize::from(tie), &block.restraints.ties);
-        let plastic = self.plastic.map(|all| all[i]);
-        tie::Link { tie: &ties.all()[i], law: &ties.laws()[i], state: self.ties[i], plastic }
+        let i = usize::from(tie);
+        tie::Link { tie: &block.ties()[i], state: self.ties[i], plastic: self.plastic.map(|all| all[i]) }
     }
 }
 
@@ -152,23 +157,25 @@ impl States {
 pub struct RestraintEnergies<T = f64> {
     /// Energy dissipated by the dashpots and by the yielding of the ties, and lost from the springs of broken ties.
     pub ties: T,
+    /// That of the dampers.
+    pub dampers: T,
 }
 
 /// Number of kinds of restraints.
-pub const KINDS: usize = 1;
+pub const KINDS: usize = 2;
 
 impl<T> RestraintEnergies<T> {
     /// Returns the accounts as an array.
     #[inline(always)]
     pub fn into_array(self) -> [T; KINDS] {
-        let RestraintEnergies { ties } = self;
-        [ties]
+        let RestraintEnergies { ties, dampers } = self;
+        [ties, dampers]
     }
 
     /// Makes energies from the array of accounts.
     #[inline(always)]
-    pub fn from_array([ties]: [T; KINDS]) -> RestraintEnergies<T> {
-        RestraintEnergies { ties }
+    pub fn from_array([ties, dampers]: [T; KINDS]) -> RestraintEnergies<T> {
+        RestraintEnergies { ties, dampers }
     }
 
     /// Returns the same number in each account.
@@ -190,8 +197,9 @@ impl<T> RestraintEnergies<T> {
 impl RestraintEnergies {
     /// Adds `others`, account by account.
     pub fn add(&mut self, others: RestraintEnergies) {
-        let RestraintEnergies { ties } = self;
+        let RestraintEnergies { ties, dampers } = self;
         *ties += others.ties;
+        *dampers += others.dampers;
     }
 
     /// Returns `sum` plus all accounts, in their order.
@@ -202,7 +210,8 @@ impl RestraintEnergies {
     /// Adds the energy lost in an event.
     pub fn lose(&mut self, event: RestraintEvent, energy: f64) {
         match event {
-            RestraintEvent::Tie(..) => self.ties += energy,
+            RestraintEvent::Tie(LinkKind::Tie, ..) => self.ties += energy,
+            RestraintEvent::Tie(LinkKind::Damper, ..) => self.dampers += energy,
         }
     }
 }
@@ -218,30 +227,66 @@ pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
     tie::pull::add_pull(block, ties, plastic, kinematics, forcing)
 }
 
-/// Returns the pulls of all restraints (N), by their numbers.
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(
+/// A restraint at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObservedRestraint<T = f64> {
+    /// Pull (N), negative for a damper that pushes.
+    pub pull: T,
+    /// Elongation (m): the stretch s of [`tie::pull`], for a damper that from rest.
+    pub elongation: T,
+    /// Plastic elongation s_p (m), positive for a longer one.
+    pub plastic: T,
+}
+
+impl<T> ObservedRestraint<T> {
+    /// Returns the same number for each quantity.
+    #[inline(always)]
+    pub fn of_all(number: T) -> ObservedRestraint<T>
+    where
+        T: Copy,
+    {
+        ObservedRestraint { pull: number, elongation: number, plastic: number }
+    }
+
+    /// Returns the quantities converted by `f`.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> ObservedRestraint<U> {
+        let ObservedRestraint { pull, elongation, plastic } = self;
+        ObservedRestraint { pull: f(pull), elongation: f(elongation), plastic: f(plastic) }
+    }
+}
+
+/// Returns the restraints at one instant, by their numbers.
+pub fn observe<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States<T>,
+    kinematics: &Kinematics<T>,
+) -> [ObservedRestraint<T>; MAX] {
+    let States { ties, plastic } = states;
+    tie::pull::observe(block, ties, plastic, kinematics)
+}
+
+/// Returns the plastic elongations of all restraints (m), by their numbers, positive for longer ones, also while they yield.
+pub fn plastic_elongations<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States<T>,
     kinematics: &Kinematics<T>,
 ) -> [T; MAX] {
-    let States { ties, plastic } = states;
-    tie::pull::tensions(block, ties, plastic, kinematics)
-}
-
-/// Returns the plastic elongations of all restraints (m), by their numbers, positive for longer ones, also while they yield.
-pub fn plastic_elongations(block: &Block, states: &States, kinematics: &Kinematics<f64>) -> [f64; MAX] {
-    let States { ties, plastic } = states;
-    let mut all = [0.0; MAX];
-    for (value, link) in all.iter_mut().zip(tie::links(block, ties, plastic)) {
-        *value = tie::pull::plastic(link, tie::pull::stretch(block, link.tie, kinematics).length);
+    match states.plastic {
+        None => [T::from(0.0); MAX],
+        Some(_) => observe(block, states, kinematics).map(|restraint| restraint.plastic),
     }
-    all
 }
 
 /// Returns the strength (N) of the restraint with this number, if it can break.
 pub fn strength<T: Elementary>(block: &Block<T>, number: usize) -> Option<T> {
     let strength = block.ties().get(number)?.strength;
     (strength.value() > 0.0).then_some(strength)
+}
+
+/// Returns the force (N) at which the restraint with this number yields first; 0 if it does not yield.
+pub fn yield_force<T: Elementary>(block: &Block<T>, number: usize) -> T {
+    block.ties().get(number).map_or_else(|| T::from(0.0), |tie| tie.yield_force)
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the restraints.
@@ -280,7 +325,8 @@ pub fn powers<P: Scalar, T: CombinesWith<P>>(
     kinematics: &Kinematics<T>,
 ) -> RestraintEnergies<T> {
     let States { ties, plastic } = states;
-    RestraintEnergies { ties: tie::pull::power(block, ties, plastic, kinematics) }
+    let power = |kind| tie::pull::power(block, ties, plastic, kinematics, kind);
+    RestraintEnergies { ties: power(LinkKind::Tie), dampers: power(LinkKind::Damper) }
 }
 
 /// An event function of a restraint: positive until it falls through zero.
@@ -291,24 +337,22 @@ pub enum RestraintFunction {
 }
 
 /// Maximum number of watched functions.
-pub const WATCHED: usize = 4 * MAX_TIES;
+pub const WATCHED: usize = tie::switching::WATCHED * MAX_TIES;
 
-/// Returns the watched functions of restraints in these modes: those of pulling and breaking first, then those of yielding.
+/// Returns the watched functions of restraints in these modes.
 pub fn watched(block: &Block, modes: &Modes) -> [Option<RestraintFunction>; WATCHED] {
     let (Modes { ties }, mut watched) = (modes, [None; WATCHED]);
-    let links = tie::links::<_, f64>(block, ties, &None).enumerate();
-    for (i, link) in links.filter(|(_, link)| link.tie.stiffness > 0.0) {
-        for (part, of_tie) in tie::switching::watched(link).into_iter().enumerate() {
-            let first = 2 * (part * MAX_TIES + i);
-            [watched[first], watched[first + 1]] =
-                of_tie.map(|function| function.map(|function| RestraintFunction::Tie(i as u8, function)));
-        }
+    let (slots, _) = watched.as_chunks_mut::<{ tie::switching::WATCHED }>();
+    let links = tie::links::<_, f64>(block, ties, &None).zip(slots).enumerate();
+    for (i, (link, slots)) in links.filter(|(_, (link, _))| link.tie.stiffness > 0.0) {
+        *slots = tie::switching::watched(link)
+            .map(|function| function.map(|function| RestraintFunction::Tie(i as u8, function)));
     }
     watched
 }
 
 /// Number of watched functions of the restraints among the variables of the FMU, which come first.
-pub const INDICATORS: usize = 2 * tie::VARIABLES;
+pub const INDICATORS: usize = tie::switching::WATCHED * tie::VARIABLES;
 
 impl RestraintFunction {
     /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
@@ -370,7 +414,9 @@ impl RestraintFunction {
                     plastic[i] = tie::pull::plastic(link, tie::pull::stretch(block, link.tie, &kinematics()).length);
                 }
                 states.ties[i] = state;
-                event.map(|event| RestraintEvent::Tie(tie, event))
+                let kind = link.tie.kind;
+                let number = block.ties()[..i].iter().filter(|tie| tie.kind == kind).count() as u8;
+                event.map(|event| RestraintEvent::Tie(kind, number, event))
             }
         }
     }
@@ -386,22 +432,22 @@ pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>,
 /// A reported event of a restraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RestraintEvent {
-    /// That of the tie with this index.
-    Tie(u8, tie::TieEvent),
+    /// That of the tie or damper with this index among its kind.
+    Tie(LinkKind, u8, tie::TieEvent),
 }
 
 impl RestraintEvent {
     /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {
-            RestraintEvent::Tie(_, event) => event.word(),
+            RestraintEvent::Tie(_, _, event) => event.word(),
         }
     }
 
     /// Returns the name of the restraint, such as `tie 1`.
     pub fn location(self) -> Option<&'static str> {
         match self {
-            RestraintEvent::Tie(tie, _) => tie::NAMES.get(usize::from(tie)).copied(),
+            RestraintEvent::Tie(kind, number, _) => kind.names().get(usize::from(number)).copied(),
         }
     }
 }
@@ -409,7 +455,7 @@ impl RestraintEvent {
 impl std::fmt::Display for RestraintEvent {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            RestraintEvent::Tie(tie, event) => write!(f, "tie {} {event}", tie + 1),
+            RestraintEvent::Tie(kind, number, event) => write!(f, "{} {} {event}", kind.word(), number + 1),
         }
     }
 }

@@ -80,7 +80,7 @@ impl ExchangePiece {
 impl Simulation {
     /// Lets the block be stepped from outside from here on.
     ///
-    /// Indicators exist for the restraints of the FMU, which do not yield: a block with others has to be stepped by [`Simulation::advance`].
+    /// Indicators exist for the first restraints, as many as the FMU has: a block with more has to be stepped by [`Simulation::advance`].
     pub fn begin_exchange(&mut self) {
         let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
         self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });
@@ -256,6 +256,7 @@ impl Simulation {
         self.update_peaks(&here, there, near, &mut inside);
         self.accumulate_slip(&here, there);
         self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
+        self.accumulate_plastic(&here, there);
     }
 
     /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of

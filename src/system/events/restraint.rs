@@ -25,6 +25,11 @@ impl<T: Elementary> Evaluation<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
+    /// Returns the plastic elongations of the restraints (m), by their numbers, positive for longer ones.
+    pub fn plastic_elongations(&self) -> [T; restraints::MAX] {
+        restraints::plastic_elongations(self.block, &self.forcing.restraints, &Kinematics::of(&self.instant))
+    }
+
     /// Returns the pull of the restraint with this number (N) and its rate (N/s).
     pub fn pull(&self, number: usize) -> Sample<T> {
         self.forcing.restraints.pull_of(number).map_or_else(Sample::default, |function| sample(function, self))

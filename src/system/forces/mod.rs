@@ -15,7 +15,7 @@ pub mod load;
 pub mod support;
 pub mod weight;
 
-use crate::block::restraints::{self, MAX, States};
+use crate::block::restraints::{self, MAX, ObservedRestraint, States};
 use crate::block::{Block, Kinematics, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -68,15 +68,26 @@ pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     joined([x.friction_power], powers_of_restraints(block, &forcing.restraints, x).into_array())
 }
 
-/// Returns the pulls of the restraints (N), by their numbers.
+/// Returns the restraints at one instant, by their numbers.
 #[inline(always)]
-pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States<T>, x: &Instant<T>) -> [T; MAX] {
-    if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MAX] }
+pub fn observe_restraints<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States<T>,
+    x: &Instant<T>,
+) -> [ObservedRestraint<T>; MAX] {
+    if block.restraints.is_empty() {
+        return [ObservedRestraint::of_all(T::from(0.0)); MAX];
+    }
+    observe_restraints_called(block, states, *x)
 }
 
 #[inline(never)]
-fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States<T>, x: Instant<T>) -> [T; MAX] {
-    restraints::pulls(block, states, &Kinematics::of(&x))
+fn observe_restraints_called<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States<T>,
+    x: Instant<T>,
+) -> [ObservedRestraint<T>; MAX] {
+    restraints::observe(block, states, &Kinematics::of(&x))
 }
 
 /// Returns the powers per mass (m²/s³) dissipated by restraints.

@@ -1,5 +1,6 @@
 //! Derivatives in time: of inputs over the next step, of outputs at the present time.
 
+use crate::block::restraints;
 use crate::simulation::peaks;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
@@ -50,6 +51,7 @@ impl Unit {
             channels: peaks::channels(&observed),
             slip: simulation.slip(),
             peaks: simulation.peaks(),
+            yield_forces: std::array::from_fn(|number| restraints::yield_force(simulation.block(), number)),
         };
         let rate = move |output| source(output).rate(&now);
         Ok(references.iter().map(move |&reference| output(reference).map(&rate)))

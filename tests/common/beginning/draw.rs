@@ -14,7 +14,7 @@ pub struct Known {
 }
 
 /// All known variables of FMI 2.0.
-pub const KNOWNS: [Known; 52] = {
+pub const KNOWNS: [Known; 74] = {
     const fn free(name: &'static str) -> Known {
         Known { name, least: None }
     }
@@ -65,6 +65,8 @@ pub const KNOWNS: [Known; 52] = {
         from_zero("tie_1.slack"),
         from_zero("tie_1.damping"),
         from_zero("tie_1.strength"),
+        from_zero("tie_1.yield_force"),
+        from_zero("tie_1.hardening"),
         free("tie_2.block_x"),
         free("tie_2.block_z"),
         free("tie_2.ground_x"),
@@ -74,34 +76,45 @@ pub const KNOWNS: [Known; 52] = {
         from_zero("tie_2.slack"),
         from_zero("tie_2.damping"),
         from_zero("tie_2.strength"),
+        from_zero("tie_2.yield_force"),
+        from_zero("tie_2.hardening"),
+        free("damper_1.block_x"),
+        free("damper_1.block_z"),
+        free("damper_1.ground_x"),
+        free("damper_1.ground_z"),
+        from_zero("damper_1.stiffness"),
+        from_zero("damper_1.damping"),
+        from_zero("damper_1.strength"),
+        from_zero("damper_1.yield_force"),
+        from_zero("damper_1.hardening"),
+        free("damper_2.block_x"),
+        free("damper_2.block_z"),
+        free("damper_2.ground_x"),
+        free("damper_2.ground_z"),
+        from_zero("damper_2.stiffness"),
+        from_zero("damper_2.damping"),
+        from_zero("damper_2.strength"),
+        from_zero("damper_2.yield_force"),
+        from_zero("damper_2.hardening"),
     ]
 };
 
-/// Parameters of the ties.
-const TIES: [[&str; 9]; 2] = [
-    [
-        "tie_1.block_x",
-        "tie_1.block_z",
-        "tie_1.ground_x",
-        "tie_1.ground_z",
-        "tie_1.stiffness",
-        "tie_1.pretension",
-        "tie_1.slack",
-        "tie_1.damping",
-        "tie_1.strength",
-    ],
-    [
-        "tie_2.block_x",
-        "tie_2.block_z",
-        "tie_2.ground_x",
-        "tie_2.ground_z",
-        "tie_2.stiffness",
-        "tie_2.pretension",
-        "tie_2.slack",
-        "tie_2.damping",
-        "tie_2.strength",
-    ],
-];
+/// Names of the parameters of a tie, or of a damper, which has neither pretension nor slack.
+macro_rules! link {
+    ($link:literal, $($name:literal),*) => {
+        &[$(concat!($link, ".", $name)),*]
+    };
+    (tie $link:literal) => {
+        link!($link, "block_x", "block_z", "ground_x", "ground_z", "stiffness", "damping", "strength", "yield_force", "hardening", "pretension", "slack")
+    };
+    (damper $link:literal) => {
+        link!($link, "block_x", "block_z", "ground_x", "ground_z", "stiffness", "damping", "strength", "yield_force", "hardening")
+    };
+}
+
+/// Parameters of the ties and dampers.
+const LINKS: [&[&str]; 4] =
+    [link!(tie "tie_1"), link!(tie "tie_2"), link!(damper "damper_1"), link!(damper "damper_2")];
 
 /// Initial values and parameters by name.
 #[derive(Clone, Debug)]
@@ -137,11 +150,14 @@ impl Draw {
             "initial.theta_dot" | "initial.v_dot" => 0.5,
             "epsilon" => 0.5,
             "friction" => 0.1,
-            _ if known.starts_with("tie_") => match known.split_once('.').map(|(_, of)| of) {
-                Some("slack") => 0.01,
-                Some("block_x" | "block_z" | "ground_x" | "ground_z") => 0.1,
-                _ => self.of(known).max(0.1 * mass),
-            },
+            _ if known.starts_with("tie_") || known.starts_with("damper_") => {
+                match known.split_once('.').map(|(_, of)| of) {
+                    Some("slack") => 0.01,
+                    Some("hardening") => 0.1,
+                    Some("block_x" | "block_z" | "ground_x" | "ground_z") => 0.1,
+                    _ => self.of(known).max(0.1 * mass),
+                }
+            }
             "dimensionless.xi_v" | "restitution_factor" | "record.scale" => self.of(known).max(0.1),
             "physical.C" => self.of(known).max(0.1 * mass),
             _ => self.of(known),
@@ -150,7 +166,7 @@ impl Draw {
 }
 
 /// Numbers from 0 to 1 that determine a draw.
-const NUMBERS: usize = 96;
+const NUMBERS: usize = 160;
 
 fn strategy() -> impl Strategy<Value = Draw> {
     prop::collection::vec(0.0..1.0_f64, NUMBERS).prop_map(|numbers| {
@@ -226,22 +242,25 @@ fn strategy() -> impl Strategy<Value = Draw> {
         let friction = if plain || between(0.0, 1.0) < 0.4 { 0.0 } else { between(0.02, rough) };
         values.push(("friction", friction));
         let ties = if plain { 0.0 } else { between(-1.0, 3.0).floor() };
-        for (i, names) in (0..).zip(TIES) {
-            let [zero_or, slack, brittle] = [1.0, 1.0, 1.0].map(|most| between(0.0, most) < 0.5);
-            let is_there = f64::from(i) < ties;
+        let dampers = if plain { 0.0 } else { between(-2.0, 3.0).floor() };
+        let counts = [ties, ties, dampers, dampers];
+        for ((names, i), count) in LINKS.into_iter().zip([0.0, 1.0, 0.0, 1.0]).zip(counts) {
+            let [zero_or, slack, brittle, yields] = [1.0; 4].map(|most| between(0.0, most) < 0.5);
             let drawn = [
                 between(-1.0, 1.0) * half_width,
                 between(0.0, 4.0),
                 between(-4.0, 4.0) * half_width,
-                between(-3.0, -0.2),
+                between(-3.0, -0.8),
                 mass * between(0.5, 50.0),
-                mass * between(0.1, 3.0),
-                between(0.0, 0.05),
                 mass * between(0.05, 2.0),
                 mass * between(0.5, 20.0),
+                mass * between(0.05, 3.0),
+                between(0.05, 0.6),
+                mass * between(0.1, 3.0),
+                between(0.0, 0.05),
             ];
-            let has = [true, true, true, true, is_there, !slack, slack, !zero_or, brittle];
-            for ((name, value), has) in names.into_iter().zip(drawn).zip(has) {
+            let has = [true, true, true, true, i < count, !zero_or, brittle, yields, yields, !slack, slack];
+            for ((name, value), has) in names.iter().zip(drawn).zip(has) {
                 values.push((name, if has { value } else { 0.0 }));
             }
         }

@@ -40,7 +40,7 @@ pub fn declared(xml: &str) -> Declared {
 
 /// Returns the unknowns that have derivatives.
 pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
-    const OTHERS: [&str; 8] = [
+    const OTHERS: [&str; 10] = [
         "regime",
         "events.impacts",
         "events.liftoffs",
@@ -49,6 +49,8 @@ pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
         "slides",
         "tie_1.broken",
         "tie_2.broken",
+        "damper_1.broken",
+        "damper_2.broken",
     ];
     declared.keys().map(String::as_str).filter(|name| !OTHERS.contains(name)).collect()
 }
@@ -80,7 +82,7 @@ impl Sizes {
         let Sizes { mass, r0, force, rate, energy, .. } = *self;
         match name {
             "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => force,
-            _ if name.ends_with(".tension") => force,
+            _ if name.ends_with(".tension") || name.ends_with(".force") => force,
             "slip_rate" => rate,
             "M_base" => force * r0,
             "theta_ddot" => force / mass / r0 * 10.0,
@@ -96,9 +98,10 @@ impl Sizes {
 }
 
 /// Returns the stretch of a tie (m), from the place of the block; zero without a tie.
-fn stretch(get: &mut impl FnMut(&str) -> f64, tie: u32) -> f64 {
-    let mut of = |name: &str| get(&format!("tie_{tie}.{name}"));
-    let [stiffness, pretension, slack] = ["stiffness", "pretension", "slack"].map(&mut of);
+fn stretch(get: &mut impl FnMut(&str) -> f64, tie: &str) -> f64 {
+    let mut of = |name: &str| get(&format!("{tie}.{name}"));
+    let stiffness = of("stiffness");
+    let [pretension, slack] = if tie.starts_with("tie") { ["pretension", "slack"].map(&mut of) } else { [0.0; 2] };
     let [block, ground] = [["block_x", "block_z"], ["ground_x", "ground_z"]].map(|ends| ends.map(&mut of));
     if stiffness == 0.0 {
         return 0.0;
@@ -117,8 +120,8 @@ struct Side {
     regime: [f64; 3],
     /// Whether the foot slides and to which side.
     slides: f64,
-    /// For each tie, whether it is stretched, pulls, and has broken.
-    ties: [[f64; 3]; 2],
+    /// For each tie and damper, whether it is stretched, pulls, has broken, and has yielded.
+    links: [[f64; 4]; 4],
     shear: f64,
     /// N_L + N_R, in units of the force.
     pressed: f64,
@@ -138,13 +141,16 @@ impl Side {
         Side {
             regime: ["regime", "separated", "overturned"].map(&mut get),
             slides: get("slides") * sign(get("H"), sizes.force),
-            ties: [1, 2].map(|tie| {
-                [
-                    stretch(&mut get, tie).signum(),
-                    sign(get(&format!("tie_{tie}.tension")), sizes.force),
-                    get(&format!("tie_{tie}.broken")),
-                ]
-            }),
+            links: [("tie_1", "tension"), ("tie_2", "tension"), ("damper_1", "force"), ("damper_2", "force")].map(
+                |(link, force)| {
+                    [
+                        stretch(&mut get, link).signum(),
+                        sign(get(&format!("{link}.{force}")), sizes.force),
+                        get(&format!("{link}.broken")),
+                        sign(get(&format!("{link}.plastic")), sizes.r0),
+                    ]
+                },
+            ),
             shear: sign(get("H"), sizes.force),
             pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
@@ -163,7 +169,7 @@ impl Side {
         let steady = pressed > 0.3 && (self.pressed - other.pressed).abs() < 0.01 * pressed;
         self.regime == other.regime
             && self.slides == other.slides
-            && self.ties == other.ties
+            && self.links == other.links
             && match unknown {
                 "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
                 // The smaller of two, which are equal without eccentricity.

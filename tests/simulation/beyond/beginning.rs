@@ -125,7 +125,7 @@ fn ties_begin_taut_limp_or_broken() {
                 (_, t) => (Taut, t),
             };
             assert_eq!(run.restraints().ties[0], expected.0, "{theta_dot} rad/s, {strength}: {tension} N");
-            let shown = seen.pull[0];
+            let shown = seen.restraints[0].pull;
             assert!((shown - expected.1).abs() < 1e-11 * weight, "{shown} N, expected {expected:?}");
             found.push(expected.0);
         }

@@ -1,6 +1,6 @@
 //! Ties and dampers that yield: closed forms, energy, mirror images and limits.
 
-use rocking_block::block::restraints::{self, ForceLaw, LinkKind, States, Tie, TieState, tie};
+use rocking_block::block::restraints::{self, LinkKind, ObservedRestraint, States, Tie, TieState, tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Kinematics, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -15,11 +15,17 @@ fn plain(foundation: Foundation) -> Block {
 }
 
 /// Returns a damper under the corner on this side, with stiffness, yield force and hardening in parts of the weight.
-fn damper(block: &Block, side: f64, [stiffness, yield_force, hardening]: [f64; 3]) -> (Tie, ForceLaw) {
+fn damper(block: &Block, side: f64, [stiffness, yield_force, hardening]: [f64; 3]) -> Tie {
     let (b, weight) = (block.b, block.mass * block.gravity);
-    let tie =
-        Tie { block: [side * b, 0.0], ground: [side * b, -b], stiffness: stiffness * weight / b, ..Tie::default() };
-    (tie, ForceLaw { kind: LinkKind::Damper, yield_force: yield_force * weight, hardening })
+    Tie {
+        block: [side * b, 0.0],
+        ground: [side * b, -b],
+        stiffness: stiffness * weight / b,
+        yield_force: yield_force * weight,
+        hardening,
+        kind: LinkKind::Damper,
+        ..Tie::default()
+    }
 }
 
 /// Runs a block under a one-sine pulse; returns the run and its events.
@@ -41,7 +47,7 @@ fn run(block: Block, amplitude: f64, end: f64) -> (Simulation, Vec<Event>) {
 
 fn of_link(event: &Event) -> Option<(u8, tie::TieEvent)> {
     match event.kind {
-        EventKind::Restraint(restraints::RestraintEvent::Tie(link, event)) => Some((link, event)),
+        EventKind::Restraint(restraints::RestraintEvent::Tie(_, link, event)) => Some((link, event)),
         _ => None,
     }
 }
@@ -59,8 +65,8 @@ fn a_prescribed_motion_follows_pragers_loop() {
         let (stiffness, amplitude) = (32768.0, 0.25);
         let yield_force = stiffness / 32.0;
         let tie = Tie { block: [0.0, plain.h], ground: [-2.0, plain.h], stiffness, ..Tie::default() };
-        let law = ForceLaw { kind: LinkKind::Damper, yield_force, hardening };
-        let block = plain.with_links(&[(tie, law)]).unwrap();
+        let tie = Tie { yield_force, hardening, kind: LinkKind::Damper, ..tie };
+        let block = plain.with_ties(&[tie]).unwrap();
         let mut states = States { plastic: Some(Default::default()), ..States::NONE };
         states.ties[0] = TieState::Taut;
         let line = |s: f64, sign: f64| hardening * stiffness * s + sign * (1.0 - hardening) * yield_force;
@@ -80,16 +86,16 @@ fn a_prescribed_motion_follows_pragers_loop() {
                     }
                 }
                 let exact = (force_there + stiffness * (s - from)).clamp(line(s, -1.0), line(s, 1.0));
-                let [found, ..] = restraints::pulls(&block, &states, &kinematics);
+                let [ObservedRestraint { pull: found, .. }, ..] = restraints::observe(&block, &states, &kinematics);
                 assert!((found - exact).abs() <= CLOSE * yield_force, "{hardening} {turn} {s}: {found}, not {exact}");
                 if step > 0 {
-                    let loss = restraints::powers(&block, &states, &kinematics).ties * block.mass;
+                    let loss = restraints::powers(&block, &states, &kinematics).dampers * block.mass;
                     work += 0.5 * (force + found) * by;
                     taken += loss;
                     taken_in_loop += if turn >= 2 { loss } else { 0.0 };
                 }
                 if turn == 0 {
-                    let link = tie::Link { tie: &tie, law: &law, state: TieState::Taut, plastic: Some(0.0) };
+                    let link = tie::Link { tie: &tie, state: TieState::Taut, plastic: Some(0.0) };
                     assert!((tie::pull::work_to(link, s) - work).abs() <= CLOSE * yield_force * amplitude);
                 }
                 force = found;
@@ -111,7 +117,7 @@ fn a_prescribed_motion_follows_pragers_loop() {
 fn two_dampers_yield_in_one_instant() {
     let block = plain(Foundation::Viscoelastic);
     let links = [-1.0, 1.0].map(|side| damper(&block, side, [20.0, 0.1, 0.05]));
-    let block = block.with_links(&links).unwrap();
+    let block = block.with_ties(&links).unwrap();
     let drop = Initial { vertical: Some((0.02 * block.b, 0.0)), ..Initial::default() };
     let settings = Settings { tolerance: 1e-10, on_separation: OnSeparation::Fly, ..Settings::default() };
     let inputs = Inputs::default();
@@ -138,7 +144,7 @@ fn a_damper_that_hardly_yields_is_a_spring() {
         let block = plain(foundation);
         let tied = |law: [f64; 3]| {
             let links = [-1.0, 1.0].map(|side| damper(&block, side, law));
-            run(block.with_links(&links).unwrap(), 2.5, 6.0)
+            run(block.with_ties(&links).unwrap(), 2.5, 6.0)
         };
         let (spring, events) = tied([3.0, 0.0, 0.0]);
         assert!(events.iter().all(|event| of_link(event).is_none()));
@@ -166,7 +172,7 @@ fn stiff_dampers_without_hardening_are_coulombs() {
     let error = |stiffness: f64| {
         // Stiffness in parts of the supports'.
         let links = [-1.0, 1.0].map(|side| damper(&block, side, [stiffness * block.b / sag, 0.025, 0.0]));
-        let block = block.with_links(&links).unwrap();
+        let block = block.with_ties(&links).unwrap();
         let settings = Settings { tolerance: 1e-11, ..Settings::default() };
         let (inputs, amplitude) = (Inputs::default(), 0.85 * sag);
         let start = Initial { vertical: Some((amplitude, 0.0)), ..Initial::default() };
@@ -200,8 +206,8 @@ fn a_yield_force_that_is_not_reached_changes_no_bit() {
         let guy = Tie { block: [b, 2.0 * b], ground: [4.0 * b, 0.0], slack: 0.05 * b, strength: 0.6 * weight, ..tie };
         let ties = [Tie { pretension: 0.05 * weight, damping: 0.5 * weight / b, ..tie }, guy];
         let with = |yield_force: f64| {
-            let law = ForceLaw { yield_force, hardening: 0.1, ..ForceLaw::default() };
-            run(block.with_links(&ties.map(|tie| (tie, law))).unwrap(), 2.5, 6.0)
+            let ties = ties.map(|tie| Tie { yield_force, hardening: 0.1, ..tie });
+            run(block.with_ties(&ties).unwrap(), 2.5, 6.0)
         };
         let (plain, events) = run(block.with_ties(&ties).unwrap(), 2.5, 6.0);
         assert!(events.iter().filter(|event| of_link(event).is_some()).count() > 3, "{events:?}");
@@ -218,7 +224,7 @@ fn a_yield_force_that_is_not_reached_changes_no_bit() {
 fn a_state_saved_while_a_link_yields_continues_with_the_same_bits() {
     let block = plain(Foundation::Viscoelastic);
     let links = [-1.0, 1.0].map(|side| damper(&block, side, [3.0, 0.05, 0.1]));
-    let block = block.with_links(&links).unwrap();
+    let block = block.with_ties(&links).unwrap();
     let bytes = |run: &Simulation| postcard::to_allocvec(run).unwrap();
     let mut yielding = 0;
     for tenths in [4, 6, 8, 10, 12] {
@@ -238,7 +244,7 @@ fn a_state_saved_while_a_link_yields_continues_with_the_same_bits() {
 fn shaken_in_contact(period: f64) -> (Simulation, Vec<(u8, tie::TieEvent)>) {
     let block = plain(Foundation::Viscoelastic);
     let links = [-1.0, 1.0].map(|side| damper(&block, side, [20.0, 0.01, 0.1]));
-    let block = block.with_links(&links).unwrap();
+    let block = block.with_ties(&links).unwrap();
     let settings = Settings { tolerance: 1e-12, ..Settings::default() };
     let amplitude = 0.3 * block.gravity * libm::tan(block.alpha);
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, ..Pulse::NONE };
@@ -283,7 +289,7 @@ fn a_block_rests_with_plastic_elongations() {
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
         let block = plain(foundation);
         let links = [-1.0, 1.0].map(|side| damper(&block, side, [3.0, 0.05, 0.1]));
-        let (mut run, events) = run(block.with_links(&links).unwrap(), 2.5, 300.0);
+        let (mut run, events) = run(block.with_ties(&links).unwrap(), 2.5, 300.0);
         assert!(events.iter().any(|event| of_link(event).is_some()));
         let inputs = Inputs::default();
         run.advance(2000.0, &inputs, &mut |_| ()).unwrap();
@@ -327,7 +333,7 @@ fn random_blocks_keep_energy_and_symmetry() {
             let friction = if draw(0.0, 1.0) < 0.4 { draw(0.2, 0.9) } else { 0.0 };
             let common = Common { friction, eccentricity: side * draw(-0.2, 0.2) * plain.b, ..common };
             let (b, h, weight) = (plain.b, plain.h, plain.mass * plain.gravity);
-            let links: Vec<(Tie, ForceLaw)> = (0..4)
+            let links: Vec<Tie> = (0..4)
                 .map(|i| {
                     let damper = i % 2 == 0;
                     let x = side * draw(-1.0, 1.0) * b;
@@ -342,10 +348,10 @@ fn random_blocks_keep_energy_and_symmetry() {
                     };
                     let kind = if damper { LinkKind::Damper } else { LinkKind::Tie };
                     let hardening = if draw(0.0, 1.0) < 0.3 { 0.0 } else { draw(0.0, 0.6) };
-                    (tie, ForceLaw { kind, yield_force: draw(0.01, 0.3) * weight, hardening })
+                    Tie { kind, yield_force: draw(0.01, 0.3) * weight, hardening, ..tie }
                 })
                 .collect();
-            let block = Block::from_dimensionless(&dimensionless, &common).unwrap().with_links(&links).unwrap();
+            let block = Block::from_dimensionless(&dimensionless, &common).unwrap().with_ties(&links).unwrap();
             let settings = Settings { tolerance: 1e-10, on_separation: OnSeparation::Fly, ..Settings::default() };
             let pulse = Pulse {
                 shape: PulseShape::OneSine,

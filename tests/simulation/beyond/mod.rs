@@ -6,7 +6,7 @@ mod links;
 mod random;
 mod ties;
 
-use rocking_block::block::restraints::{RestraintEvent, tie::TieEvent};
+use rocking_block::block::restraints::{LinkKind, RestraintEvent, tie::TieEvent};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Footing;
@@ -31,6 +31,8 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     let block = case.block();
     let pulse = case.a_gx.pulse();
+    let ties = block.ties().iter().filter(|tie| tie.kind == LinkKind::Tie).count();
+    let number = |kind, i: u8| if kind == LinkKind::Tie { usize::from(i) } else { ties + usize::from(i) };
     let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs_at(&records, 0));
     let rows = case.rows();
     let step = records[0].as_ref().map_or(case.dt, |record| record.dt);
@@ -46,11 +48,11 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                 simulation
                     .settle(&inputs, &mut |event| {
                         changes.push(match event.kind {
-                            EventKind::Restraint(RestraintEvent::Tie(tie, TieEvent::Taut | TieEvent::Slack)) => {
-                                Some(format!("tie{tie}"))
+                            EventKind::Restraint(RestraintEvent::Tie(kind, i, TieEvent::Taut | TieEvent::Slack)) => {
+                                Some(format!("tie{}", number(kind, i)))
                             }
-                            EventKind::Restraint(RestraintEvent::Tie(tie, event)) => {
-                                Some(format!("{}{tie}", event.word()))
+                            EventKind::Restraint(RestraintEvent::Tie(kind, i, event)) => {
+                                Some(format!("{}{}", event.word(), number(kind, i)))
                             }
                             _ => None,
                         });
@@ -66,10 +68,10 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                 let observer = &mut |event: &rocking_block::system::events::Event| at_once.push(event.kind);
                 let progress = simulation.advance_to_event(until, after, &inputs, observer).unwrap();
                 for kind in at_once {
-                    if let EventKind::Restraint(RestraintEvent::Tie(tie, event)) = kind
+                    if let EventKind::Restraint(RestraintEvent::Tie(of, i, event)) = kind
                         && !case.links.is_empty()
                     {
-                        events.push((after, Change::Tie(format!("{}{tie}", event.word()))));
+                        events.push((after, Change::Tie(format!("{}{}", event.word(), number(of, i)))));
                     }
                 }
 
@@ -85,9 +87,9 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
             (seen.u - row.u) / block.r0,
             (seen.reaction[0] - row.n_l).abs().max((seen.reaction[1] - row.n_r).abs()) / weight,
             (seen.horizontal - row.h) / weight,
-            (seen.pull[0] - row.tension_1.unwrap_or(0.0))
+            (seen.restraints[0].pull - row.tension_1.unwrap_or(0.0))
                 .abs()
-                .max((seen.pull[1] - row.tension_2.unwrap_or(0.0)).abs())
+                .max((seen.restraints[1].pull - row.tension_2.unwrap_or(0.0)).abs())
                 / weight,
             [row.plastic_1, row.plastic_2]
                 .into_iter()

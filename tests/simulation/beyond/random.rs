@@ -81,6 +81,7 @@ impl Draw {
                 slack: slack * b,
                 damping: damping * weight / (p * b),
                 strength: strength.max(0.0) * weight,
+                ..Tie::default()
             })
             .collect();
         Block::from_dimensionless(&dimensionless, &common).ok()?.with_ties(&ties).ok()
@@ -192,7 +193,7 @@ fn check(draw: &Draw) -> Result<(), String> {
         );
         let demand = simulation.peaks().friction_demand;
         ensure!(demand <= block.friction * (1.0 + 1e-12), "demand {demand}, friction {}", block.friction);
-        ensure!(seen.pull.iter().all(|&t| t > -1e-9 * weight), "{seen:?}");
+        ensure!(seen.restraints.iter().all(|tie| tie.pull > -1e-9 * weight), "{seen:?}");
         // A corner on a support lifts and lands without an impact hardly ever.
         let Counts { impacts, liftoffs, .. } = simulation.counts();
         ensure!(draw.rigid || liftoffs <= 2 * impacts + 20, "{liftoffs} lift-offs, {impacts} impacts at {now} s");

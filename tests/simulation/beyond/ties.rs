@@ -1,6 +1,6 @@
 //! Ties: an elastic tendon through the middle of a rigid base, and ties that break simultaneously.
 
-use rocking_block::block::restraints::{RestraintEvent, Tie, TieState, tie::TieEvent};
+use rocking_block::block::restraints::{LinkKind, RestraintEvent, Tie, TieState, tie::TieEvent};
 use rocking_block::block::{Block, Common, Corner, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -141,7 +141,7 @@ fn two_ties_that_break_at_once() {
             let mut broken = vec![];
             simulation
                 .advance(1.5, &Inputs::default(), &mut |event| {
-                    if let EventKind::Restraint(RestraintEvent::Tie(_, TieEvent::Break)) = event.kind {
+                    if let EventKind::Restraint(RestraintEvent::Tie(_, _, TieEvent::Break)) = event.kind {
                         broken.push(event.time);
                     }
                 })
@@ -179,7 +179,7 @@ fn an_impact_that_breaks_a_tendon() {
         let impact = events.iter().find(|event| matches!(event.kind, EventKind::Landing(_))).unwrap().time;
         let broken: Vec<f64> = events
             .iter()
-            .filter(|event| event.kind == EventKind::Restraint(RestraintEvent::Tie(0, TieEvent::Break)))
+            .filter(|event| event.kind == EventKind::Restraint(RestraintEvent::Tie(LinkKind::Tie, 0, TieEvent::Break)))
             .map(|event| event.time)
             .collect();
         assert_eq!(broken, if breaks { vec![impact] } else { vec![] }, "{events:?}");
@@ -214,8 +214,8 @@ fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
         let (untied, _) = run(&[]);
         let (theta, events) = run(&[Tie { strength: 0.01 * weight, ..tie }]);
         let [
-            (EventKind::Restraint(RestraintEvent::Tie(0, TieEvent::Taut)), taut),
-            (EventKind::Restraint(RestraintEvent::Tie(0, TieEvent::Break)), broken),
+            (EventKind::Restraint(RestraintEvent::Tie(LinkKind::Tie, 0, TieEvent::Taut)), taut),
+            (EventKind::Restraint(RestraintEvent::Tie(LinkKind::Tie, 0, TieEvent::Break)), broken),
         ] = events[..]
         else {
             panic!("{events:?}")
@@ -224,8 +224,10 @@ fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
         assert!((theta - untied).abs() < 1e-9, "{theta}, untied {untied}");
         let (held, events) = run(&[Tie { strength: weight, ..tie }]);
         assert!(
-            matches!(events[..], [(EventKind::Restraint(RestraintEvent::Tie(0, TieEvent::Taut)), _), ..])
-                && held < 0.9 * untied,
+            matches!(
+                events[..],
+                [(EventKind::Restraint(RestraintEvent::Tie(LinkKind::Tie, 0, TieEvent::Taut)), _), ..]
+            ) && held < 0.9 * untied,
             "{held}: {events:?}"
         );
     }
@@ -274,7 +276,7 @@ fn a_pretensioned_block_rests() {
         Tie { ground: [0.0, -3.0], stiffness: 2.0 * weight / plain.b, pretension: 0.5 * weight, ..Tie::default() };
     let mut simulation = released(plain.with_ties(&[tendon]).unwrap(), 0.0);
     let seen = simulation.observe(&Inputs::default());
-    let pull = seen.pull[0];
+    let pull = seen.restraints[0].pull;
     assert!((seen.reaction[0] + seen.reaction[1] - weight - pull).abs() < 1e-9 * weight, "{seen:?}");
     assert!(pull < 0.5 * weight && pull > 0.4 * weight, "{pull}");
     simulation.advance(10.0, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();

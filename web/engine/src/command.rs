@@ -83,7 +83,7 @@ impl CommandLine {
 
 /// A tie as an option of the program.
 pub fn tie_text(tie: &Tie) -> String {
-    tie.named().map(|(key, value)| format!("{key}={value}")).join(",")
+    tie.named().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(",")
 }
 
 /// The command line of a run that writes its history to `history.csv`.
@@ -94,8 +94,8 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
         line.option(&option(name), value);
     }
     line.unless("foundation", inputs.spec.foundation().word(), Foundation::Viscoelastic.word());
-    for tie in &inputs.spec.hold.ties {
-        line.option("tie", tie_text(tie));
+    for tie in inputs.spec.hold.links() {
+        line.option(tie.kind.word(), tie_text(&tie));
     }
     let Settings { tolerance, on_separation, .. } = inputs.run.settings;
     line.unless("tolerance", tolerance, Settings::default().tolerance).unless(

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rocking_block::block::restraints::tie;
+use rocking_block::block::restraints::{LinkKind, tie};
 use rocking_block::block::{Corner, Foundation, restraints};
 use rocking_block::simulation::Ending;
 use rocking_block::system::events::{Event, EventKind};
@@ -11,6 +11,7 @@ use rocking_studies::foundations;
 use rocking_studies::output::csv::lines;
 use rocking_studies::output::runner::Study as Rows;
 use rocking_studies::output::table::Table;
+use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row, Run, table};
 use rocking_studies::spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
@@ -286,18 +287,14 @@ fn events(history: &History) -> Vec<EventSummary> {
     history.events.iter().map(summary).collect()
 }
 
-/// The time at which each tie breaks (s), if it does.
+/// The time at which each tie and damper breaks (s), if it does.
 fn broken(run: &Run, history: &History) -> Vec<Option<f64>> {
-    let time = |tie: u8| {
-        history
-            .events
-            .iter()
-            .find(|event| {
-                event.kind == EventKind::Restraint(restraints::RestraintEvent::Tie(tie, tie::TieEvent::Break))
-            })
-            .map(|event| event.time)
+    let time = |(kind, i): (LinkKind, usize)| {
+        let event = restraints::RestraintEvent::Tie(kind, i as u8, tie::TieEvent::Break);
+        let found = history.events.iter().find(|found| found.kind == EventKind::Restraint(event));
+        found.map(|event| event.time)
     };
-    (0..run.block.ties().len() as u8).map(time).collect()
+    Holds::of(&run.block).links().map(time).collect()
 }
 
 fn peaks(run: &Run, history: &History) -> Value {

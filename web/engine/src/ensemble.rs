@@ -4,6 +4,7 @@
 //! as a file for `rocking sweep` gives the same table.
 
 use rocking_block::block::Foundation;
+use rocking_block::block::restraints::tie;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::input::parameters::Parameter;
@@ -121,9 +122,10 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     }
     let swept =
         |name: &str, values| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
-    let ties = (1..).zip(inputs.run.block.ties()).flat_map(|(number, tie)| {
-        let nonzero = tie.named().into_iter().filter(|(_, value)| *value != 0.0);
-        nonzero.map(move |(key, value)| swept(&format!("tie_{number}.{key}"), vec![value]))
+    let links = inputs.run.block.ties();
+    let ties = tie::names(links).into_iter().zip(links).flat_map(|(name, tie)| {
+        let nonzero = tie.named().filter(|(_, value)| *value != 0.0);
+        nonzero.map(move |(key, value)| swept(&format!("{name}.{key}"), vec![value]))
     });
     values.into_iter().map(|(name, values)| swept(name, values)).chain(ties).collect()
 }

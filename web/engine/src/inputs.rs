@@ -70,7 +70,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         false => block(&mut fields, &spec),
     };
     let block = tied(&mut fields, block);
-    spec.hold.ties = block.iter().flat_map(|block| block.ties().to_vec()).collect();
+    spec.hold = spec.hold.with_links(block.as_ref().map_or(&[], Block::ties));
     let (excitation, vertical) = excitation(&mut fields, files);
     let pulse = match excitation {
         Excitation::Pulse => pulse(&mut fields),
@@ -135,7 +135,7 @@ fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
             friction: slides.then(|| {
                 fields.number("friction", |x| x > 0.0, "a coefficient > 0; without a limit, feet that do not slide")
             }),
-            ties: Vec::new(),
+            ..HoldSpec::default()
         },
         ..BlockSpec::default()
     };
@@ -251,6 +251,7 @@ fn tie(fields: &mut Fields, number: usize) -> Tie {
         slack: value("slack", |x| x >= 0.0, "a length of at least 0 m"),
         damping: value("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m"),
         strength: value("strength", |x| x >= 0.0, "a force > 0 N, or 0 for a tie that does not break"),
+        ..Tie::default()
     }
 }
 

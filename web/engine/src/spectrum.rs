@@ -63,7 +63,7 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> St
     let InProportion { eccentricity, ties } = &spectrum.in_proportion;
     line.unless("friction", friction, default.friction).unless("eccentricity-ratio", *eccentricity, 0.0);
     for tie in ties {
-        line.option("tie-ratio", tie_text(tie));
+        line.option(&format!("{}-ratio", tie.kind.word()), tie_text(tie));
     }
     let on_separation = spectrum.settings.on_separation;
     line.unless("on-separation", on_separation.word(), OnSeparation::Fly.word());

@@ -12,6 +12,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::canvas::{Area, Drawn, TEXT, anchored, grey};
 use crate::formula::formula;
+use crate::history::link_names;
 use crate::numerals::significant;
 use crate::page::{page, wrapped};
 use crate::picture::PictureError;
@@ -66,8 +67,10 @@ impl Sketch {
         self.draw_body(area, layout)?;
         self.draw_dimensions(area, layout)?;
         self.draw_foundation(area, layout)?;
-        for (number, end) in (1..).zip(&layout.ties) {
-            tie(area, end.block, end.end, end.kind, number, layout.centre)?;
+        for ((name, link), drawn) in link_names(&self.block).iter().zip(self.block.ties()).zip(&layout.ties) {
+            // A tie by its number, as in `1`, a damper as in `D1`.
+            let label = name.replace("tie ", "").replace("damper ", "D");
+            tie(area, [drawn.block, drawn.end], drawn.kind, link.kind, &label, layout.centre)?;
         }
         self.draw_angles(area, layout)?;
         centre_of_mass(area, layout.centre)
@@ -220,19 +223,22 @@ impl Sketch {
         if self.block.friction > 0.0 {
             base.push(format!("friction μ = {}", short(self.block.friction)));
         }
-        let ties = (1..).zip(self.block.ties()).map(|(number, tie)| tie_values(tie, number));
+        let ties = link_names(&self.block).into_iter().zip(self.block.ties()).map(|(name, tie)| tie_values(tie, &name));
         [body, base].into_iter().chain(ties).collect()
     }
 }
 
 /// Returns the values of a tie in words.
-fn tie_values(tie: &Tie, number: usize) -> Vec<String> {
-    let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+fn tie_values(tie: &Tie, name: &str) -> Vec<String> {
+    let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind: _ } = *tie;
     let point = |[x, z]: [f64; 2]| format!("({},\u{A0}{})", significant(x, 4), significant(z, 4));
     let mut law = format!("k = {}", engineering(stiffness, "N/m"));
-    for (name, value, unit) in
-        [("pretension", pretension, "N"), ("damping", damping, "N s/m"), ("strength", strength, "N")]
-    {
+    for (name, value, unit) in [
+        ("pretension", pretension, "N"),
+        ("damping", damping, "N s/m"),
+        ("strength", strength, "N"),
+        ("yields at", yield_force, "N"),
+    ] {
         if value != 0.0 {
             law += &format!(", {name}\u{A0}{}", engineering(value, unit).replace(' ', "\u{A0}"));
         }
@@ -240,7 +246,10 @@ fn tie_values(tie: &Tie, number: usize) -> Vec<String> {
     if slack != 0.0 {
         law += &format!(", slack\u{A0}{}\u{A0}m", significant(slack, 4));
     }
-    vec![format!("tie {number}: {} to {} m", point(block), point(ground)), law]
+    if hardening != 0.0 {
+        law += &format!(", hardening\u{A0}{}", significant(hardening, 4));
+    }
+    vec![format!("{name}: {} to {} m", point(block), point(ground)), law]
 }
 
 /// Formats a value with four digits and a prefix of its unit.

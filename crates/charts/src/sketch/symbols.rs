@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use rocking_block::block::restraints::LinkKind;
 
 use crate::canvas::{Area, Drawn, INK, Position, TEXT, anchored, fill, grey, text};
 use crate::formula::{formula, width};
@@ -215,8 +216,9 @@ pub enum End {
     Broken,
 }
 
-/// Draws a tie from the block to the end of its line, with its number away from the centre of mass.
-pub fn tie(area: &Area, block: Point, to: Point, end: End, number: usize, centre: Point) -> Drawn {
+/// Draws a tie from the block to the end of its line, with its label away from the centre of mass: in a circle, for a damper in a
+/// cylinder.
+pub fn tie(area: &Area, [block, to]: [Point; 2], end: End, kind: LinkKind, label: &str, centre: Point) -> Drawn {
     let line = [block, to].map(unit).to_vec();
     area.draw(&PathElement::new(line, TIE.stroke_width(OUTLINE)))?;
     area.draw(&Circle::new(unit(block), 90, TIE.filled()))?;
@@ -243,9 +245,23 @@ pub fn tie(area: &Area, block: Point, to: Point, end: End, number: usize, centre
     let at = |part: f64| (block.0 + part * dx, block.1 + part * dy);
     let is_free = |(x, y): Point| (x - centre.0).hypot(y - centre.1) > 600.0;
     let middle = if is_free(at(0.4)) { at(0.4) } else { at(0.2) };
-    area.draw(&Circle::new(unit(middle), 260, WHITE.filled()))?;
-    area.draw(&Circle::new(unit(middle), 260, TIE.stroke_width(SYMBOL)))?;
-    write(area, &number.to_string(), middle, HPos::Center, VPos::Center)
+    match kind {
+        LinkKind::Tie => {
+            area.draw(&Circle::new(unit(middle), 260, WHITE.filled()))?;
+            area.draw(&Circle::new(unit(middle), 260, TIE.stroke_width(SYMBOL)))?;
+        }
+        LinkKind::Damper => {
+            const HALF: [f64; 2] = [560.0, 280.0];
+            let corner = |[along, across]: [f64; 2]| {
+                let (along, across) = (along * HALF[0], across * HALF[1]);
+                unit((middle.0 + along * tx - across * ty, middle.1 + along * ty + across * tx))
+            };
+            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]].map(corner);
+            area.draw(&Polygon::new(corners.to_vec(), WHITE.filled()))?;
+            area.draw(&PathElement::new(corners.to_vec(), TIE.stroke_width(SYMBOL)))?;
+        }
+    }
+    write(area, label, middle, HPos::Center, VPos::Center)
 }
 
 /// Colour of ties.

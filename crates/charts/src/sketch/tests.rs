@@ -17,7 +17,16 @@ fn block(width: f64, height: f64, eccentricity: f64, foundation: Foundation) -> 
 
 /// Returns a tie with all of its values.
 fn cable(block: [f64; 2], ground: [f64; 2]) -> Tie {
-    Tie { block, ground, stiffness: 2.5e6, pretension: 12e3, slack: 0.005, damping: 1e3, strength: 4e4 }
+    Tie {
+        block,
+        ground,
+        stiffness: 2.5e6,
+        pretension: 12e3,
+        slack: 0.005,
+        damping: 1e3,
+        strength: 4e4,
+        ..Tie::default()
+    }
 }
 
 /// Returns sketches of all kinds.

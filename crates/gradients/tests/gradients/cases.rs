@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -46,11 +46,6 @@ pub fn reference(folder: &str, name: &str) -> Run {
     let mass = of("M", 1.0);
     let pair = |value: &Value| [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()];
     let links = ["ties", "links"].into_iter().filter_map(|key| case[key].as_array()).flatten();
-    let laws = links.clone().map(|link| ForceLaw {
-        kind: if link["kind"] == "damper" { LinkKind::Damper } else { LinkKind::Tie },
-        yield_force: mass * or(&link["yield_force"], 0.0),
-        hardening: or(&link["hardening"], 0.0),
-    });
     let ties = links.map(|tie| Tie {
         block: pair(&tie["block"]),
         ground: pair(&tie["ground"]),
@@ -59,6 +54,9 @@ pub fn reference(folder: &str, name: &str) -> Run {
         slack: or(&tie["slack"], 0.0),
         damping: mass * or(&tie["damping"], 0.0),
         strength: mass * or(&tie["strength"], 0.0),
+        yield_force: mass * or(&tie["yield_force"], 0.0),
+        hardening: or(&tie["hardening"], 0.0),
+        kind: if tie["kind"] == "damper" { LinkKind::Damper } else { LinkKind::Tie },
     });
     let foundation = if case["foundation"] == "rigid" { Foundation::Rigid } else { Foundation::Viscoelastic };
     let initial = &case["initial"];
@@ -93,7 +91,6 @@ pub fn reference(folder: &str, name: &str) -> Run {
             },
             scale: None,
         },
-        laws: laws.collect(),
         ground: Ground::default(),
         flies: false,
         tolerance: 1e-13,

@@ -31,7 +31,6 @@ fn run(
             pulse,
             scale: None,
         },
-        laws: Vec::new(),
         ground: Ground::default(),
         flies: true,
         tolerance,

@@ -78,7 +78,6 @@ fn derivatives_of_peaks_match_differences() {
                 pulse,
                 scale: None,
             },
-            laws: Vec::new(),
             ground: Ground::default(),
             flies: true,
             tolerance,

@@ -1,8 +1,5 @@
 //! A run from its parameters → its results, and the same with their derivatives.
 
-use std::iter::repeat;
-
-use rocking_block::block::restraints::ForceLaw;
 use rocking_block::block::{Block, Parameterization, Supports};
 use rocking_block::excitation::Inputs;
 use rocking_block::excitation::records::Ground;
@@ -18,8 +15,6 @@ use rocking_gradients::{Follower, Grazing, Number, Parameters, Varied, advance};
 pub struct Run {
     pub name: String,
     pub parameters: Parameters,
-    /// The force modes of the ties.
-    pub laws: Vec<ForceLaw>,
     pub ground: Ground,
     pub flies: bool,
     pub tolerance: f64,
@@ -62,9 +57,7 @@ impl Run {
 
     pub fn block(&self) -> Block {
         let Parameters { parameterization, common, ties, .. } = &self.parameters;
-        let links: Vec<_> =
-            ties.iter().copied().zip(self.laws.iter().copied().chain(repeat(ForceLaw::default()))).collect();
-        Block::from_parameters(parameterization, common).unwrap().with_links(&links).unwrap()
+        Block::from_parameters(parameterization, common).unwrap().with_ties(ties).unwrap()
     }
 
     pub fn begin(&self) -> (Simulation, Ground) {

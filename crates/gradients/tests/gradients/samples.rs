@@ -15,7 +15,19 @@ const NEAR: f64 = 1e-6;
 /// A row: some columns, and the slip.
 fn row(x: &Observation<Number>, slip: Number) -> Vec<Number> {
     let [left, right] = x.reaction;
-    vec![x.theta, x.theta_dot, x.v, x.v_dot, x.u_dot, left, right, x.horizontal, x.uplift[0], x.pull[0], slip]
+    vec![
+        x.theta,
+        x.theta_dot,
+        x.v,
+        x.v_dot,
+        x.u_dot,
+        left,
+        right,
+        x.horizontal,
+        x.uplift[0],
+        x.restraints[0].pull,
+        slip,
+    ]
 }
 
 /// Compares all rows that are not at events, with derivatives with respect to two parameters.

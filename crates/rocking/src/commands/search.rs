@@ -280,7 +280,7 @@ impl BlockOptions {
     /// Returns the block with its ties.
     fn tied(&self, [alpha, p]: [f64; 2], supports: Supports<Ratios>) -> Result<Block, BlockError> {
         let given = Dimensionless { alpha, p, supports };
-        Block::from_dimensionless(&given, &self.common()?)?.with_ties(&self.hold.ties)
+        Block::from_dimensionless(&given, &self.common()?)?.with_ties(&self.hold.links())
     }
 
     /// Refuses ties without a mass.

@@ -24,8 +24,8 @@ use rocking_studies::output::csv::with_headings;
 use rocking_studies::output::resumable::TableWriteError;
 use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::Table;
-use rocking_studies::spec::tie;
 use rocking_studies::spec::words::friction;
+use rocking_studies::spec::{damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, Statistics};
 use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
@@ -93,9 +93,13 @@ struct BlockOptions {
     #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_hyphen_values = true)]
     eccentricity_ratio: f64,
     /// A tie that grows with the block: the keys of `rocking simulate --tie`, but with places and slack in R0, stiffness in M g/R0,
-    /// pretension and strength in M g, and damping in M p. One option per tie
+    /// pretension, strength and yield force in M g, and damping in M p. One option per tie
     #[arg(long, value_name = "KEY=NUMBER,...", value_parser = tie, allow_hyphen_values = true)]
     tie_ratio: Vec<Tie>,
+    /// A damper that grows with the block: the keys of `rocking simulate --damper` in the units of --tie-ratio, the yield force in M g.
+    /// One option per damper
+    #[arg(long, value_name = "KEY=NUMBER,...", value_parser = damper, allow_hyphen_values = true)]
+    damper_ratio: Vec<Tie>,
 }
 
 /// Parses the foundation of a curve.
@@ -204,7 +208,7 @@ impl SpectrumCommand {
             common: Common { mass, gamma, gravity: g, friction, ..Common::default() },
             in_proportion: InProportion {
                 eccentricity: self.blocks.eccentricity_ratio,
-                ties: self.blocks.tie_ratio.clone(),
+                ties: [&self.blocks.tie_ratio[..], &self.blocks.damper_ratio].concat(),
             },
             bases,
             sizes: Sizes { least: p_min, greatest: p_max, count: points },

@@ -293,7 +293,7 @@ fn states(source: StudyText, assess: &Section, holds: Holds) -> Result<Vec<State
         let usual = [
             ("rocks visibly", Limit::Rotation(0.1)),
             ("rocks half way", Limit::Rotation(0.5)),
-            if holds.ties > 0 { ("passes its balance", Limit::Balance) } else { ("overturns", Limit::Overturned) },
+            if holds.has_links() { ("passes its balance", Limit::Balance) } else { ("overturns", Limit::Overturned) },
         ];
         return Ok(usual.map(|(name, limit)| State { name: name.into(), limit, source: None }).to_vec());
     };
@@ -360,8 +360,9 @@ fn variants(
         changes.extend(number("width")?.map(Change::Width));
         changes.extend(number("friction_over_threshold")?.map(Change::FrictionOverThreshold));
         changes.extend(number("ties")?.map(Change::Tied));
+        changes.extend(number("dampers")?.map(Change::Damped));
         if changes.is_empty() {
-            return Err(section.lacks("change", "one of width, friction_over_threshold, ties and parameters"));
+            return Err(section.lacks("change", "one of width, friction_over_threshold, ties, dampers and parameters"));
         }
         let position = section.get("name").unwrap_or(value);
         sweep.check_changes(&changes).map_err(|message| section.refused(position, format!("{name}: {message}")))?;

@@ -15,6 +15,7 @@ use crate::output::runner::Study;
 use crate::spec::words::{Words, friction};
 use crate::spectrum::statistics::{BlockOutcome, Statistics};
 use crate::sweep::change::Change;
+use rocking_block::block::restraints::LinkKind;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::unit::variables::Variable;
 
@@ -153,7 +154,7 @@ fn comparison(
     let hazard = plan.hazard.as_ref().map(|hazard| &hazard.curve);
     let limit = match plan.states[compared].limit {
         // For an object with ties, overturning is a choice of the study.
-        Limit::Overturned if plan.sweep.holds().ties == 0 => table.usual_limit(),
+        Limit::Overturned if !plan.sweep.holds().has_links() => table.usual_limit(),
         limit => limit,
     };
     let found = StateCurve::new(table, plan.measure, limit, hazard)?;
@@ -168,7 +169,8 @@ fn comparison(
         Ok(found)
     };
     let slip = greatest(holds.friction.then(|| "peak.slip".to_string()).into_iter().collect())?;
-    let tension = greatest((1..=holds.ties).map(|tie| format!("peak.tie_{tie}.tension")).collect())?;
+    let tension = |(kind, i): (LinkKind, usize)| format!("peak.{}_{}.{}", kind.word(), i + 1, kind.force());
+    let tension = greatest(holds.links().map(tension).collect())?;
     Ok(Comparison {
         name: name.into(),
         alpha: block.alpha,

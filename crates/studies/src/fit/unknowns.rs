@@ -1,6 +1,7 @@
 //! Names of free parameters → their ranges, and a box of coordinates from 0 to 1.
 
 use nalgebra::DVector;
+use rocking_block::block::restraints::LinkKind;
 use rocking_gradients::{Parameters, unit};
 
 use crate::fit::problem::{FitError, Free, Problem, Test};
@@ -70,9 +71,10 @@ impl Unknown {
 
 /// Returns the factor from a value to its usual bounds, for a parameter whose logarithm is fitted.
 fn factor(name: &str) -> Option<f64> {
-    let of_tie = name.split_once('.').and_then(|(group, name)| group.starts_with("tie_").then_some(name));
+    let is_of_tie = |group: &str| LinkKind::ALL.iter().any(|kind| group.starts_with(kind.word()));
+    let of_tie = name.split_once('.').and_then(|(group, name)| is_of_tie(group).then_some(name));
     match of_tie.unwrap_or(name) {
-        "eta" | "xi_v" | "K" | "C" | "stiffness" | "damping" | "strength" => Some(10.0),
+        "eta" | "xi_v" | "K" | "C" | "stiffness" | "damping" | "strength" | "yield_force" => Some(10.0),
         "alpha" | "p" | "width" | "height" | "inertia" | "mass" | "gamma" | "friction" | "scale" | "pulse.period"
         | "pulse.cycles" | "pretension" => Some(3.0),
         "restitution_factor" | "g" => Some(1.5),

@@ -70,7 +70,7 @@ impl Run {
         for (k, (name, rows)) in names.iter().zip(of_parameters).enumerate() {
             let (follower, i) = (&followers[k / BATCH], k % BATCH);
             let of = |number: Number| number.eps[i];
-            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } =
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } =
                 follower.peaks(&simulation);
             derivatives.push(Derivatives {
                 name: name.clone(),
@@ -84,6 +84,7 @@ impl Run {
                     friction_demand: of(friction_demand),
                     slip: of(slip),
                     pull: pull.map(of),
+                    plastic: plastic.map(of),
                 },
             });
         }

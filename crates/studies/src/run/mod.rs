@@ -18,12 +18,12 @@ pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
 
-use crate::run::outcome::{Breaks, End, Incidents, Lean, Outcome};
+use crate::run::outcome::{Breaks, End, Holds, Incidents, Lean, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
 use rocking_block::block::Regime;
-use rocking_block::block::restraints::TieStates;
+use rocking_block::block::restraints::{MAX, TieStates};
 use rocking_block::excitation::records::{Ground, RecordInterval};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::outputs::Observation;
@@ -88,8 +88,10 @@ pub struct History {
     pub is_at_rest: bool,
     /// How far the foot has slid at the end of the run.
     pub slip: Slip,
-    /// The states of the ties then.
+    /// The states of the ties and dampers then.
     pub ties: TieStates,
+    /// The energies that they have lost by yielding (J).
+    pub yield_works: [f64; MAX],
     /// Rotation past the balance and at the end.
     pub lean: Lean,
 }
@@ -201,7 +203,9 @@ impl Run {
         let end = self.end(simulation);
         let is_at_rest = end == End::Completed && is_at_rest(simulation);
         let (slip, ties) = (simulation.slip(), simulation.restraints().ties);
-        History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, lean: lean.at_end(simulation) }
+        let yield_works = std::array::from_fn(|number| simulation.plastic_work(number));
+        let lean = lean.at_end(simulation);
+        History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, yield_works, lean }
     }
 
     /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].
@@ -224,7 +228,8 @@ impl Run {
         let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
         let (peaks, counts, Incidents { flights, breaks }) = (simulation.peaks(), simulation.counts(), incidents);
         let lean = lean.at_end(simulation);
-        Outcome { end, end_time, peaks, counts, flights, lean, breaks, failure }
+        let Holds { ties, .. } = Holds::of(&self.block);
+        Outcome { end, end_time, peaks, counts, flights, lean, breaks, ties, failure }
     }
 
     /// The end of the run if it ends with this simulation, without a failure.

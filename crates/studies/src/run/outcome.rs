@@ -1,7 +1,7 @@
 //! A run → its end, its peaks and its counts.
 
 use crate::output::table::TableColumn;
-use rocking_block::block::restraints::{self, tie};
+use rocking_block::block::restraints::{self, LinkKind, MAX, Tie, tie};
 use rocking_block::block::{Block, Corner, Regime};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Simulation, SimulationError};
@@ -22,8 +22,10 @@ pub struct Outcome {
     pub flights: Flights,
     /// Rotation past the balance and at the end.
     pub lean: Lean,
-    /// Ties that broke.
+    /// Ties and dampers that broke.
     pub breaks: Breaks,
+    /// Number of ties of the block, before whose dampers they are numbered.
+    pub ties: usize,
     /// Reason of a failure.
     pub failure: Option<SimulationError>,
 }
@@ -79,24 +81,69 @@ impl std::str::FromStr for End {
     }
 }
 
-/// Friction and ties of blocks, which have additional columns.
+/// Friction, ties and dampers of blocks, which have additional columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holds {
     /// Whether a coefficient of friction limits the horizontal reaction.
     pub friction: bool,
     /// Number of ties.
     pub ties: usize,
+    /// Number of dampers.
+    pub dampers: usize,
+    /// Whether a tie or damper can yield.
+    pub yields: bool,
 }
 
 impl Holds {
     /// Those of a block.
     pub fn of(block: &Block) -> Holds {
-        Holds { friction: block.friction > 0.0, ties: block.ties().len() }
+        Holds::of_parts(block.friction, block.ties())
+    }
+
+    /// Those of a block with this friction and these ties and dampers.
+    pub fn of_parts(friction: f64, ties: &[Tie]) -> Holds {
+        let count = |kind| ties.iter().filter(|tie| tie.kind == kind).count();
+        Holds {
+            friction: friction > 0.0,
+            ties: count(LinkKind::Tie),
+            dampers: count(LinkKind::Damper),
+            yields: ties.iter().any(Tie::yields),
+        }
     }
 
     /// Those of either.
     pub fn or(self, other: Holds) -> Holds {
-        Holds { friction: self.friction || other.friction, ties: self.ties.max(other.ties) }
+        Holds {
+            friction: self.friction || other.friction,
+            ties: self.ties.max(other.ties),
+            dampers: self.dampers.max(other.dampers),
+            yields: self.yields || other.yields,
+        }
+    }
+}
+
+impl Holds {
+    /// Kinds of the ties and dampers, and their numbers within these, from 0.
+    pub fn links(self) -> impl Iterator<Item = (LinkKind, usize)> {
+        let of_kind = |kind, count| (0..count).map(move |i| (kind, i));
+        of_kind(LinkKind::Tie, self.ties).chain(of_kind(LinkKind::Damper, self.dampers))
+    }
+
+    /// Whether there is a tie or a damper.
+    pub fn has_links(self) -> bool {
+        self.ties + self.dampers > 0
+    }
+}
+
+impl Outcome {
+    /// Returns the number of the tie or damper with this number of its kind.
+    pub fn number(&self, kind: LinkKind, i: usize) -> usize {
+        match kind {
+            // The places behind the ties of this block are its dampers.
+            LinkKind::Tie if i >= self.ties => MAX,
+            LinkKind::Tie => i,
+            LinkKind::Damper => self.ties + i,
+        }
     }
 }
 
@@ -108,10 +155,10 @@ pub trait OutcomeRow {
     fn alpha(&self) -> f64;
 }
 
-/// The columns of the outcomes of blocks; those of friction and ties only where there are any.
+/// The columns of the outcomes of blocks; those of friction, ties and dampers only where there are any.
 ///
 /// The time of the first separation is missing where there is none.
-pub fn columns<'c, R: OutcomeRow + 'c>(Holds { friction, ties }: Holds) -> Vec<TableColumn<'c, R>> {
+pub fn columns<'c, R: OutcomeRow + 'c>(holds: Holds) -> Vec<TableColumn<'c, R>> {
     let of = R::outcome;
     let mut columns = vec![
         TableColumn::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
@@ -126,13 +173,19 @@ pub fn columns<'c, R: OutcomeRow + 'c>(Holds { friction, ties }: Holds) -> Vec<T
         TableColumn::count("events.impacts", move |row| of(row).counts.impacts),
         TableColumn::count("events.liftoffs", move |row| of(row).counts.liftoffs),
     ];
-    if friction {
+    if holds.friction {
         columns.push(TableColumn::real("peak.slip", "m", move |row| of(row).peaks.slip));
     }
-    columns.extend((0..ties).map(|tie| {
-        TableColumn::real(format!("peak.tie_{}.tension", tie + 1), "N", move |row| of(row).peaks.pull[tie])
-    }));
-    if ties > 0 {
+    for (kind, i) in holds.links() {
+        let name = |quantity: &str| format!("peak.{}_{}.{quantity}", kind.word(), i + 1);
+        let at = move |row: &R, all: &[f64; MAX]| all.get(of(row).number(kind, i)).copied().unwrap_or_default();
+        let pull = move |row: &R| at(row, &of(row).peaks.pull);
+        columns.push(TableColumn::real(name(kind.force()), "N", pull));
+        if holds.yields {
+            columns.push(TableColumn::real(name("plastic"), "m", move |row| at(row, &of(row).peaks.plastic)));
+        }
+    }
+    if holds.has_links() {
         // Ties may hold a block beyond its balance.
         columns.extend([
             TableColumn::real("peak.theta/balance", "1", move |row| of(row).lean.over_balance),
@@ -250,7 +303,7 @@ impl Lean {
     }
 }
 
-/// Ties that broke in a run.
+/// Ties and dampers that broke in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Breaks {
     /// Their number.
@@ -260,9 +313,9 @@ pub struct Breaks {
 }
 
 impl Breaks {
-    /// Counts an event if a tie breaks.
+    /// Counts an event if a tie or a damper breaks.
     fn count_event(&mut self, event: &Event) {
-        if matches!(event.kind, EventKind::Restraint(restraints::RestraintEvent::Tie(_, tie::TieEvent::Break))) {
+        if matches!(event.kind, EventKind::Restraint(restraints::RestraintEvent::Tie(_, _, tie::TieEvent::Break))) {
             self.count += 1;
             self.first.get_or_insert(event.time);
         }

@@ -7,6 +7,7 @@ use crate::run::gradients::Derivatives;
 use crate::run::outcome::Holds;
 use crate::run::{History, Row};
 use rocking_block::block::Block;
+use rocking_block::block::restraints::{LinkKind, ObservedRestraint, tie};
 
 /// A column of every table: its name, its unit and its value in a row.
 type FixedColumn = (&'static str, &'static str, fn(&Row) -> f64);
@@ -72,21 +73,30 @@ impl HistoryColumn {
     }
 }
 
-/// The columns of a block's history: those of every table, and those of friction and ties where the block has them.
+/// The columns of a block's history: those of every table, and those of friction, ties and dampers where the block has them.
 pub fn columns(block: &Block) -> Vec<HistoryColumn> {
-    let Holds { friction, ties } = Holds::of(block);
+    let holds = Holds::of(block);
     let fixed = |(name, unit, value): FixedColumn| HistoryColumn { name: name.into(), unit, value: Box::new(value) };
     let mut columns: Vec<HistoryColumn> = COLUMNS.map(fixed).into();
-    if friction {
+    if holds.friction {
         columns.extend(OF_FRICTION.map(fixed));
     }
-    columns.extend((0..ties).map(|tie| HistoryColumn {
-        name: format!("tie_{}.tension", tie + 1),
-        unit: "N",
-        value: Box::new(move |row| row.observation.pull[tie]),
-    }));
-    if ties > 0 {
+    for (number, (link, tie)) in tie::names(block.ties()).into_iter().zip(block.ties()).enumerate() {
+        let mut of_link = |quantity: &str, unit, of: fn(&ObservedRestraint) -> f64| {
+            let value = Box::new(move |row: &Row| of(&row.observation.restraints[number]));
+            columns.push(HistoryColumn { name: format!("{link}.{quantity}"), unit, value });
+        };
+        of_link(tie.kind.force(), "N", |restraint| restraint.pull);
+        if tie.kind == LinkKind::Damper || tie.yields() {
+            of_link("elongation", "m", |restraint| restraint.elongation);
+            of_link("plastic", "m", |restraint| restraint.plastic);
+        }
+    }
+    if holds.ties > 0 {
         columns.push(fixed(("energy.ties", "J", |row| row.energies.restraints.ties)));
+    }
+    if holds.dampers > 0 {
+        columns.push(fixed(("energy.dampers", "J", |row| row.energies.restraints.dampers)));
     }
     columns
 }

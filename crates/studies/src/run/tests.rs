@@ -1,7 +1,7 @@
 //! Rows of a run, and its stops.
 
 use super::*;
-use rocking_block::block::restraints::{ForceLaw, LinkKind, Tie};
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Common, Dimensionless, Ratios, Supports};
 use rocking_records::{ReadOptions, Record, Unit, parse};
 
@@ -36,12 +36,16 @@ fn a_block_whose_dampers_have_yielded_comes_to_rest() {
         let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
         let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
         let (b, weight) = (block.b, block.mass * block.gravity);
-        let links = [-1.0, 1.0].map(|side| {
-            let tie =
-                Tie { block: [side * b, 0.0], ground: [side * b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
-            (tie, ForceLaw { kind: LinkKind::Damper, yield_force: 0.05 * weight, hardening: 0.1 })
+        let links = [-1.0, 1.0].map(|side| Tie {
+            block: [side * b, 0.0],
+            ground: [side * b, -b],
+            stiffness: 3.0 * weight / b,
+            yield_force: 0.05 * weight,
+            hardening: 0.1,
+            kind: LinkKind::Damper,
+            ..Tie::default()
         });
-        let at_rest = Run::at_rest(block.with_links(&links).unwrap(), Settings::default());
+        let at_rest = Run::at_rest(block.with_ties(&links).unwrap(), Settings::default());
         let run = Run { initial: Initial { theta: 0.1, ..Initial::default() }, ..at_rest };
         let outcome = run.outcome();
         assert!(outcome.end == End::Completed && outcome.end_time < 60.0, "{outcome:?}");

@@ -90,6 +90,8 @@ pub struct VariantTable {
     pub friction_over_threshold: Option<Positive>,
     /// Stiffness of two ties at the top, over M g/R0.
     pub ties: Option<Positive>,
+    /// Yield force of a damper under each corner, over the weight M g.
+    pub dampers: Option<Positive>,
     /// Parameters that change.
     #[serde(default)]
     #[schemars(schema_with = "schema::values")]

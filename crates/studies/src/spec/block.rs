@@ -1,7 +1,7 @@
 //! Parameters of a block, some of them given → a checked block.
 
 use crate::spec::words::friction;
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{
     Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
 };
@@ -45,7 +45,7 @@ pub struct BlockSpec {
     /// Damping C of one support; not on a rigid base [N.s/m]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N.S/M"))]
     pub damping: Option<f64>,
-    /// Mass M; it changes the motion only together with --stiffness, --inertia or --tie [kg] [default: 1000]
+    /// Mass M; it changes the motion only together with --stiffness, --inertia, --tie or --damper [kg] [default: 1000]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG"))]
     pub mass: Option<f64>,
     /// Shape factor gamma = M R0²/I0 [default: 3]
@@ -63,12 +63,12 @@ pub struct BlockSpec {
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1 [default: 1]
     #[cfg_attr(feature = "clap", arg(long, value_name = "FACTOR"))]
     pub restitution_factor: Option<f64>,
-    /// Eccentricity, friction and ties.
+    /// Eccentricity, friction, ties and dampers.
     #[cfg_attr(feature = "clap", command(flatten))]
     pub hold: HoldSpec,
 }
 
-/// Eccentricity, friction and ties of a block as a user gives them.
+/// Eccentricity, friction, ties and dampers of a block as a user gives them.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
@@ -80,16 +80,33 @@ pub struct HoldSpec {
     #[cfg_attr(feature = "clap", arg(long, value_name = "MU", value_parser = friction_of_text))]
     pub friction: Option<f64>,
     /// A tie to the ground: block_x, block_z and ground_x, ground_z are its ends, from the middle of the base at rest [m];
-    /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N]; others
-    /// are 0, and a tie without strength does not break. One option per tie
+    /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N], yield_force [N] and hardening, the stiffness after
+    /// yielding over that before; others are 0, and a tie without strength or yield force neither breaks nor yields. One option per tie
     #[cfg_attr(
         feature = "clap",
         arg(long = "tie", value_name = "KEY=NUMBER,...", value_parser = tie::tie, allow_hyphen_values = true)
     )]
     pub ties: Vec<Tie>,
+    /// A damper to the ground, which pulls and pushes, with the numbers of a tie but pretension and slack. One option per damper
+    #[cfg_attr(
+        feature = "clap",
+        arg(long = "damper", value_name = "KEY=NUMBER,...", value_parser = tie::damper, allow_hyphen_values = true)
+    )]
+    pub dampers: Vec<Tie>,
 }
 
 impl HoldSpec {
+    /// Returns the same with these ties and dampers.
+    pub fn with_links(self, links: &[Tie]) -> HoldSpec {
+        let (ties, dampers) = links.iter().partition(|tie| tie.kind == LinkKind::Tie);
+        HoldSpec { ties, dampers, ..self }
+    }
+
+    /// Returns the ties and dampers.
+    pub fn links(&self) -> Vec<Tie> {
+        [&self.ties[..], &self.dampers].concat()
+    }
+
     /// Returns these parameters with this eccentricity (m) and friction (1).
     ///
     /// # Errors
@@ -119,7 +136,12 @@ impl BlockSpec {
         g: Some(9.81),
         foundation: Some(Foundation::Viscoelastic),
         restitution_factor: Some(1.0),
-        hold: HoldSpec { eccentricity: Some(0.0), friction: Some(f64::INFINITY), ties: Vec::new() },
+        hold: HoldSpec {
+            eccentricity: Some(0.0),
+            friction: Some(f64::INFINITY),
+            ties: Vec::new(),
+            dampers: Vec::new(),
+        },
     };
 
     /// Returns the numbers that must be said for this block: those other than their defaults, and the mass if something depends on it.
@@ -141,6 +163,11 @@ impl BlockSpec {
                 !self.hold.ties.is_empty(),
                 "`mass`; expected both, since the effect of a tie depends on the mass",
             ),
+            (
+                "dampers",
+                !self.hold.dampers.is_empty(),
+                "`mass`; expected both, since the effect of a damper depends on the mass",
+            ),
         ];
         depends.into_iter().find_map(|(name, is_given, why)| is_given.then_some((name, why)))
     }
@@ -149,7 +176,7 @@ impl BlockSpec {
     pub fn numbers(&self) -> [(&'static str, Option<f64>); 17] {
         let BlockSpec { alpha, p, eta, xi_v, width, height, center_height, inertia, stiffness, damping, .. } = *self;
         let BlockSpec { mass, gamma, epsilon, g, foundation: _, restitution_factor, .. } = *self;
-        let HoldSpec { eccentricity, friction, ties: _ } = self.hold;
+        let HoldSpec { eccentricity, friction, ties: _, dampers: _ } = self.hold;
         [
             ("alpha", alpha),
             ("p", p),
@@ -197,7 +224,7 @@ impl BlockSpec {
     /// The first parameter that would not be read, that needs another one, or that is out of range.
     pub fn block(&self) -> Result<Block, SpecError> {
         let (parameterization, common) = self.parameters()?;
-        let block = Block::from_parameters(&parameterization, &common)?.with_ties(&self.hold.ties)?;
+        let block = Block::from_parameters(&parameterization, &common)?.with_ties(&self.hold.links())?;
         match self.needs_mass() {
             Some((parameter, missing)) if self.mass.is_none() => Err(SpecError::Lacks { parameter, missing }),
             _ => Ok(block),

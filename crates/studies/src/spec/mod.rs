@@ -8,7 +8,7 @@
 //! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
 //! | [`values`] | types of values that several tables have |
 //! | [`schema`] | these tables → a JSON Schema, for editors |
-//! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie |
+//! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie or a damper |
 //!
 //! The options of the program are these structs, and Python and the page fill them in. Names in messages stand in backquotes, since each of
 //! them writes them in its own way: [`SpecError::spelled`].
@@ -26,7 +26,7 @@ pub mod values;
 
 pub use block::{BlockSpec, HoldSpec};
 pub use pulse::{GaborSpec, PulseSpec};
-pub use tie::tie;
+pub use tie::{damper, tie};
 
 use rocking_block::block::BlockError;
 
@@ -36,6 +36,7 @@ pub fn option(name: &str) -> String {
         "K" => "stiffness".into(),
         "C" => "damping".into(),
         "ties" => "tie".into(),
+        "dampers" => "damper".into(),
         name => name.replace(" = ", " ").replace('_', "-"),
     }
 }

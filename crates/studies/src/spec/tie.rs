@@ -1,12 +1,20 @@
-//! Text of an option → a tie.
+//! Text of an option → a tie or a damper.
 
-use rocking_block::block::restraints::Tie;
-use rocking_block::block::restraints::tie::NUMBERS;
+use rocking_block::block::restraints::{LinkKind, Tie};
 
 /// Reads a tie, as in `block_z=2,ground_x=3,stiffness=1e5`; other values are zero.
 pub fn tie(text: &str) -> Result<Tie, String> {
-    let keys = || NUMBERS.map(|(key, _)| key).join(", ");
-    let (mut tie, mut found) = (Tie::default(), Vec::new());
+    link(LinkKind::Tie, text)
+}
+
+/// Reads a damper, as in `block_x=1,ground_x=1,ground_z=-1,stiffness=1e6,yield_force=2e4`; other values are zero.
+pub fn damper(text: &str) -> Result<Tie, String> {
+    link(LinkKind::Damper, text)
+}
+
+fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
+    let keys = || kind.numbers().map(|(key, _)| key).collect::<Vec<_>>().join(", ");
+    let (mut tie, mut found) = (Tie { kind, ..Tie::default() }, Vec::new());
     for part in text.split(',') {
         let Some((key, value)) = part.split_once('=') else {
             return Err(format!("found `{part}`; expected KEY=NUMBER, with a key of {}", keys()));
@@ -23,8 +31,17 @@ pub fn tie(text: &str) -> Result<Tie, String> {
     if tie.stiffness <= 0.0 {
         return Err("expected a stiffness > 0, as in stiffness=1e5".into());
     }
-    tie.check().map_err(|error| error.to_string())?;
+    check(&tie)?;
     Ok(tie)
+}
+
+/// Refuses an impossible tie or damper, and a hardening that has no effect.
+pub fn check(tie: &Tie) -> Result<(), String> {
+    tie.check().map_err(|error| error.to_string())?;
+    if tie.hardening > 0.0 && !tie.yields() {
+        return Err(format!("found hardening = {} without yield_force; expected both", tie.hardening));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -42,8 +59,14 @@ mod tests {
             slack: 0.0,
             damping: 0.0,
             strength: 4e3,
+            yield_force: 0.0,
+            hardening: 0.0,
+            kind: LinkKind::Tie,
         };
         assert_eq!(found, expected);
+        let found = damper("stiffness=1e5,ground_z=-1,yield_force=2e3,hardening=0.05").unwrap();
+        let damper = Tie { ground: [0.0, -1.0], kind: LinkKind::Damper, ..Tie::default() };
+        assert_eq!(found, Tie { stiffness: 1e5, yield_force: 2e3, hardening: 0.05, ..damper });
     }
 
     #[test]
@@ -57,9 +80,16 @@ mod tests {
             ("stiffness=1e5,block_z=2,block_z=3", &["block_z twice"]),
             ("stiffness=1e5,block_z=2,slack=-1", &["slack", "-1", ">= 0"]),
             ("stiffness=1e5", &["length of a tie = 0", "a distance of its ends above 0"]),
+            ("stiffness=1e5,block_z=2,hardening=0.1", &["hardening = 0.1 without yield_force"]),
+            ("stiffness=1e5,block_z=2,yield_force=1,hardening=1", &["hardening of a tie = 1", "below 1"]),
         ] {
             let error = tie(text).unwrap_err();
             assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");
         }
+        let error = damper("stiffness=1e5,block_z=2,slack=0.1").unwrap_err();
+        assert!(
+            error.starts_with("found key `slack`; expected one of block_x, ") && !error.contains("pretension"),
+            "{error}"
+        );
     }
 }

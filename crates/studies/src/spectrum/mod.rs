@@ -130,6 +130,9 @@ fn scaled(tie: &Tie, block: &Block, change: impl Fn(f64, f64) -> f64) -> Tie {
         slack: change(tie.slack, length),
         damping: change(tie.damping, block.mass * block.p),
         strength: change(tie.strength, force),
+        yield_force: change(tie.yield_force, force),
+        hardening: tie.hardening,
+        kind: tie.kind,
     }
 }
 
@@ -277,7 +280,7 @@ impl Spectrum {
 
     /// Friction and ties of the blocks.
     fn holds(&self) -> Holds {
-        Holds { friction: self.common.friction > 0.0, ties: self.in_proportion.ties.len() }
+        Holds::of_parts(self.common.friction, &self.in_proportion.ties)
     }
 
     /// The run of a row of a spectrum that has passed [`Spectrum::check`].

@@ -1,13 +1,19 @@
 //! A block → the same block with another base, foundation, friction or ties.
 
 use crate::run::outcome::Holds;
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie, tie};
 use rocking_block::block::{Block, BlockError, Physical, Springs, Supports};
 use rocking_block::unit::values::{TIES, Values};
 use rocking_block::unit::variables::Variable;
 
 /// Slack of a tie over R0, as that of a strap that was tightened by hand.
 const SLACK: f64 = 0.01;
+
+/// Stiffness of a damper over M g/R0.
+const DAMPER_STIFFNESS: f64 = 10.0;
+
+/// Stiffness of a damper that yields over that before, as that of steel in bending.
+const HARDENING: f64 = 0.03;
 
 /// A change of each block of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +32,10 @@ pub enum Change {
     /// ground. The stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break, unless
     /// [`Change::Parameter`] beside it says so: `tie_1` is the first tie of the block, that on the left if it had none.
     Tied(f64),
+    /// A damper under each corner, as stiff as ten times M g/R0, to an anchor at a depth of half the width that moves with the ground. The
+    /// number is its yield force over the weight M g; hardening is [`HARDENING`], and it does not break, unless [`Change::Parameter`]
+    /// beside it says so: `damper_1` is the first damper of the block, that on the left if it had none.
+    Damped(f64),
 }
 
 impl Change {
@@ -37,7 +47,8 @@ impl Change {
             | Change::StiffnessRatio(_)
             | Change::DampingRatio(_)
             | Change::FrictionOverThreshold(_)
-            | Change::Tied(_) => None,
+            | Change::Tied(_)
+            | Change::Damped(_) => None,
         }
     }
 
@@ -81,45 +92,74 @@ impl Change {
                     slack: SLACK * r0,
                     ..Tie::default()
                 };
-                let mut ties = [block.ties(), &[side(-1.0), side(1.0)]].concat();
-                for change in changes {
-                    let Change::Parameter(variable, value) = *change else { continue };
-                    if let Some(field) = tie_field(&mut ties, variable) {
-                        *field = value;
-                    }
-                }
-                block.with_ties(&ties)
+                with_links(block, [side(-1.0), side(1.0)], changes)
+            }
+            Change::Damped(ratio) => {
+                let side = |sign: f64| Tie {
+                    block: [sign * b, 0.0],
+                    ground: [sign * b, -b],
+                    stiffness: DAMPER_STIFFNESS * mass * gravity / r0,
+                    yield_force: ratio * mass * gravity,
+                    hardening: HARDENING,
+                    kind: LinkKind::Damper,
+                    ..Tie::default()
+                };
+                with_links(block, [side(-1.0), side(1.0)], changes)
             }
         }
     }
 
     /// Friction and ties of blocks with the change.
-    pub(super) fn holds(self, Holds { friction, ties }: Holds) -> Holds {
+    pub(super) fn holds(self, holds: Holds) -> Holds {
         match self {
-            Change::Parameter(Variable::Friction, value) => Holds { friction: value > 0.0, ties },
-            Change::FrictionOverThreshold(_) => Holds { friction: true, ties },
-            Change::Tied(_) => Holds { friction, ties: ties + 2 },
-            Change::Parameter(variable, value) => {
-                let stiffened = TIES.iter().position(|(_, tie)| tie.stiffness == variable && value > 0.0);
-                Holds { friction, ties: ties.max(stiffened.map_or(0, |number| number + 1)) }
-            }
-            Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => Holds { friction, ties },
+            Change::Parameter(Variable::Friction, value) => Holds { friction: value > 0.0, ..holds },
+            Change::FrictionOverThreshold(_) => Holds { friction: true, ..holds },
+            Change::Tied(_) => Holds { ties: holds.ties + 2, ..holds },
+            Change::Damped(_) => Holds { dampers: holds.dampers + 2, yields: true, ..holds },
+            Change::Parameter(variable, value) => holds.or(holds_of_variables(|of| of == variable && value > 0.0)),
+            Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => holds,
         }
     }
 }
 
-/// The field of a parameter that a tie of [`Change::Tied`] reads; its ends and its stiffness follow from the block.
+/// Ties and dampers of blocks whose variables may be above zero where `is_positive` says so.
+pub(super) fn holds_of_variables(is_positive: impl Fn(Variable) -> bool) -> Holds {
+    let is = |variable: Option<Variable>| variable.is_some_and(&is_positive);
+    let last = |kind| {
+        let of_kind = TIES.iter().filter(|(_, tie)| tie.kind == kind);
+        (1..).zip(of_kind).filter(|(_, (_, tie))| is(tie.stiffness)).map(|(number, _)| number).last().unwrap_or(0)
+    };
+    Holds {
+        friction: is(Some(Variable::Friction)),
+        ties: last(LinkKind::Tie),
+        dampers: last(LinkKind::Damper),
+        yields: TIES.iter().any(|(_, tie)| is(tie.yield_force)),
+    }
+}
+
+/// The block with two more ties or dampers, with the parameters that `changes` give of them.
+fn with_links(block: Block, added: [Tie; 2], changes: &[Change]) -> Result<Block, BlockError> {
+    let mut ties = [block.ties(), &added].concat();
+    for change in changes {
+        let Change::Parameter(variable, value) = *change else { continue };
+        if let Some(field) = tie_field(&mut ties, variable) {
+            *field = value;
+        }
+    }
+    block.with_ties(&ties)
+}
+
+/// The field of a parameter that a tie of [`Change::Tied`] or a damper of [`Change::Damped`] reads; ends and stiffness follow from the
+/// block, and so does the yield force of a damper.
 pub(super) fn tie_field(ties: &mut [Tie], variable: Variable) -> Option<&mut f64> {
-    ties.iter_mut().zip(TIES).find_map(|(tie, (_, names))| {
-        let Tie { block: _, ground: _, stiffness: _, pretension, slack, damping, strength } = names;
-        let fields = [
-            (pretension, &mut tie.pretension),
-            (slack, &mut tie.slack),
-            (damping, &mut tie.damping),
-            (strength, &mut tie.strength),
-        ];
-        fields.into_iter().find_map(|(name, field)| (name == variable).then_some(field))
-    })
+    let names = tie::names(ties);
+    let (name, key) = variable.name().split_once('.')?;
+    let tie = &mut ties[names.iter().position(|known| known == name)?];
+    let is_given = match tie.kind {
+        LinkKind::Tie => matches!(key, "pretension" | "slack" | "damping" | "strength"),
+        LinkKind::Damper => matches!(key, "damping" | "strength" | "hardening"),
+    };
+    tie.number(key).filter(|_| is_given)
 }
 
 /// The block with another half width, friction or supports; mass, inertia and ties are kept.

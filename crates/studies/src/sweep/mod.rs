@@ -32,20 +32,20 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{End, Holds, Outcome, OutcomeRow};
 use crate::search::{self, OutcomeMap, Scan};
-use crate::sweep::change::{Change, tie_field};
+use crate::sweep::change::{Change, holds_of_variables, tie_field};
 use crate::sweep::columns::SweepRow;
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError};
 use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
-use rocking_block::unit::values::{TIES, Values};
+use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 
 /// A sweep: each combination of parameters × each motion × each strength is a row.
@@ -135,9 +135,7 @@ impl Sweep {
                 ParameterValues::Range { to, .. } => *to > 0.0,
             })
         };
-        let ties = TIES.iter().rposition(|(_, tie)| any(tie.stiffness));
-        let holds = Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) };
-        self.changes.iter().fold(holds, |holds, change| change.holds(holds))
+        self.changes.iter().fold(holds_of_variables(any), |holds, change| change.holds(holds))
     }
 
     /// Remarks on blocks and pulses beyond reason, one of each kind.
@@ -252,8 +250,19 @@ impl Sweep {
     /// The first invalid parameter, or the condition under which a block would read an unread one.
     pub fn check_changes(&self, changes: &[Change]) -> Result<(), String> {
         let changed = self.with(changes);
-        let is_tied = changes.iter().any(|change| matches!(change, Change::Tied(_)));
-        let is_of_tie = |variable| is_tied && tie_field(&mut [Tie::default(); 2], variable).is_some();
+        let is_of_tie = |variable| {
+            let kind = |change: &Change| match change {
+                Change::Tied(_) => Some(LinkKind::Tie),
+                Change::Damped(_) => Some(LinkKind::Damper),
+                Change::Parameter(..)
+                | Change::Width(_)
+                | Change::StiffnessRatio(_)
+                | Change::DampingRatio(_)
+                | Change::FrictionOverThreshold(_) => None,
+            };
+            let mut added = changes.iter().filter_map(kind).map(|kind| [Tie { kind, ..Tie::default() }; 2]);
+            added.any(|mut ties| tie_field(&mut ties, variable).is_some())
+        };
         // An unread parameter and the condition under which a block reads it; `None` once a combination has read all.
         let mut unread = Some(("", "a combination"));
         for number in 0..self.combinations().unwrap_or(0) {

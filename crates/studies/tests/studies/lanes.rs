@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
-use rocking_block::block::restraints::{self, ForceLaw, Tie};
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
@@ -241,11 +241,17 @@ fn run(number: u32) -> Run {
     let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
     let block = Block::from_dimensionless(&d, &common).unwrap();
     let (b, weight) = (block.b, block.mass * block.gravity);
-    let tie = Tie { block: [b, 0.0], ground: [b, -b], stiffness: 3.0 * weight / b, ..Tie::default() };
-    let law = ForceLaw { kind: restraints::LinkKind::Damper, yield_force: 0.05 * weight, hardening: 0.1 };
-    let links = [(tie, law)];
+    let damper = Tie {
+        block: [b, 0.0],
+        ground: [b, -b],
+        stiffness: 3.0 * weight / b,
+        yield_force: 0.05 * weight,
+        hardening: 0.1,
+        kind: LinkKind::Damper,
+        ..Tie::default()
+    };
     Run {
-        block: block.with_links(if number % 9 == 4 { &links } else { &[] }).unwrap(),
+        block: block.with_ties(if number % 9 == 4 { std::slice::from_ref(&damper) } else { &[] }).unwrap(),
         settings: Settings {
             tolerance: [1e-8, 1e-6, 1e-4][number as usize / 2 % 3],
             on_separation: on_separation[number as usize % 4],

@@ -1,7 +1,7 @@
 //! Random runs against runs that must have the same outcome: mirrored, scaled, later, with finer records and rows, and longer.
 
 use proptest::prelude::*;
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -21,7 +21,7 @@ struct Case {
     common: Common,
     /// Offset of the centre of mass (b).
     eccentricity: f64,
-    ties: Vec<[f64; 9]>,
+    ties: Vec<[f64; 12]>,
     flies: bool,
     motion: Motion,
     /// Peak of the ground acceleration (g tan α).
@@ -46,7 +46,9 @@ fn case() -> impl Strategy<Value = Case> {
     let friction = prop_oneof![2 => Just(0.0), 1 => 0.05..1.2_f64];
     let common = (1.5..5.0_f64, prop_oneof![Just(0.0), 0.0..0.9], friction)
         .prop_map(|(gamma, epsilon, friction)| Common { gamma, epsilon, friction, ..Common::default() });
-    let tie = [-1.0..1.0, 0.0..2.0, -4.0..4.0, -2.0..0.5, 0.05..20.0, 0.0..0.3, 0.0..0.03, 0.0..0.05, -2.0..3.0_f64];
+    let force = [0.05..20.0, 0.0..0.3, 0.0..0.03, 0.0..0.05, -2.0..3.0, -0.3..0.4, 0.0..0.5, -1.0..0.5_f64];
+    let tie = ([-1.0..1.0, 0.0..2.0, -4.0..4.0, -2.0..0.5_f64], force)
+        .prop_map(|(ends, force)| std::array::from_fn(|i| if i < 4 { ends[i] } else { force[i - 4] }));
     let ties = prop_oneof![3 => Just(vec![]), 1 => prop::collection::vec(tie, 1..3)];
     let shape = prop::sample::select(PulseShape::WORDS[1..].iter().map(|word| word.1).collect::<Vec<_>>());
     let pulse =
@@ -98,14 +100,22 @@ impl Case {
             if rigid { self.common.friction.min(0.7 * even.jamming_friction()) } else { self.common.friction };
         let common = Common { eccentricity: side * self.eccentricity * even.b, friction, ..self.common };
         let (b, h, weight) = (even.b, even.h, even.mass * even.gravity);
-        let tie = |&[x, z, ground_x, ground_z, stiffness, pretension, slack, damping, strength]: &[f64; 9]| Tie {
-            block: [side * x * b, z * h],
-            ground: [side * ground_x * b, (ground_z - 0.1) * h],
-            stiffness: stiffness * weight / b,
-            pretension: pretension * weight,
-            slack: slack * b,
-            damping: damping * weight / (dimensionless.p * b),
-            strength: strength.max(0.0) * weight,
+        let tie = |of: &[f64; 12]| {
+            let [x, z, ground_x, ground_z, stiffness, pretension, slack, damping, strength, yields, hardening, kind] =
+                *of;
+            let (kind, slackens) = if kind > 0.0 { (LinkKind::Damper, 0.0) } else { (LinkKind::Tie, 1.0) };
+            Tie {
+                block: [side * x * b, z * h],
+                ground: [side * ground_x * b, (ground_z - 0.1) * h],
+                stiffness: stiffness * weight / b,
+                pretension: slackens * pretension * weight,
+                slack: slackens * slack * b,
+                damping: damping * weight / (dimensionless.p * b),
+                strength: strength.max(0.0) * weight,
+                yield_force: yields.max(0.0) * weight,
+                hardening: if yields > 0.0 { hardening } else { 0.0 },
+                kind,
+            }
         };
         let ties: Vec<Tie> = self.ties.iter().map(tie).collect();
         let block = Block::from_dimensionless(&dimensionless, &common).ok()?.with_ties(&ties).ok()?;

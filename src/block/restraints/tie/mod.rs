@@ -5,7 +5,7 @@
 //! | [`pull`] | position and motion of the block → stretch and tension of a tie; its energy and power |
 //! | [`switching`] | event functions of a tie → it is taut, slack or limp, yields, or breaks |
 //!
-//! A damper is a tie that also pushes. In tables both are ties.
+//! A damper is a tie that also pushes.
 
 pub mod pull;
 pub mod switching;
@@ -22,15 +22,23 @@ pub use switching::{TieEvent, TieFunction};
 pub const MAX_TIES: usize = 8;
 
 /// [`MAX_TIES`], in errors.
-const EXPECTED: &str = "at most 8 ties";
+const EXPECTED: &str = "at most 8 ties and dampers";
 
 /// Names of the ties in tables of events.
-pub const NAMES: [&str; MAX_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
+const TIES: [&str; MAX_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
 
-/// Number of ties among the variables of the FMU.
-pub const VARIABLES: usize = 2;
+/// Names of the dampers in tables of events.
+const DAMPERS: [&str; MAX_TIES] =
+    ["damper 1", "damper 2", "damper 3", "damper 4", "damper 5", "damper 6", "damper 7", "damper 8"];
 
-/// A tendon, guy or restrainer: pulls a point of the block towards a point of the ground, and never pushes.
+/// Number of ties and dampers among the variables of the FMU: two of each.
+pub const VARIABLES: usize = 4;
+
+/// A tendon, guy or restrainer, which pulls a point of the block towards a point of the ground and never pushes; or a damper, which does both.
+///
+/// The force of the spring, positive in tension, stays between the lines `r k s ± (1 − r) F_y` over the stretch s of [`pull`]: kinematic
+/// hardening after W. Prager, "A new method of analyzing stresses and strains in work-hardening plastic solids", Journal of Applied
+/// Mechanics 23 (1956), 493–496.
 ///
 /// Positions are relative to the middle of the base of the block at rest without ties (m), x to the right, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,8 +55,14 @@ pub struct Tie<T = f64> {
     pub slack: T,
     /// Damping c (N.s/m).
     pub damping: T,
-    /// Tension (N) at which it breaks; 0 means that it does not break.
+    /// Tension (N) at which it breaks, of a damper also the compression; 0 means that it does not break.
     pub strength: T,
+    /// Force F_y (N) of the spring at which it yields first, in tension and in compression; 0 means that it stays elastic.
+    pub yield_force: T,
+    /// Stiffness while it yields over that before, r (1): at least 0, below 1.
+    pub hardening: T,
+    /// The sense in which it acts.
+    pub kind: LinkKind,
 }
 
 /// The sense in which a tie acts.
@@ -61,49 +75,6 @@ pub enum LinkKind {
     Damper,
 }
 
-/// The force law of a tie beyond its spring and dashpot: kind, and yielding with the kinematic hardening of W. Prager, "A new method of
-/// analyzing stresses and strains in work-hardening plastic solids", Journal of Applied Mechanics 23 (1956), 493–496.
-///
-/// The force of the spring, positive in tension, stays between the lines `r k s ± (1 − r) F_y` over the stretch s of [`pull`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ForceLaw<T = f64> {
-    /// The sense in which it acts.
-    pub kind: LinkKind,
-    /// Force F_y (N) of the spring, in tension and in compression, at which it yields first; 0 means that it stays elastic.
-    pub yield_force: T,
-    /// Stiffness while it yields over that before, r (1): at least 0, below 1.
-    pub hardening: T,
-}
-
-impl<T> ForceLaw<T> {
-    /// Returns the law with each number converted by `f`.
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> ForceLaw<U> {
-        ForceLaw { kind: self.kind, yield_force: f(self.yield_force), hardening: f(self.hardening) }
-    }
-}
-
-impl<T: Scalar<Real = f64>> ForceLaw<T> {
-    /// Whether the tie can yield.
-    pub fn yields(&self) -> bool {
-        self.yield_force.value() > 0.0
-    }
-}
-
-impl ForceLaw {
-    /// Refuses an impossible law. An error names the parameter.
-    pub fn check(&self) -> Result<(), BlockError> {
-        not_negative("yield force of a tie", self.yield_force)?;
-        match (0.0..1.0).contains(&self.hardening) {
-            true => Ok(()),
-            false => Err(BlockError::OutOfRange {
-                name: "hardening of a tie",
-                value: self.hardening,
-                expected: "a ratio of stiffnesses from 0 to below 1",
-            }),
-        }
-    }
-}
-
 /// The ties of a block, at most [`MAX_TIES`]. A step of lanes, which makes blocks, writes nothing for [`Ties::Nothing`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ties<T = f64> {
@@ -113,27 +84,21 @@ pub enum Ties<T = f64> {
     Some {
         /// The ties, and copies of the last one.
         ties: [Tie<T>; MAX_TIES],
-        /// Their force laws.
-        laws: [ForceLaw<T>; MAX_TIES],
         /// Their number.
         count: usize,
     },
 }
 
-impl<T: Copy + Default> Ties<T> {
-    /// Makes elastic ties of the first [`MAX_TIES`] of a list, without checks.
+impl<T: Copy> Ties<T> {
+    /// Makes ties of the first [`MAX_TIES`] of a list, without checks; ties are numbered before dampers.
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
-        Ties::with_laws(ties, &[])
-    }
-
-    /// Makes ties with these force laws of the first [`MAX_TIES`] of a list, without checks. Ties beyond the list of laws are elastic.
-    pub fn with_laws(ties: &[Tie<T>], laws: &[ForceLaw<T>]) -> Ties<T> {
         let Some(&last) = ties.last() else { return Ties::Nothing };
-        Ties::Some {
-            ties: std::array::from_fn(|number| ties.get(number).copied().unwrap_or(last)),
-            laws: std::array::from_fn(|number| laws.get(number).copied().unwrap_or_default()),
-            count: ties.len().min(MAX_TIES),
+        let of_kind = |kind| ties.iter().filter(move |tie| tie.kind == kind);
+        let mut ordered = [last; MAX_TIES];
+        for (slot, tie) in ordered.iter_mut().zip(LinkKind::ALL.into_iter().flat_map(of_kind)) {
+            *slot = *tie;
         }
+        Ties::Some { ties: ordered, count: ties.len().min(MAX_TIES) }
     }
 }
 
@@ -144,14 +109,6 @@ impl<T> Ties<T> {
         match self {
             Ties::Nothing => &[],
             Ties::Some { ties, count, .. } => &ties[..(*count).min(MAX_TIES)],
-        }
-    }
-
-    /// Returns the force laws of the ties.
-    pub fn laws(&self) -> &[ForceLaw<T>] {
-        match self {
-            Ties::Nothing => &[],
-            Ties::Some { laws, count, .. } => &laws[..(*count).min(MAX_TIES)],
         }
     }
 
@@ -173,12 +130,28 @@ impl<T: Copy> Tie<T> {
             slack: f(self.slack),
             damping: f(self.damping),
             strength: f(self.strength),
+            yield_force: f(self.yield_force),
+            hardening: f(self.hardening),
+            kind: self.kind,
         }
     }
 }
 
+impl<T: Scalar<Real = f64>> Tie<T> {
+    /// Whether it can yield.
+    pub fn yields(&self) -> bool {
+        self.yield_force.value() > 0.0
+    }
+}
+
+/// Returns the names of ties and dampers among the variables, such as `tie_1`, each numbered within its kind.
+pub fn names<T>(ties: &[Tie<T>]) -> Vec<String> {
+    let number = |i: usize, kind| ties[..=i].iter().filter(|tie| tie.kind == kind).count();
+    ties.iter().enumerate().map(|(i, tie)| format!("{}_{}", tie.kind.word(), number(i, tie.kind))).collect()
+}
+
 /// Names and units of the numbers of a tie, in the order of [`Tie::numbers`]. Users everywhere write them so.
-pub const NUMBERS: [(&str, &str); 9] = [
+pub const NUMBERS: [(&str, &str); 11] = [
     ("block_x", "m"),
     ("block_z", "m"),
     ("ground_x", "m"),
@@ -188,27 +161,64 @@ pub const NUMBERS: [(&str, &str); 9] = [
     ("slack", "m"),
     ("damping", "N.s/m"),
     ("strength", "N"),
+    ("yield_force", "N"),
+    ("hardening", "1"),
 ];
+
+impl LinkKind {
+    /// All kinds.
+    pub const ALL: [LinkKind; 2] = [LinkKind::Tie, LinkKind::Damper];
+
+    /// Returns its name in tables, messages and study files.
+    pub fn word(self) -> &'static str {
+        match self {
+            LinkKind::Tie => "tie",
+            LinkKind::Damper => "damper",
+        }
+    }
+
+    /// Returns the name of its force in tables: a tie has a tension.
+    pub fn force(self) -> &'static str {
+        match self {
+            LinkKind::Tie => "tension",
+            LinkKind::Damper => "force",
+        }
+    }
+
+    /// Returns the names of its ties in tables of events.
+    pub fn names(self) -> &'static [&'static str] {
+        match self {
+            LinkKind::Tie => &TIES,
+            LinkKind::Damper => &DAMPERS,
+        }
+    }
+
+    /// Returns the [`NUMBERS`] that users give of it: a damper, which is never slack, has no pretension and no slack.
+    pub fn numbers(self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        NUMBERS.into_iter().filter(move |(name, _)| self == LinkKind::Tie || !matches!(*name, "pretension" | "slack"))
+    }
+}
 
 impl<T> Tie<T> {
     /// Returns its numbers in the order of [`NUMBERS`].
     pub fn numbers(&mut self) -> [&mut T; NUMBERS.len()] {
-        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = self;
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind: _ } =
+            self;
         let ([block_x, block_z], [ground_x, ground_z]) = (block, ground);
-        [block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength]
+        [block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength, yield_force, hardening]
     }
 
-    /// Returns the number with a name of [`NUMBERS`].
+    /// Returns the number with a name that users give of this kind.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
+        self.kind.numbers().find(|(known, _)| *known == name)?;
         NUMBERS.into_iter().zip(self.numbers()).find_map(|((known, _), number)| (known == name).then_some(number))
     }
 }
 
 impl<T: Copy> Tie<T> {
-    /// Returns its numbers with their names.
-    pub fn named(mut self) -> [(&'static str, T); NUMBERS.len()] {
-        let numbers = self.numbers();
-        std::array::from_fn(|i| (NUMBERS[i].0, *numbers[i]))
+    /// Returns the numbers that users give of its kind, with their names.
+    pub fn named(mut self) -> impl Iterator<Item = (&'static str, T)> {
+        self.kind.numbers().filter_map(move |(name, _)| self.number(name).map(|number| (name, *number)))
     }
 }
 
@@ -222,36 +232,45 @@ impl<T: Elementary> Tie<T> {
 impl Tie {
     /// Refuses an impossible tie. An error names the parameter.
     pub fn check(&self) -> Result<(), BlockError> {
-        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind } =
+            *self;
+        let named = |of_tie, of_damper| match kind {
+            LinkKind::Tie => of_tie,
+            LinkKind::Damper => of_damper,
+        };
         for (name, value) in [
-            ("stiffness of a tie", stiffness),
+            (named("stiffness of a tie", "stiffness of a damper"), stiffness),
             ("pretension of a tie", pretension),
             ("slack of a tie", slack),
-            ("damping of a tie", damping),
-            ("strength of a tie", strength),
+            (named("damping of a tie", "damping of a damper"), damping),
+            (named("strength of a tie", "strength of a damper"), strength),
+            (named("yield force of a tie", "yield force of a damper"), yield_force),
         ] {
             not_negative(name, value)?;
         }
+        let out_of_range = |name, value, expected| Err(BlockError::OutOfRange { name, value, expected });
         for (name, value) in
             [("block_x", block[0]), ("block_z", block[1]), ("ground_x", ground[0]), ("ground_z", ground[1])]
         {
             if !value.is_finite() {
-                return Err(BlockError::OutOfRange { name, value, expected: "a finite number" });
+                return out_of_range(name, value, "a finite number");
             }
         }
+        if !(0.0..1.0).contains(&hardening) {
+            let name = named("hardening of a tie", "hardening of a damper");
+            return out_of_range(name, hardening, "a ratio of stiffnesses from 0 to below 1");
+        }
         if stiffness > 0.0 && self.length() <= 0.0 {
-            return Err(BlockError::OutOfRange {
-                name: "length of a tie",
-                value: self.length(),
-                expected: "a distance of its ends above 0",
-            });
+            let name = named("length of a tie", "length of a damper");
+            return out_of_range(name, self.length(), "a distance of its ends above 0");
         }
         Ok(())
     }
 }
 
 impl Block {
-    /// Returns the block with these ties, at most [`MAX_TIES`]. An error names the first invalid parameter.
+    /// Returns the block with these ties and dampers, at most [`MAX_TIES`]; ties are numbered before dampers. An error names the first
+    /// invalid parameter.
     pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > MAX_TIES {
             return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
@@ -259,17 +278,6 @@ impl Block {
         ties.iter().try_for_each(Tie::check)?;
         self.restraints.ties = Ties::of(ties);
         Ok(self)
-    }
-
-    /// Returns the block with these ties and dampers, at most [`MAX_TIES`], instead of its ties. An error names the first invalid parameter.
-    ///
-    /// The FMU has no parameters of force laws: a block whose ties yield is stepped by [`Simulation`](crate::simulation::Simulation) alone.
-    pub fn with_links(self, links: &[(Tie, ForceLaw)]) -> Result<Block, BlockError> {
-        let (ties, laws): (Vec<Tie>, Vec<ForceLaw>) = links.iter().copied().unzip();
-        let mut block = self.with_ties(&ties)?;
-        laws.iter().try_for_each(ForceLaw::check)?;
-        block.restraints.ties = Ties::with_laws(&ties, &laws);
-        Ok(block)
     }
 }
 
@@ -316,13 +324,11 @@ impl YieldDirection {
     }
 }
 
-/// A tie with its force law and its state.
+/// A tie with its state.
 #[derive(Clone, Copy, Debug)]
 pub struct Link<'a, P, S> {
     /// The tie.
     pub tie: &'a Tie<P>,
-    /// Its force law.
-    pub law: &'a ForceLaw<P>,
     /// Its state.
     pub state: TieState,
     /// Its plastic elongation s_p (m) unless it yields; `None` if no tie of the block can yield.
@@ -338,9 +344,8 @@ pub fn links<'a, P, S: Copy>(
     states: &TieStates,
     plastic: &Plastic<S>,
 ) -> impl Iterator<Item = Link<'a, P, S>> {
-    let ties = &block.restraints.ties;
-    let both = ties.all().iter().zip(ties.laws()).enumerate();
-    both.map(|(i, (tie, law))| Link { tie, law, state: states[i], plastic: plastic.map(|all| all[i]) })
+    let ties = block.ties().iter().enumerate();
+    ties.map(|(i, tie)| Link { tie, state: states[i], plastic: plastic.map(|all| all[i]) })
 }
 
 /// The states of all ties of a block.

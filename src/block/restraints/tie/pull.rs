@@ -4,7 +4,8 @@
 //! The plastic elongation s_p changes while the tie yields in the direction σ: then `k (s − s_p) − h s_p = σ F_y` with the kinematic
 //! hardening `h = k r/(1 − r)`, so that s_p follows from s and the spring pulls with `r k s + (1 − r) σ F_y`.
 
-use super::{ForceLaw, Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
+use super::{Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
+use crate::block::restraints::ObservedRestraint;
 use crate::block::{Block, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
@@ -34,7 +35,10 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(
     let d = [u + x - (tie.ground[0] - block.eccentricity), v + z - (tie.ground[1] - block.h)];
     let d_dot = [u_dot + z * theta_dot, v_dot - x * theta_dot];
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
-    let free = (at_rest[0] * at_rest[0] + at_rest[1] * at_rest[1]).sqrt() + tie.slack - tie.pretension / tie.stiffness;
+    // A tie without stiffness is absent.
+    let stretched = tie.pretension / tie.stiffness;
+    let stretched = P::select_less(P::Real::from(0.0), tie.stiffness.value(), stretched, P::from(0.0));
+    let free = (at_rest[0] * at_rest[0] + at_rest[1] * at_rest[1]).sqrt() + tie.slack - stretched;
     // A tie whose ends coincide has no direction.
     let inverse = T::select_less(T::Real::from(0.0), length.value(), T::from(1.0) / length, T::from(0.0));
     let along = [d[0] * inverse, d[1] * inverse];
@@ -47,10 +51,10 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(
 
 /// Returns the plastic elongation s_p (m) of a tie stretched by `length` (m).
 pub fn plastic<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
-    let Link { tie, law, state, plastic } = link;
+    let Link { tie, state, plastic } = link;
     match (state, plastic) {
         (TieState::Yields(direction), _) => {
-            (length - law.yield_force / tie.stiffness * direction.sign()) * (P::from(1.0) - law.hardening)
+            (length - tie.yield_force / tie.stiffness * direction.sign()) * (P::from(1.0) - tie.hardening)
         }
         (_, Some(plastic)) => T::from(plastic),
         (_, None) => T::from(0.0),
@@ -75,11 +79,11 @@ pub fn taut_tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link
 /// Returns the force (N) of the spring of a tie stretched by `length` (m).
 #[inline(always)]
 fn spring<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
-    let Link { tie, law, state, .. } = link;
+    let Link { tie, state, .. } = link;
     match state {
         TieState::Yields(direction) => {
-            length * (law.hardening * tie.stiffness)
-                + (P::from(1.0) - law.hardening) * law.yield_force * direction.sign()
+            length * (tie.hardening * tie.stiffness)
+                + (P::from(1.0) - tie.hardening) * tie.yield_force * direction.sign()
         }
         TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => elastic(link, length) * tie.stiffness,
     }
@@ -139,25 +143,20 @@ fn any(&[a, b, c, d, e, f, g, h]: &TieStates, is: impl Fn(TieState) -> bool) -> 
 }
 
 /// Returns the direction in which a tie without plastic elongation yields if it is stretched by `length` (m), if it does.
-pub fn yielding_at_rest<T: Elementary>(
-    tie: &Tie<T>,
-    law: &ForceLaw<T>,
-    length: T,
-    rounding: f64,
-) -> Option<YieldDirection> {
-    let beyond = (length * tie.stiffness).value().abs() > law.yield_force.value() + rounding;
+pub fn yielding_at_rest<T: Elementary>(tie: &Tie<T>, length: T, rounding: f64) -> Option<YieldDirection> {
+    let beyond = (length * tie.stiffness).value().abs() > tie.yield_force.value() + rounding;
     let direction = if length.value() > 0.0 { YieldDirection::Longer } else { YieldDirection::Shorter };
-    (law.yields() && beyond).then_some(direction)
+    (tie.yields() && beyond).then_some(direction)
 }
 
 /// Returns a tie in its state at rest.
-fn at_rest<'a, T: Elementary>(tie: &'a Tie<T>, law: &'a ForceLaw<T>, length: T) -> Link<'a, T, T> {
-    let state = match yielding_at_rest(tie, law, length, 0.0) {
-        _ if law.kind == LinkKind::Tie && length.value() <= 0.0 => TieState::Slack,
+fn at_rest<T: Elementary>(tie: &Tie<T>, length: T) -> Link<'_, T, T> {
+    let state = match yielding_at_rest(tie, length, 0.0) {
+        _ if tie.kind == LinkKind::Tie && length.value() <= 0.0 => TieState::Slack,
         Some(direction) => TieState::Yields(direction),
         None => TieState::Taut,
     };
-    Link { tie, law, state, plastic: None }
+    Link { tie, state, plastic: None }
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
@@ -167,9 +166,9 @@ pub fn less_static_pull<T: Elementary>(
     kinematics: &Kinematics<T>,
     mut force: T,
 ) -> T {
-    for (tie, law) in ties.all().iter().zip(ties.laws()).filter(|(tie, _)| tie.stiffness.value() != 0.0) {
+    for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
         let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
-        let link = at_rest(tie, law, length);
+        let link = at_rest(tie, length);
         let tension = if acts(link.state) { spring(link, length) } else { T::from(0.0) };
         force = force - tension * z;
     }
@@ -178,45 +177,45 @@ pub fn less_static_pull<T: Elementary>(
 
 /// Returns the vertical stiffness (N/m) of the ties at rest.
 pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
-    ties.all().iter().zip(ties.laws()).map(|(tie, law)| stiffness_at_rest(block, tie, law, kinematics)).sum()
+    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, kinematics)).sum()
 }
 
 /// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z, `r k` in place of k where it yields.
-fn stiffness_at_rest<T: Elementary>(
-    block: &Block<T>,
-    tie: &Tie<T>,
-    law: &ForceLaw<T>,
-    kinematics: &Kinematics<T>,
-) -> f64 {
+fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
     }
     let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
-    let link = at_rest(tie, law, length);
+    let link = at_rest(tie, length);
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
     match link.state {
         TieState::Slack | TieState::Limp | TieState::Broken => 0.0,
         TieState::Taut => stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)),
         TieState::Yields(_) => {
-            law.hardening.value() * stiffness * z * z + spring(link, length).value() * (1.0 - z * z) / (stretch + free)
+            tie.hardening.value() * stiffness * z * z + spring(link, length).value() * (1.0 - z * z) / (stretch + free)
         }
     }
 }
 
-/// Returns the tensions of all ties (N).
-pub fn tensions<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
+/// Returns pull, stretch and plastic elongation of all ties.
+pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
     states: &TieStates,
-    plastic: &Plastic<S>,
+    plastics: &Plastic<S>,
     kinematics: &Kinematics<T>,
-) -> [T; MAX_TIES] {
-    let mut tensions = [T::from(0.0); MAX_TIES];
-    for (value, link) in tensions.iter_mut().zip(links(block, states, plastic)) {
-        *value = tension(link, &stretch(block, link.tie, kinematics));
+) -> [ObservedRestraint<T>; MAX_TIES] {
+    let mut all = [ObservedRestraint::of_all(T::from(0.0)); MAX_TIES];
+    for (observed, link) in all.iter_mut().zip(links(block, states, plastics)) {
+        let stretch = stretch(block, link.tie, kinematics);
+        *observed = ObservedRestraint {
+            pull: tension(link, &stretch),
+            elongation: stretch.length,
+            plastic: plastic(link, stretch.length),
+        };
     }
-    tensions
+    all
 }
 
 /// Returns the energy stored in the ties per mass (m²/s²): `½ k (s − s_p)²` of each stretched tie and `½ h s_p²` of each that is not broken.
@@ -226,7 +225,7 @@ pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     plastics: &Plastic<S>,
     kinematics: &Kinematics<T>,
 ) -> T {
-    let springs = sum_stretched(block, states, plastics, kinematics, |link, Stretch { length, .. }| {
+    let springs = sum_stretched(block, links(block, states, plastics), kinematics, |link, Stretch { length, .. }| {
         let elastic = elastic(link, length);
         elastic * elastic * (link.tie.stiffness * 0.5)
     });
@@ -235,9 +234,9 @@ pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     }
     let mut sum = springs;
     for link in links(block, states, plastics).filter(|link| link.state != TieState::Broken) {
-        let ForceLaw { hardening, .. } = *link.law;
+        let Tie { hardening, stiffness, .. } = *link.tie;
         let plastic = plastic(link, stretch(block, link.tie, kinematics).length);
-        let modulus = link.tie.stiffness * hardening / (P::from(1.0) - hardening);
+        let modulus = stiffness * hardening / (P::from(1.0) - hardening);
         sum = sum + plastic * plastic * (modulus * 0.5 / block.mass);
     }
     sum
@@ -246,34 +245,37 @@ pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
 /// Returns the work (J) that stretches a tie from its plastic elongation to `length` (m) without a turn: `½ k (s − s_p)²` up to the yield
 /// surface, from where on the stiffness is `r k`.
 pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
-    let Link { tie: &Tie { stiffness, .. }, law, plastic, .. } = link;
+    let Link { tie, plastic, .. } = link;
+    let Tie { stiffness, yield_force, hardening, .. } = *tie;
     let plastic = plastic.unwrap_or(0.0);
-    let elastic = match law.kind {
+    let elastic = match tie.kind {
         LinkKind::Tie => (length - plastic).max(0.0),
         LinkKind::Damper => length - plastic,
     };
-    if !law.yields() {
+    if !tie.yields() {
         return 0.5 * stiffness * elastic * elastic;
     }
-    let back_stress = stiffness * law.hardening / (1.0 - law.hardening) * plastic;
-    let first = ((law.yield_force + back_stress * elastic.signum()) / stiffness).clamp(0.0, elastic.abs());
+    let back_stress = stiffness * hardening / (1.0 - hardening) * plastic;
+    let first = ((yield_force + back_stress * elastic.signum()) / stiffness).clamp(0.0, elastic.abs());
     let beyond = elastic.abs() - first;
-    stiffness * (0.5 * first * first + beyond * (first + 0.5 * law.hardening * beyond))
+    stiffness * (0.5 * first * first + beyond * (first + 0.5 * hardening * beyond))
 }
 
-/// Returns the power per mass (m²/s³) dissipated by the ties: `(T − F) ṡ` by the dashpots beside the force F of the spring, and
-/// `F_y |ṡ_p|` by yielding.
+/// Returns the power per mass (m²/s³) dissipated by the ties of a kind: `(T − F) ṡ` by the dashpots beside the force F of the spring,
+/// and `F_y |ṡ_p|` by yielding.
 pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
     states: &TieStates,
     plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
+    kind: LinkKind,
 ) -> T {
-    sum_stretched(block, states, plastic, kinematics, |link, stretch| {
+    let links = links(block, states, plastic).filter(|link| link.tie.kind == kind);
+    sum_stretched(block, links, kinematics, |link, stretch| {
         let dashpot = (tension(link, &stretch) - spring(link, stretch.length)) * stretch.rate;
         match link.state {
             TieState::Yields(direction) => {
-                let ForceLaw { yield_force, hardening, .. } = *link.law;
+                let Tie { yield_force, hardening, .. } = *link.tie;
                 dashpot + stretch.rate * ((P::from(1.0) - hardening) * yield_force * direction.sign())
             }
             TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => dashpot,
@@ -281,16 +283,15 @@ pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     })
 }
 
-/// Returns the sum of `term` over the stretched ties, per mass.
-fn sum_stretched<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
+/// Returns the sum of `term` over the stretched ties among these, per mass.
+fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
     block: &Block<P>,
-    states: &TieStates,
-    plastic: &Plastic<S>,
+    links: impl Iterator<Item = Link<'a, P, S>>,
     kinematics: &Kinematics<T>,
     term: impl Fn(Link<P, S>, Stretch<T>) -> T,
 ) -> T {
     let mut sum = T::from(0.0);
-    for link in links(block, states, plastic) {
+    for link in links {
         if acts(link.state) || link.state == TieState::Limp {
             sum = sum + term(link, stretch(block, link.tie, kinematics)) * (P::from(1.0) / block.mass);
         }

@@ -72,24 +72,32 @@ impl std::fmt::Display for TieEvent {
     }
 }
 
-/// Returns the watched functions of a tie in its state: those of pulling and breaking, then those of yielding.
-pub fn watched<P, S>(link: Link<P, S>) -> [[Option<TieFunction>; 2]; 2]
+/// Number of functions of a tie that are watched at once, at most.
+pub const WATCHED: usize = 4;
+
+/// Returns the watched functions of a tie in its state: two of pulling and breaking, then two of yielding.
+pub fn watched<P, S>(link: Link<P, S>) -> [Option<TieFunction>; WATCHED]
 where
     P: Elementary,
 {
     use YieldDirection::{Longer, Shorter};
-    let (breaks, kind) = (link.tie.strength.value() > 0.0, link.law.kind);
+    let (breaks, kind) = (link.tie.strength.value() > 0.0, link.tie.kind);
     let acting = match kind {
         LinkKind::Tie => [Some(TieFunction::Tension), breaks.then_some(TieFunction::Strength)],
         LinkKind::Damper => [TieFunction::Thrust, TieFunction::Strength].map(|function| breaks.then_some(function)),
     };
-    match link.state {
-        TieState::Slack => [[Some(TieFunction::Shortness), None], [None; 2]],
-        TieState::Taut => [acting, [Longer, Shorter].map(|way| link.law.yields().then_some(TieFunction::Yield(way)))],
-        TieState::Yields(direction) => [acting, [Some(TieFunction::Unload(direction)), None]],
-        TieState::Limp => [[Some(TieFunction::Stretch), Some(TieFunction::Limpness)], [None; 2]],
-        TieState::Broken => [[None; 2]; 2],
-    }
+    let yielding = match link.state {
+        TieState::Taut if link.tie.yields() => [Longer, Shorter].map(|direction| Some(TieFunction::Yield(direction))),
+        TieState::Yields(direction) => [Some(TieFunction::Unload(direction)), None],
+        TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => [None; 2],
+    };
+    let [first, second] = match link.state {
+        TieState::Slack => [Some(TieFunction::Shortness), None],
+        TieState::Taut | TieState::Yields(_) => acting,
+        TieState::Limp => [Some(TieFunction::Stretch), Some(TieFunction::Limpness)],
+        TieState::Broken => [None; 2],
+    };
+    [first, second, yielding[0], yielding[1]]
 }
 
 /// Returns the function whose value is the tension of a tie in this state, if it pulls.
@@ -102,9 +110,9 @@ pub fn of_pull(state: TieState) -> Option<TieFunction> {
 
 /// Returns the elongation (m) that separates a taut tie stretched by `length` (m) from yielding: `F_y/k − σ (s − s_p/(1 − r))`.
 fn margin<T: Elementary>(link: Link<T, T>, length: T, direction: YieldDirection) -> T {
-    let Link { tie, law, .. } = link;
+    let Tie { stiffness, yield_force, hardening, .. } = *link.tie;
     let plastic = plastic(link, length);
-    law.yield_force / tie.stiffness - (length - plastic / (T::from(1.0) - law.hardening)) * direction.sign()
+    yield_force / stiffness - (length - plastic / (T::from(1.0) - hardening)) * direction.sign()
 }
 
 impl TieFunction {
@@ -233,20 +241,20 @@ pub fn at_beginning<T: Elementary>(
     rounding: f64,
 ) -> (TieStates, Plastic<T>) {
     let mut states = NO_TIES;
-    let links = ties.all().iter().zip(ties.laws());
-    for (state, (tie, law)) in states.iter_mut().zip(links).filter(|(_, (tie, _))| tie.stiffness.value() > 0.0) {
+    let all = states.iter_mut().zip(ties.all());
+    for (state, tie) in all.filter(|(_, tie)| tie.stiffness.value() > 0.0) {
         let stretch = stretch(block, tie, kinematics);
         let rounding_of_tension = rounding * size_of_tension(block, tie);
         let rounding_of_stretch = rounding * size_of_stretch(block, tie);
-        let yielding = yielding_at_rest(tie, law, stretch.length, rounding_of_tension);
+        let yielding = yielding_at_rest(tie, stretch.length, rounding_of_tension);
         let taut = yielding.map_or(TieState::Taut, TieState::Yields);
-        let link = Link { tie, law, state: taut, plastic: None };
+        let link = Link { tie, state: taut, plastic: None };
         let (tension, strength) = (taut_tension::<_, T, _>(link, &stretch).value(), tie.strength.value());
         let shortens = stretch.rate.value() < -rounding_of_stretch * block.p.value();
         let is_short = stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch };
-        *state = if law.kind == LinkKind::Tie && is_short {
+        *state = if tie.kind == LinkKind::Tie && is_short {
             TieState::Slack
-        } else if law.kind == LinkKind::Tie && tension < -rounding_of_tension {
+        } else if tie.kind == LinkKind::Tie && tension < -rounding_of_tension {
             TieState::Limp
         } else if strength > 0.0 && tension.abs() > strength + rounding_of_tension {
             TieState::Broken
@@ -254,5 +262,5 @@ pub fn at_beginning<T: Elementary>(
             taut
         };
     }
-    (states, ties.laws().iter().any(|law| law.yields()).then_some([T::from(0.0); MAX_TIES]))
+    (states, ties.all().iter().any(Tie::yields).then_some([T::from(0.0); MAX_TIES]))
 }

@@ -22,11 +22,12 @@ use crate::output::report::{ReportOptions, WrittenFiles};
 use rocking_block::block::Foundation;
 use rocking_block::block::restraints::TieState;
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
+use rocking_charts::history::link_names;
 use rocking_charts::picture::PictureFormat;
 use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Record};
 use rocking_studies::run::gradients::Gradients;
-use rocking_studies::run::outcome::{Breaks, End};
+use rocking_studies::run::outcome::{Breaks, End, Holds};
 use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
@@ -247,8 +248,12 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
     if block.friction > 0.0 {
         taken += &format!(", friction {:.1} J", energies.friction);
     }
-    if !block.ties().is_empty() {
+    let Holds { ties, dampers, .. } = Holds::of(block);
+    if ties > 0 {
         taken += &format!(", ties {:.1} J", energies.restraints.ties);
+    }
+    if dampers > 0 {
+        taken += &format!(", dampers {:.1} J", energies.restraints.dampers);
     }
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
@@ -282,13 +287,20 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
             format!("{:.1} mm at the end, at most {peak:.1} mm, {:.1} mm in all", 1e3 * slip.now, 1e3 * slip.total),
         );
     }
-    for ((number, tension), state) in (1..).zip(peaks.pull).zip(history.ties).take(block.ties().len()) {
-        let broken = if state == TieState::Broken { "; it broke" } else { "" };
-        line(&format!("tie {number}"), format!("tension of at most {tension:.4e} N{broken}"));
+    for (number, (name, tie)) in link_names(block).iter().zip(block.ties()).enumerate() {
+        let (force, plastic) = (peaks.pull[number], 1e3 * peaks.plastic[number]);
+        let mut of_link = format!("{} of at most {force:.4e} N", tie.kind.force());
+        if tie.yields() {
+            let lost = history.yield_works[number];
+            of_link += &format!(", plastic elongation of at most {plastic:.2} mm, {lost:.1} J lost by yielding");
+        }
+        let broken = if history.ties[number] == TieState::Broken { "; it broke" } else { "" };
+        line(name, of_link + broken);
     }
     if let Breaks { count, first: Some(time) } = history.breaks() {
-        let ties = if count == 1 { "1 tie broke,".into() } else { format!("{count} ties broke, the first") };
-        line("ties", format!("{ties} at t = {time:.4} s"));
+        let [one, several] = if dampers == 0 { ["tie", "ties"] } else { ["tie or damper", "ties and dampers"] };
+        let broke = if count == 1 { format!("1 {one} broke,") } else { format!("{count} {several} broke, the first") };
+        line(if dampers == 0 { "ties" } else { "breaks" }, format!("{broke} at t = {time:.4} s"));
     }
     if let Some((demand, time)) = demand {
         line("friction", format!("|H|/(N_L + N_R) exceeds {demand} for at most {time:.4} s at a time"));

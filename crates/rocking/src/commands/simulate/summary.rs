@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::gradients::{GradientSummary, GrazingSummary, summaries};
 
-use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::restraints::{LinkKind, Tie, TieState};
 use rocking_block::block::{Block, Corner, Foundation};
 use rocking_block::simulation::Energies;
 use rocking_block::system::events::Event;
@@ -48,6 +48,8 @@ pub struct Summary<'a> {
     /// Only with `--tie`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     ties: Vec<TieSummary>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    dampers: Vec<DamperSummary>,
     /// Only with `--gradients`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     gradients: Vec<GradientSummary<'a>>,
@@ -89,6 +91,8 @@ pub struct Parameters {
     friction: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     ties: Vec<NamedTie>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    dampers: Vec<NamedTie>,
 }
 
 /// An eccentric centre of mass.
@@ -101,12 +105,14 @@ struct Sides {
     alpha_right: f64,
 }
 
-/// A tie by the names of its numbers.
+/// A tie or a damper by the names of its numbers.
 struct NamedTie(Tie);
 
 impl Serialize for NamedTie {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.named())
+        // An elastic tie has no numbers of yielding.
+        let is_shown = |(name, _): &(&str, f64)| self.0.yields() || !matches!(*name, "yield_force" | "hardening");
+        serializer.collect_map(self.0.named().filter(is_shown))
     }
 }
 
@@ -142,7 +148,25 @@ struct SlipSummary {
 #[derive(Serialize)]
 struct TieSummary {
     peak_tension: f64,
+    /// Only of a tie that yields.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    yielding: Option<YieldSummary>,
     broken: bool,
+}
+
+#[derive(Serialize)]
+struct DamperSummary {
+    peak_force: f64,
+    #[serde(flatten)]
+    yielding: YieldSummary,
+    broken: bool,
+}
+
+#[derive(Serialize)]
+struct YieldSummary {
+    peak_plastic: f64,
+    /// Energy lost by yielding.
+    yield_energy: f64,
 }
 
 #[derive(Serialize)]
@@ -190,9 +214,16 @@ impl<'a> Summary<'a> {
         demand: Option<(f64, f64)>,
         with_events: bool,
     ) -> Summary<'a> {
-        let History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, lean } = history;
+        let History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, yield_works, lean } = history;
         let breaks = history.breaks();
         let last = rows.last();
+        let of_kind = |kind| {
+            let links = run.block.ties().iter().enumerate();
+            links.filter(move |(_, tie)| tie.kind == kind).map(|(number, tie)| (number, tie.yields()))
+        };
+        let yielding =
+            |number: usize| YieldSummary { peak_plastic: peaks.plastic[number], yield_energy: yield_works[number] };
+        let is_broken = |number: usize| ties[number] == TieState::Broken;
         Summary {
             excitation,
             block: Parameters::of(&run.block),
@@ -221,8 +252,19 @@ impl<'a> Summary<'a> {
                 total: slip.total,
                 peak: peaks.slip,
             }),
-            ties: (ties.iter().zip(peaks.pull).take(run.block.ties().len()))
-                .map(|(state, peak_tension)| TieSummary { peak_tension, broken: *state == TieState::Broken })
+            ties: of_kind(LinkKind::Tie)
+                .map(|(number, yields)| TieSummary {
+                    peak_tension: peaks.pull[number],
+                    yielding: yields.then(|| yielding(number)),
+                    broken: is_broken(number),
+                })
+                .collect(),
+            dampers: of_kind(LinkKind::Damper)
+                .map(|(number, _)| DamperSummary {
+                    peak_force: peaks.pull[number],
+                    yielding: yielding(number),
+                    broken: is_broken(number),
+                })
                 .collect(),
             gradients: summaries(gradients),
             grazing: gradients.grazing.as_ref().map(GrazingSummary::of),
@@ -249,6 +291,7 @@ impl Parameters {
             Foundation::Viscoelastic => (Some(block.eta()), Some(block.xi_v), None),
             Foundation::Rigid => (None, None, Some(block.restitution())),
         };
+        let named = |kind| block.ties().iter().copied().filter(|tie| tie.kind == kind).map(NamedTie).collect();
         Parameters {
             foundation: block.foundation.word(),
             alpha: block.alpha,
@@ -269,7 +312,8 @@ impl Parameters {
                 alpha_right: block.alpha_of(Corner::Right),
             }),
             friction: (block.friction > 0.0).then_some(block.friction),
-            ties: block.ties().iter().copied().map(NamedTie).collect(),
+            ties: named(LinkKind::Tie),
+            dampers: named(LinkKind::Damper),
         }
     }
 }
