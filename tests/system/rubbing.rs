@@ -283,7 +283,7 @@ fn friction_takes_its_limit_times_the_speed() {
                 restraints: States::NONE,
             };
             let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
-            let [taken, _] = now.dissipated();
+            let [taken, ..] = now.dissipated();
             assert!((taken - 0.25 * block.gravity * 3.0).abs() < 1e-12, "{foundation:?}, {direction}: {taken}");
         }
     }

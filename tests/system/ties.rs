@@ -28,7 +28,7 @@ fn tied() -> Block {
         pretension,
         slack,
         damping,
-        strength: 0.0,
+        ..Tie::default()
     };
     let ties = [
         tie([-0.8, 2.1], [-3.0, 0.4], 90.0, 25.0, 0.0, 6.0),
@@ -100,7 +100,7 @@ fn ties_pull_shorten_and_store() {
             ties[..5].copy_from_slice(&states);
             let x = flying(&block, at, ties);
             let (mut force, mut stored, mut taken) = (Vector3::zeros(), 0.0, 0.0);
-            let tensions = forces::pulls(&block, &States { ties, plastic: None }, &x);
+            let tensions = forces::observe_restraints(&block, &States { ties, plastic: None }, &x);
             for (i, of) in real(&block) {
                 let (s, slopes) = (stretch(&block, of, at), slopes(&block, of, at));
                 let rate = slopes.dot(&Vector3::from(RATE));
@@ -108,7 +108,7 @@ fn ties_pull_shorten_and_store() {
                 near(found.length, s, "stretch");
                 near(found.rate, rate, "rate of the stretch");
                 let pull = if states[i] == Taut { of.stiffness * s + of.damping * rate } else { 0.0 };
-                near(tensions[i], pull, "tension");
+                near(tensions[i].pull, pull, "tension");
                 force -= slopes * pull;
                 if matches!(states[i], Taut | Limp) {
                     stored += 0.5 * of.stiffness * s * s;

@@ -204,6 +204,8 @@ fn values_change_with_their_declared_dependencies() {
         CANCELS.contains(&(unknown, known))
             || only_decides(&declared, unknown, known)
             || matches!(unknown, "regime" | "separated" | "overturned")
+            // On which corner a block in the air was last.
+            || (unknown, known) == ("u", "initial.v_dot")
             || (STEPS.contains(&unknown) && matches!(known, "physical.C" | "physical.inertia"))
             || matches!(known, "on_separation" | "record.horizontal_channel" | "record.vertical_channel")
             // The vertical record has its own unit here.

@@ -24,14 +24,24 @@ const settings = (prefix, slot, when) => [
   { id: `${prefix}time_column`, label: "Column of times", value: "", hint: "name or number", group: slot, when },
 ];
 
-/** A tie, whose end on the ground is at `ground_x` (m) to the right. */
-const tie = (number, ground_x, when) =>
+/** A tie or a damper between a point of the block and one of the ground (m). */
+const link = (kind, number, [block_x, block_z], [ground_x, ground_z], more, when) =>
   [
-    ["block_x", "on the block, to the right of the middle", "m", "0"], ["block_z", "on the block, above the base", "m", "2.4"],
-    ["ground_x", "on the ground, to the right", "m", ground_x], ["ground_z", "on the ground, above", "m", "0"],
-    ["stiffness", "stiffness", "N/m", "10000"], ["pretension", "pretension", "N", "0"], ["slack", "slack", "m", "0"],
-    ["damping", "damping", "N·s/m", "0"], ["strength", "strength, 0: unbreakable", "N", "0"],
-  ].map(([key, label, unit, value]) => ({ id: `tie_${number}_${key}`, label: `Tie ${number}: ${label}`, unit, value, group: "tie", when }));
+    ["block_x", "on the block, to the right of the middle", "m", block_x], ["block_z", "on the block, above the base", "m", block_z],
+    ["ground_x", "on the ground, to the right", "m", ground_x], ["ground_z", "on the ground, above", "m", ground_z],
+    ...more, ["damping", "damping", "N·s/m", "0"], ["strength", "strength, 0: unbreakable", "N", "0"],
+  ].map(([key, label, unit, value]) => ({ id: `${kind}_${number}_${key}`, label: `${kind[0].toUpperCase()}${kind.slice(1)} ${number}: ${label}`, unit, value,
+    group: "tie", when }));
+
+/** A tie, whose end on the ground is at `ground_x` (m) to the right. */
+const tie = (number, ground_x, when) => link("tie", number, ["0", "2.4"], [ground_x, "0"], [
+  ["stiffness", "stiffness", "N/m", "10000"], ["pretension", "pretension", "N", "0"], ["slack", "slack", "m", "0"],
+  ["yield_force", "yields at, 0: elastic", "N", "0"], ["hardening", "stiffness after yielding over before", "1", "0"]], when);
+
+/** A damper under the corner at `x` (m) to the right. */
+const damper = (number, x, when) => link("damper", number, [x, "0"], [x, "-0.6"], [
+  ["stiffness", "stiffness", "N/m", "200000"], ["yield_force", "yields at, 0: elastic", "N", "1000"],
+  ["hardening", "stiffness after yielding over before", "1", "0.02"]], when);
 
 export const FIELDS = [
   { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
@@ -76,6 +86,9 @@ export const FIELDS = [
   { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
   ...tie(1, "3", on("tie", "one", "two")),
   ...tie(2, "-3", on("tie", "two")),
+  { id: "damper", label: "Damped", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one damper"], ["two", "by two"]] },
+  ...damper(1, "-0.3", on("damper", "one", "two")),
+  ...damper(2, "0.3", on("damper", "two")),
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },

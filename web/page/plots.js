@@ -84,20 +84,21 @@ export class Histories {
     this.flies = run.events.some((event) => event.after === 2) || series.regime.includes(2);
     const vertical = series.a_gz.some((value) => value !== 0);
     const slides = "slip" in series;
-    const tensions = block.ties.map((ends, number) => series[`tie_${number + 1}.tension`]);
+    const forces = block.links.map(({ column }) => series[column]);
     const data = [
       [t, theta],
       [t, part(series.N_L, block.weight), part(series.N_R, block.weight)],
       [t, series.regime],
       ...(slides ? [[t, part(series.slip, 0.001)]] : []),
-      ...(tensions.length ? [[t, ...tensions.map((tension) => part(tension, block.weight))]] : []),
+      ...(forces.length ? [[t, ...forces.map((force) => part(force, block.weight))]] : []),
       [t, part(series.a_gx, block.g), ...(vertical ? [part(series.a_gz, block.g)] : [])],
     ];
-    const kind = `${vertical} ${this.flies} ${slides} ${tensions.length}`;
+    const names = block.links.map(({ name }) => name);
+    const kind = `${vertical} ${this.flies} ${slides} ${names}`;
     if (first || this.kind !== kind) {
       this.kind = kind;
       this.#plots.forEach((plot) => plot.destroy());
-      const all = this.#options(vertical, slides, tensions.length);
+      const all = this.#options(vertical, slides, names);
       for (const { hooks } of all) (hooks.draw ??= []).push((plot) => this.#movePlayhead(plot));
       this.#plots = all.map((options, i) => new uPlot(options, data[i], this.root));
       this.#plots.forEach((plot, i) => this.#dress(plot, all[i].aria));
@@ -106,7 +107,7 @@ export class Histories {
     }
   }
 
-  #options(vertical, slides, ties) {
+  #options(vertical, slides, links) {
     const sync = { key: "time" };
     const base = (label, height, aria) => ({
       width: this.root.clientWidth,
@@ -136,13 +137,14 @@ export class Histories {
     const slip = base("slip (mm)", 130, "Displacement of the foot from its position at the start, over time");
     slip.scales.y = { range: symmetric };
     slip.series = [{}, line("slip", "--ink")];
-    const tension = base("T/(M g)", 130, "Tensions of the ties over the weight, over time");
-    tension.scales.y = { range: (u, least, greatest) => [0, Math.max(greatest ?? 0, 1e-9) * 1.08] };
-    tension.series = [{}, ...["--left", "--right"].slice(0, ties).map((name, i) => line(`tie ${i + 1}`, name))];
+    const force = base("T/(M g)", 130, "Forces of the ties and dampers over the weight, over time");
+    const pushes = links.some((name) => name.startsWith("damper"));
+    force.scales.y = { range: pushes ? symmetric : (u, least, greatest) => [0, Math.max(greatest ?? 0, 1e-9) * 1.08] };
+    force.series = [{}, ...links.map((name, i) => line(name, ["--left", "--right", "--ink", "--alarm"][i]))];
     const ground = base("ground (g)", 156, "Ground acceleration over time");
     ground.scales.y = { range: symmetric };
     ground.series = [{}, line("horizontal", "--ink"), ...(vertical ? [line("vertical", "--right")] : [])];
-    return [rotation, reactions, regimes, ...(slides ? [slip] : []), ...(ties ? [tension] : []), ground];
+    return [rotation, reactions, regimes, ...(slides ? [slip] : []), ...(links.length ? [force] : []), ground];
   }
 
   #drawRegimes(u) {

@@ -48,7 +48,10 @@ export class Scene {
     const r = 2.1 * u;
     add(mark, "circle", { r, "stroke-width": 0.6 * u });
     for (const turn of [0, 180]) add(mark, "path", { d: `M0 0 L${r} 0 A${r} ${r} 0 0 1 0 ${r} Z`, transform: `rotate(${turn})` });
-    this.ties = block.ties.map((ends, number) => add(g, "line", { class: number ? "tie second" : "tie", "stroke-width": 0.7 * u }));
+    this.ties = block.ties.map((ends, number) => add(g, "line", {
+      class: number % 2 ? "tie second" : "tie",
+      "stroke-width": (block.links[number].name.startsWith("damper") ? 2.1 : 0.7) * u,
+    }));
     this.arrow = add(g, "g", { class: "arrow" });
     this.shaft = add(this.arrow, "line", { "stroke-width": 1.1 * u });
     this.head = add(this.arrow, "path");

@@ -25,7 +25,11 @@ export function showOutcome(reply) {
   ];
   const demand = Number(peak.friction_demand) > 10 ? "more than 10" : peak.friction_demand;
   rows.splice(4, 0, block.friction > 0 ? ["Greatest slip of the foot", `${peak.slip} mm`] : ["Friction demand |H|/N", demand]);
-  peak.tension.forEach((tension, i) => rows.push([`Greatest tension of tie ${i + 1}`, `${tension} N`]));
+  peak.force.forEach((force, i) => {
+    const { name, quantity } = block.links[i];
+    rows.push([`Greatest ${quantity} of ${name}`, `${force} N`]);
+    if (peak.plastic[i] !== null) rows.push([`Greatest plastic elongation of ${name}`, `${peak.plastic[i]} mm`]);
+  });
   const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
   list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
   $("numbers").replaceChildren(...list);

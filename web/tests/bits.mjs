@@ -159,6 +159,7 @@ const HOLDS = {
   "with friction": { sliding: "friction", friction: "0.45" },
   eccentric: { eccentricity: "-0.04", mass: "1500", gamma: "2.8", g: "9.8" },
   "with a tie": { tie: "one", tie_1_stiffness: "3e4", tie_1_slack: "0.01", tie_1_damping: "100", tie_1_strength: "4e3" },
+  "with dampers": { damper: "two", damper_1_yield_force: "800", tie: "one", tie_1_yield_force: "300" },
   "with all": { tie: "two", tie_1_pretension: "50", eccentricity: "0.03", sliding: "friction", friction: "0.5", tolerance: "1e-7" },
 };
 const pulse = { excitation: "pulse", amplitude: "5", period: "0.7" };

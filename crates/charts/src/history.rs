@@ -17,7 +17,7 @@ use rocking_studies::run::{History, Row};
 const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
 
 /// Line styles of the forces of ties and dampers.
-const LINKS: [LineStyle; MAX_TIES] = [
+pub(crate) const LINKS: [LineStyle; MAX_TIES] = [
     LineStyle::BLUE,
     LineStyle::ORANGE,
     LineStyle::BLACK,

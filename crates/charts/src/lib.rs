@@ -12,6 +12,7 @@
 //! | `page` | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
+//! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`rate`] | annual rates → pages |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
@@ -37,6 +38,8 @@ mod page;
 pub mod sketch;
 
 pub mod history;
+
+pub mod loops;
 
 pub mod fragility;
 

@@ -83,6 +83,7 @@ impl Sizes {
         match name {
             "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => force,
             _ if name.ends_with(".tension") || name.ends_with(".force") => force,
+            _ if name.ends_with(".elongation") || name.ends_with(".plastic") => r0,
             "slip_rate" => rate,
             "M_base" => force * r0,
             "theta_ddot" => force / mass / r0 * 10.0,

@@ -307,7 +307,9 @@ fn peaks(run: &Run, history: &History) -> Value {
         "reaction": significant(peaks.reaction / weight, 4),
         "horizontal": significant(peaks.horizontal / weight, 4),
         "friction_demand": significant(peaks.friction_demand, 4),
-        "tension": run.block.ties().iter().zip(peaks.pull).map(|(_, tension)| significant(tension, 4)).collect::<Vec<_>>(),
+        "force": block.ties().iter().zip(peaks.pull).map(|(_, force)| significant(force, 4)).collect::<Vec<_>>(),
+        "plastic": block.ties().iter().zip(peaks.plastic)
+            .map(|(tie, plastic)| tie.yields().then(|| significant(1e3 * plastic, 4))).collect::<Vec<_>>(),
         "slip": significant(1e3 * peaks.slip, 4),
     })
 }
@@ -328,6 +330,10 @@ fn parameters(inputs: &Inputs) -> Value {
         "g": block.gravity,
         "friction": block.friction,
         "ties": block.ties().iter().map(|tie| [tie.block, tie.ground]).collect::<Vec<_>>(),
+        "links": tie::names(block.ties()).iter().zip(block.ties()).map(|(name, tie)| {
+            let quantity = tie.kind.force();
+            json!({ "name": name.replace('_', " "), "column": format!("{name}.{quantity}"), "quantity": quantity })
+        }).collect::<Vec<_>>(),
         "line": rocking_charts::history::block_line(block),
         "lift_off": significant(libm::tan(Corner::each(|corner| block.alpha_of(corner)).into_iter().fold(f64::INFINITY, f64::min)), 4),
     })

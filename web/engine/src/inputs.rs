@@ -1,6 +1,6 @@
 //! Fields → a run.
 
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError, Foundation};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -219,40 +219,52 @@ fn block(fields: &mut Fields, spec: &BlockSpec) -> Option<Block> {
     None
 }
 
-/// The block with its ties.
+/// The block with its ties and dampers.
 fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
-    let count = match fields.one_of("tie", &["none", "one", "two"]) {
-        "one" => 1,
-        "two" => 2,
-        _ => 0,
-    };
     let mut block = block;
     let mut ties = Vec::new();
-    for number in 1..=count {
-        ties.push(tie(fields, number));
-        if fields.has_errors() {
-            continue;
+    for kind in LinkKind::ALL {
+        let count = match fields.one_of(kind.word(), &["none", "one", "two"]) {
+            "one" => 1,
+            "two" => 2,
+            _ => 0,
+        };
+        for number in 1..=count {
+            ties.push(tie(fields, kind, number));
+            if fields.has_errors() {
+                continue;
+            }
+            let field = format!("{}_{number}_stiffness", kind.word());
+            let error = |error: BlockError| FieldError::new(field, error.to_string());
+            block = block?.with_ties(&ties).map_err(|found| fields.refuse(error(found))).ok();
         }
-        let error = |error: BlockError| FieldError::new(format!("tie_{number}_stiffness"), error.to_string());
-        block = block?.with_ties(&ties).map_err(|found| fields.refuse(error(found))).ok();
     }
     block
 }
 
-fn tie(fields: &mut Fields, number: usize) -> Tie {
-    let mut value =
-        |key: &str, fits: fn(f64) -> bool, expected| fields.number(&format!("tie_{number}_{key}"), fits, expected);
-    let mut length = |key| value(key, |_| true, "a length in m");
-    Tie {
-        block: [length("block_x"), length("block_z")],
-        ground: [length("ground_x"), length("ground_z")],
-        stiffness: value("stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
-        pretension: value("pretension", |x| x >= 0.0, "a force of at least 0 N"),
-        slack: value("slack", |x| x >= 0.0, "a length of at least 0 m"),
-        damping: value("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m"),
-        strength: value("strength", |x| x >= 0.0, "a force > 0 N, or 0 for a tie that does not break"),
-        ..Tie::default()
+fn tie(fields: &mut Fields, kind: LinkKind, number: usize) -> Tie {
+    let mut tie = Tie { kind, ..Tie::default() };
+    for (key, _) in kind.numbers() {
+        let (fits, expected): (fn(f64) -> bool, _) = match key {
+            "block_x" | "block_z" | "ground_x" | "ground_z" => (|_| true, "a length in m"),
+            "stiffness" => (|x| x > 0.0, "a stiffness > 0 N/m"),
+            "slack" => (|x| x >= 0.0, "a length of at least 0 m"),
+            "damping" => (|x| x >= 0.0, "a damping of at least 0 N·s/m"),
+            "strength" => (|x| x >= 0.0, "a force > 0 N, or 0 for one that does not break"),
+            "yield_force" => (|x| x >= 0.0, "a force > 0 N, or 0 for one that stays elastic"),
+            "hardening" => (|x| (0.0..1.0).contains(&x), "a ratio from 0 to below 1"),
+            _ => (|x| x >= 0.0, "a force of at least 0 N"),
+        };
+        let found = fields.number(&format!("{}_{number}_{key}", kind.word()), fits, expected);
+        if let Some(value) = tie.number(key) {
+            *value = found;
+        }
     }
+    if tie.hardening > 0.0 && !tie.yields() {
+        let field = format!("{}_{number}_hardening", kind.word());
+        fields.refuse(FieldError::new(field, "found a ratio without a yield force; expected both, or 0"));
+    }
+    tie
 }
 
 /// The field of a parameter at fault.

@@ -3,7 +3,7 @@
 use rocking_block::block::Foundation;
 use rocking_block::simulation::Ending;
 use rocking_charts::numerals::significant;
-use rocking_studies::run::outcome::{Breaks, End};
+use rocking_studies::run::outcome::{Breaks, End, Holds};
 use rocking_studies::run::{History, Run};
 
 /// Describes the outcome in a sentence for laymen.
@@ -33,7 +33,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
         }
         End::Completed if history.ends_tilted(&run.block) => {
             let tilt = significant(100.0 * history.lean.end.abs() / run.block.alpha, 3);
-            let by = if run.block.ties().is_empty() { "" } else { ", held by a tie" };
+            let by = kinds(run).map_or(String::new(), |[one, _]| format!(", held by a {one}"));
             let passed = if passed { "passes its balance and " } else { "" };
             format!("The block {passed}ends tilted to the {side}, at {tilt} % of the critical tilt α{by}.")
         }
@@ -51,18 +51,28 @@ pub fn sentence(run: &Run, history: &History) -> String {
     let slip = (run.block.friction > 0.0).then(|| slip(peaks.slip)).flatten();
     let is_open = matches!(end, End::Undecided | End::Separated);
     let passed = (is_open && passed).then(|| "It passed its balance.".to_string());
-    [outcome].into_iter().chain(passed).chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
+    [outcome].into_iter().chain(passed).chain(slip).chain(breaks(run, history)).collect::<Vec<_>>().join(" ")
 }
 
 fn slip(slip: f64) -> Option<String> {
     (slip > 0.0).then(|| format!("Its foot slips by up to {} mm.", significant(1e3 * slip, 3)))
 }
 
-fn broken_ties(history: &History) -> Option<String> {
+/// The words for one and for several of the ties and dampers of a block, if it has any.
+fn kinds(run: &Run) -> Option<[&'static str; 2]> {
+    match Holds::of(&run.block) {
+        Holds { ties: 0, dampers: 0, .. } => None,
+        Holds { dampers: 0, .. } => Some(["tie", "ties"]),
+        Holds { ties: 0, .. } => Some(["damper", "dampers"]),
+        Holds { .. } => Some(["tie or damper", "ties and dampers"]),
+    }
+}
+
+fn breaks(run: &Run, history: &History) -> Option<String> {
     let Breaks { count, first } = history.breaks();
-    let first = significant(first?, 3);
+    let (first, [one, several]) = (significant(first?, 3), kinds(run)?);
     Some(match count {
-        1 => format!("A tie breaks at {first} s."),
-        _ => format!("{count} ties break, the first at {first} s."),
+        1 => format!("A {one} breaks at {first} s."),
+        _ => format!("{count} {several} break, the first at {first} s."),
     })
 }

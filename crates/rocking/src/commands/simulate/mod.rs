@@ -23,6 +23,7 @@ use rocking_block::block::Foundation;
 use rocking_block::block::restraints::TieState;
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_charts::history::link_names;
+use rocking_charts::loops;
 use rocking_charts::picture::PictureFormat;
 use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Record};
@@ -61,6 +62,9 @@ pub struct SimulateCommand {
     csv: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureOptions,
+    /// Picture of the forces of dampers, and of ties that yield, over their elongations, SVG or PNG by its extension
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot_loops: Option<PathBuf>,
     /// Report the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
     #[arg(long, value_name = "MU", help_heading = "Results")]
     friction_demand: Option<f64>,
@@ -100,12 +104,16 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     options.refuse_without_effect(explicit)?;
     let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
     options.csv.as_deref().map_or(Ok(()), check_table)?;
+    let loops_format = options.plot_loops.as_deref().map(PictureFormat::of).transpose()?;
     let (run, excitation) = options.run(explicit)?;
+    let has_loops = !loops::numbers(&run.block).is_empty();
+    explicit.refuse_unless(has_loops, &["plot-loops"], "without --damper, or a yield_force in --tie")?;
     let (csv, plot) = options.outputs()?;
-    let outputs = [("csv", csv.as_deref()), ("plot", plot.as_deref())];
+    let outputs = [("csv", csv.as_deref()), ("plot", plot.as_deref()), ("plot-loops", options.plot_loops.as_deref())];
     check_distinct(&options.excitation.accelerograms.files().named(), &NamedFile::of_options(outputs))?;
     let csv_file = csv.as_deref().map(Pending::new).transpose()?;
     let picture_file = plot.as_deref().map(Pending::new).transpose()?;
+    let loops_file = options.plot_loops.as_deref().map(Pending::new).transpose()?;
 
     const PARTS: u64 = 1000;
     let mut bar = Progress::new(PARTS, 0);
@@ -123,6 +131,9 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     if let Some(file) = picture_file {
         let svg = rocking_charts::history::history(&run.block, &history, &excitation)?;
         files.push((file, format.encode(&svg)?));
+    }
+    if let (Some(file), Some(format)) = (loops_file, loops_format) {
+        files.push((file, format.encode(&loops::loops(&run.block, &history, &excitation)?)?));
     }
     Pending::write(files)?;
     if options.quiet {
@@ -142,7 +153,7 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
 impl SimulateCommand {
     /// Returns table and picture; by default `out/rocking.csv` and `out/rocking.png`.
     fn outputs(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
-        if self.csv.is_some() || self.picture.plot.is_some() {
+        if self.csv.is_some() || self.picture.plot.is_some() || self.plot_loops.is_some() {
             return Ok((self.csv.clone(), self.picture.plot.clone()));
         }
         let folder = Path::new("out");

@@ -1,0 +1,42 @@
+//! A history → the forces of dampers and of ties that yield over their elongations.
+
+use crate::chart::{Chart, Curve, range};
+use crate::formula::formula;
+use crate::history::{LINKS, block_line, link_names};
+use crate::page::{Key, Symbol, page, with_legend};
+use crate::picture::PictureError;
+use rocking_block::block::Block;
+use rocking_block::block::restraints::LinkKind;
+use rocking_studies::run::History;
+
+/// Height of the chart.
+const HEIGHT: u32 = 9000;
+
+/// Returns the numbers of the dampers, and of the ties that yield.
+pub fn numbers(block: &Block) -> Vec<usize> {
+    let links = block.ties().iter().enumerate();
+    links.filter(|(_, link)| link.kind == LinkKind::Damper || link.yields()).map(|(number, _)| number).collect()
+}
+
+/// Draws the loops as SVG, with a title for the run.
+pub fn loops(block: &Block, history: &History, title: &str) -> Result<String, PictureError> {
+    let (names, weight) = (link_names(block), block.mass * block.gravity);
+    let numbers = numbers(block);
+    let curve = |&number: &usize| {
+        let point = |restraint: &rocking_block::block::restraints::ObservedRestraint| {
+            (1e3 * restraint.elongation, restraint.pull / weight)
+        };
+        let points = history.rows.iter().map(|row| point(&row.observation.restraints[number])).collect();
+        Curve::new(LINKS[number], vec![points])
+    };
+    let curves: Vec<Curve> = numbers.iter().map(curve).collect();
+    let over =
+        |coordinate: fn(&(f64, f64)) -> f64| range(curves.iter().flat_map(|curve| &curve.segments[0]).map(coordinate));
+    let (x, y) = (("elongation (mm)", over(|point| point.0)), ("T/(M g)", over(|point| point.1)));
+    let legend: Vec<Key> =
+        numbers.iter().map(|&number| (Symbol::Curve(LINKS[number]), names[number].clone())).collect();
+    let chart = Chart { x, y, curves, ..Chart::default() };
+    page(&[title.into(), formula(&block_line(block))], &[], HEIGHT, |root, body| {
+        chart.draw(root, &with_legend(body, &legend)?)
+    })
+}
