@@ -1,0 +1,261 @@
+//! Rows of a large table, in any order → the same rows sorted by their measures and counted, in little memory.
+//!
+//! Rows are sorted in runs, which fill a temporary file, and merged to another one. The result depends on the rows, not on their order.
+
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+
+use rayon::prelude::*;
+
+use crate::fragility::observation::CurveFitError;
+
+/// Rows of a run.
+const RUN: usize = 1 << 20;
+/// Rows of a batch.
+const BATCH: usize = 1 << 16;
+/// Rows that a merge reads of a run at a time.
+const BLOCK: usize = 1 << 11;
+/// Bytes of a row in a file.
+const SIZE: usize = 32;
+
+/// The motion of a row that shares it with no other row.
+pub(super) const OWN: u32 = u32::MAX;
+
+/// Equal rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    /// Measures above zero; the second one is 1 for a curve of one.
+    pub measures: [f64; 2],
+    /// Fraction of its runs that exceeded the limit.
+    pub fraction: f64,
+    /// Number of its ground motion.
+    pub motion: u32,
+    /// Number of rows.
+    pub count: u32,
+}
+
+impl Row {
+    fn order(&self, other: &Row) -> Ordering {
+        let [a, b] = [self, other];
+        let reals = |row: &Row| [row.measures[0], row.measures[1], row.fraction].map(f64::to_bits);
+        // The bits of numbers from zero on are in the order of the numbers.
+        reals(a).cmp(&reals(b)).then(a.motion.cmp(&b.motion))
+    }
+
+    fn bytes(&self) -> [u8; SIZE] {
+        let mut bytes = [0; SIZE];
+        let reals = self.measures.into_iter().chain([self.fraction]);
+        reals.zip(bytes.chunks_exact_mut(8)).for_each(|(real, to)| to.copy_from_slice(&real.to_le_bytes()));
+        bytes[24..28].copy_from_slice(&self.motion.to_le_bytes());
+        bytes[28..].copy_from_slice(&self.count.to_le_bytes());
+        bytes
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Row {
+        let real = |at: usize| f64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+        let whole = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+        Row { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
+    }
+}
+
+/// Rows in the making.
+#[derive(Default)]
+pub(super) struct RowSorter {
+    buffer: Vec<Row>,
+    runs: Option<BufWriter<File>>,
+    /// Rows of each run.
+    lengths: Vec<u64>,
+}
+
+impl RowSorter {
+    /// Takes a row with a fraction and measures from zero on.
+    pub fn push(&mut self, row: Row) -> Result<(), CurveFitError> {
+        if self.buffer.len() == RUN {
+            self.sort();
+            // Rows at few levels stay in memory.
+            if self.buffer.len() > RUN / 2 {
+                self.end_run().map_err(refused)?;
+            }
+        }
+        self.buffer.push(row);
+        Ok(())
+    }
+
+    /// Ends with the rows in order.
+    pub fn finish(mut self) -> Result<SortedRows, CurveFitError> {
+        self.sort();
+        if self.runs.is_none() {
+            return Ok(SortedRows { kept: self.buffer, file: None });
+        }
+        self.end_run().and_then(|()| self.merged()).map_err(refused)
+    }
+
+    fn sort(&mut self) {
+        self.buffer.par_sort_unstable_by(Row::order);
+        self.buffer.dedup_by(|next, first| take_equal(first, next));
+    }
+
+    fn end_run(&mut self) -> io::Result<()> {
+        let file = match &mut self.runs {
+            Some(file) => file,
+            None => self.runs.insert(BufWriter::new(tempfile::tempfile()?)),
+        };
+        self.buffer.iter().try_for_each(|row| file.write_all(&row.bytes()))?;
+        self.lengths.push(self.buffer.len() as u64);
+        self.buffer.clear();
+        Ok(())
+    }
+
+    fn merged(self) -> io::Result<SortedRows> {
+        let Some(runs) = self.runs else { return Ok(SortedRows { kept: self.buffer, file: None }) };
+        drop(self.buffer);
+        let file = runs.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let mut begin = 0;
+        let run = |length: u64| {
+            let run = Run { next: begin, end: begin + length, block: Vec::new() };
+            begin += length;
+            run
+        };
+        let mut runs: Vec<Run> = self.lengths.into_iter().map(run).collect();
+        let mut heads = BinaryHeap::new();
+        for (number, run) in runs.iter_mut().enumerate() {
+            heads.extend(run.pop(&file)?.map(|row| Reverse(Head(row, number))));
+        }
+        let mut merged = BufWriter::new(tempfile::tempfile()?);
+        let mut last: Option<Row> = None;
+        while let Some(mut head) = heads.peek_mut() {
+            let Reverse(Head(row, number)) = *head;
+            match runs[number].pop(&file)? {
+                Some(next) => *head = Reverse(Head(next, number)),
+                None => drop(std::collections::binary_heap::PeekMut::pop(head)),
+            }
+            match &mut last {
+                Some(last) => {
+                    if !take_equal(last, &row) {
+                        merged.write_all(&last.bytes())?;
+                        *last = row;
+                    }
+                }
+                None => last = Some(row),
+            }
+        }
+        last.iter().try_for_each(|row| merged.write_all(&row.bytes()))?;
+        let file = merged.into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(SortedRows { kept: Vec::new(), file: Some(file) })
+    }
+}
+
+/// Adds the count of an equal row; returns false for another one.
+fn take_equal(first: &mut Row, next: &Row) -> bool {
+    if first.order(next) != Ordering::Equal {
+        return false;
+    }
+    let Some(count) = first.count.checked_add(next.count) else { return false };
+    first.count = count;
+    true
+}
+
+/// A sorted run of a file.
+struct Run {
+    /// Place of the next row to read, in rows.
+    next: u64,
+    end: u64,
+    /// Rows that were read, the next one last.
+    block: Vec<Row>,
+}
+
+impl Run {
+    fn pop(&mut self, mut file: &File) -> io::Result<Option<Row>> {
+        if self.block.is_empty() && self.next < self.end {
+            let mut bytes = vec![0; SIZE * BLOCK.min((self.end - self.next) as usize)];
+            file.seek(SeekFrom::Start(SIZE as u64 * self.next))?;
+            file.read_exact(&mut bytes)?;
+            self.block.extend(bytes.chunks_exact(SIZE).rev().map(Row::of_bytes));
+            self.next += self.block.len() as u64;
+        }
+        Ok(self.block.pop())
+    }
+}
+
+/// The next row of a run.
+struct Head(Row, usize);
+
+impl Ord for Head {
+    fn cmp(&self, other: &Head) -> Ordering {
+        self.0.order(&other.0)
+    }
+}
+
+impl PartialOrd for Head {
+    fn partial_cmp(&self, other: &Head) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Head {
+    fn eq(&self, other: &Head) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Head {}
+
+/// Rows in the order of their measures, fractions and motions, equal ones counted.
+pub(super) struct SortedRows {
+    kept: Vec<Row>,
+    file: Option<File>,
+}
+
+impl SortedRows {
+    /// Passes all rows on, batch by batch.
+    pub fn batches(&self, each: &mut dyn FnMut(&[Row])) -> Result<(), CurveFitError> {
+        let Some(mut file) = self.file.as_ref() else {
+            self.kept.chunks(BATCH).for_each(each);
+            return Ok(());
+        };
+        file.seek(SeekFrom::Start(0)).map_err(refused)?;
+        let mut bytes = Vec::with_capacity(SIZE * BATCH);
+        loop {
+            bytes.clear();
+            file.take((SIZE * BATCH) as u64).read_to_end(&mut bytes).map_err(refused)?;
+            if bytes.is_empty() {
+                return Ok(());
+            }
+            each(&bytes.chunks_exact(SIZE).map(Row::of_bytes).collect::<Vec<_>>());
+        }
+    }
+
+    /// Sums over all rows, with all threads; the result does not depend on their number.
+    pub fn sum<T>(&self, of: impl Fn(&Row) -> T + Sync) -> Result<T, CurveFitError>
+    where
+        T: Copy + Default + Send + Sync + std::ops::Add<Output = T>,
+    {
+        /// Rows of a chunk, which is summed one by one.
+        const CHUNK: usize = 256;
+        let mut batches = Vec::new();
+        self.batches(&mut |rows| {
+            let chunk = |rows: &[Row]| rows.iter().map(&of).fold(T::default(), |sum, term| sum + term);
+            let chunks: Vec<T> = rows.par_chunks(CHUNK).map(chunk).collect();
+            batches.push(total(&chunks));
+        })?;
+        Ok(total(&batches))
+    }
+}
+
+/// Adds halves, whose round-off is small.
+pub(super) fn total<T: Copy + Default + std::ops::Add<Output = T>>(parts: &[T]) -> T {
+    match parts {
+        [] => T::default(),
+        [one] => *one,
+        _ => {
+            let (first, second) = parts.split_at(parts.len() / 2);
+            total(first) + total(second)
+        }
+    }
+}
+
+fn refused(error: io::Error) -> CurveFitError {
+    CurveFitError::Temporary { folder: std::env::temp_dir().display().to_string(), reason: error.to_string() }
+}
