@@ -131,25 +131,27 @@ impl SweepTable {
         let samples = known("ensemble.samples");
         let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
         let mut found = Cases::default();
-        let names = ["record", "vertical"].map(|name| self.column(name).ok());
+        let [record, vertical] = ["record", "vertical"].map(|name| self.column(name).ok());
         // Words are looked up once for all rows of a batch.
-        let is_numbered = names.iter().flatten().all(|column| matches!(column.values, Values::Choice(_)));
+        let is_numbered =
+            [record, vertical].into_iter().flatten().all(|column| matches!(column.values, Values::Choice(_)));
+        let position = |column: Option<&Series>, row: usize| match column.map(|column| &column.values) {
+            Some(Values::Choice(positions)) => Some(positions[row]),
+            _ => None,
+        };
+        let text = |column: Option<&Series>, row: usize| column.map_or_else(String::new, |column| column.text(row));
         let mut seen: HashMap<[Option<u32>; 2], Option<usize>> = HashMap::new();
+        let mut last = None;
         for (row, end) in ends.into_iter().enumerate() {
             let peak = number(peaks, row)?;
-            let position = |column: &Series| match &column.values {
-                Values::Choice(positions) => Some(positions[row]),
-                _ => None,
+            let mut by_names = || motions.number([text(record, row), text(vertical, row)]);
+            let positions = [position(record, row), position(vertical, row)];
+            let motion = match last {
+                Some((same, motion)) if is_numbered && same == positions => motion,
+                _ if is_numbered => *seen.entry(positions).or_insert_with(by_names),
+                _ => by_names(),
             };
-            let mut by_names =
-                || motions.number(names.map(|column| column.map_or_else(String::new, |column| column.text(row))));
-            let motion = match is_numbered {
-                true => {
-                    let positions = names.map(|column| column.and_then(position));
-                    *seen.entry(positions).or_insert_with(by_names)
-                }
-                false => by_names(),
-            };
+            last = Some((positions, motion));
             if let Some(number) = motion {
                 motions.first[number] = motions.first[number].min(place(row));
             }

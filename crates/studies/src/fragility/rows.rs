@@ -38,24 +38,35 @@ pub(super) struct Row {
 
 impl Row {
     fn order(&self, other: &Row) -> Ordering {
-        let [a, b] = [self, other];
-        let reals = |row: &Row| [row.measures[0], row.measures[1], row.fraction].map(f64::to_bits);
         // The bits of numbers from zero on are in the order of the numbers.
-        reals(a).cmp(&reals(b)).then(a.motion.cmp(&b.motion))
+        let order = |one: f64, other: f64| one.to_bits().cmp(&other.to_bits());
+        order(self.measures[0], other.measures[0])
+            .then_with(|| order(self.measures[1], other.measures[1]))
+            .then_with(|| order(self.fraction, other.fraction))
+            .then_with(|| self.motion.cmp(&other.motion))
     }
 
     fn bytes(&self) -> [u8; SIZE] {
         let mut bytes = [0; SIZE];
-        let reals = self.measures.into_iter().chain([self.fraction]);
-        reals.zip(bytes.chunks_exact_mut(8)).for_each(|(real, to)| to.copy_from_slice(&real.to_le_bytes()));
+        bytes[..8].copy_from_slice(&self.measures[0].to_le_bytes());
+        bytes[8..16].copy_from_slice(&self.measures[1].to_le_bytes());
+        bytes[16..24].copy_from_slice(&self.fraction.to_le_bytes());
         bytes[24..28].copy_from_slice(&self.motion.to_le_bytes());
         bytes[28..].copy_from_slice(&self.count.to_le_bytes());
         bytes
     }
 
     fn of_bytes(bytes: &[u8]) -> Row {
-        let real = |at: usize| f64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
-        let whole = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+        let real = |at: usize| {
+            let mut real = [0; 8];
+            real.copy_from_slice(&bytes[at..at + 8]);
+            f64::from_le_bytes(real)
+        };
+        let whole = |at: usize| {
+            let mut whole = [0; 4];
+            whole.copy_from_slice(&bytes[at..at + 4]);
+            u32::from_le_bytes(whole)
+        };
         Row { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
     }
 }
