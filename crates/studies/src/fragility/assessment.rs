@@ -92,7 +92,7 @@ impl Assessment {
         let pairs = cases.iter().zip(measures).enumerate();
         pairs.for_each(|(row, (case, measure))| store.push(row as u64, case, [*measure, Some(1.0)]));
         let motions = cases.iter().filter_map(|case| case.motion).max().map_or(0, |last| last + 1);
-        Assessment::of(store, &Motions::in_order(motions), link, confidence, uncertainty)
+        Assessment::of(store, &Motions::of_first((0..motions as u64).collect()), link, confidence, uncertainty)
     }
 
     /// Fits a curve to stored cases, whose ground motions are `motions`; `confidence` is above 0 and below 1.

@@ -67,9 +67,9 @@ impl Motions {
         Some(number)
     }
 
-    /// Motions that are numbered in the order of their first rows.
-    pub fn in_order(count: usize) -> Motions {
-        Motions { numbers: HashMap::new(), first: (0..count as u64).collect() }
+    /// Motions with these places of their first rows.
+    pub fn of_first(first: Vec<u64>) -> Motions {
+        Motions { numbers: HashMap::new(), first }
     }
 
     /// The place of each motion in the order of their first rows.

@@ -72,21 +72,28 @@ impl Row {
 }
 
 /// Rows in the making.
-#[derive(Default)]
 pub(super) struct RowSorter {
+    /// Rows of a run.
+    run: usize,
     buffer: Vec<Row>,
     runs: Option<BufWriter<File>>,
     /// Rows of each run.
     lengths: Vec<u64>,
 }
 
+impl Default for RowSorter {
+    fn default() -> RowSorter {
+        RowSorter { run: RUN, buffer: Vec::new(), runs: None, lengths: Vec::new() }
+    }
+}
+
 impl RowSorter {
     /// Takes a row with a fraction and measures from zero on.
     pub fn push(&mut self, row: Row) -> Result<(), CurveFitError> {
-        if self.buffer.len() == RUN {
+        if self.buffer.len() == self.run {
             self.sort();
             // Rows at few levels stay in memory.
-            if self.buffer.len() > RUN / 2 {
+            if self.buffer.len() > self.run / 2 {
                 self.end_run().map_err(refused)?;
             }
         }
@@ -269,4 +276,38 @@ pub(super) fn total<T: Copy + Default + std::ops::Add<Output = T>>(parts: &[T]) 
 
 fn refused(error: io::Error) -> CurveFitError {
     CurveFitError::Temporary { folder: std::env::temp_dir().display().to_string(), reason: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sorted(rows: &[Row], run: usize) -> (Vec<Row>, bool) {
+        let mut sorter = RowSorter { run, ..RowSorter::default() };
+        rows.iter().try_for_each(|row| sorter.push(*row)).unwrap();
+        let (found, mut all) = (sorter.finish().unwrap(), Vec::new());
+        found.batches(&mut |rows| all.extend_from_slice(rows)).unwrap();
+        (all, found.file.is_some())
+    }
+
+    /// Runs on disk have the rows that one sort in memory has, whatever their order; equal rows are counted.
+    #[test]
+    fn rows_are_sorted_and_counted_in_runs() {
+        let row = |i: u32| {
+            let measures = [f64::from(i * i % 1009 + 1), f64::from(i % 3 + 1)];
+            Row { measures, fraction: f64::from(i % 2), motion: i % 5, count: 1 }
+        };
+        let mut rows: Vec<Row> = (0..50_000).map(row).collect();
+        let (expected, in_file) = sorted(&rows, usize::MAX);
+        assert!(!in_file && expected.is_sorted_by(|a, b| a.order(b) == Ordering::Less));
+        assert_eq!(expected.iter().map(|row| row.count).sum::<u32>(), 50_000);
+        let count = |wanted: &Row| rows.iter().filter(|row| row.order(wanted) == Ordering::Equal).count() as u32;
+        assert!(expected.iter().step_by(501).all(|row| row.count == count(row)));
+        assert_eq!(sorted(&rows, 7_000), (expected.clone(), true));
+        rows.reverse();
+        assert_eq!(sorted(&rows, 999), (expected.clone(), true));
+        // Few different rows need no file.
+        let levels: Vec<Row> = (0..50_000).map(|i| row(i % 30)).collect();
+        assert_eq!(sorted(&levels, 999), (sorted(&levels, usize::MAX).0, false));
+    }
 }

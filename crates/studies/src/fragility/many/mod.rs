@@ -257,9 +257,12 @@ impl ManyRows {
         Ok(of_motions.map(|of_motions| of_motions + of_own).filter(|sum| sum.iter().all(|value| value.is_finite())))
     }
 
-    /// The rows of each motion in few nodes, unless these are many after all.
+    /// The rows of each motion in few nodes, in the order of their measures, unless these are many after all.
     fn nodes_by_motion(&self, width: f64) -> Result<Option<Vec<Node>>, CurveFitError> {
-        reduced(Reducer::new(width, true), MAX_NODES, |each| self.each(each))
+        let mut nodes = reduced(Reducer::new(width, true), MAX_NODES, |each| self.each(each))?;
+        let measure = |node: &Node| node.observation.measures[0];
+        nodes.iter_mut().for_each(|nodes| nodes.sort_by(|a, b| measure(a).total_cmp(&measure(b))));
+        Ok(nodes)
     }
 
     /// Fits curves to resampled records, or rows where no record repeats, as [`bootstrap`](crate::fragility::bootstrap()) does, which
@@ -373,3 +376,6 @@ impl ManyRows {
         Ok((area.finish(), squares / self.count as f64, marks))
     }
 }
+
+#[cfg(test)]
+mod tests;
