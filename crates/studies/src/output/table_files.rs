@@ -21,8 +21,8 @@ impl TableFiles {
         path.is_dir() || !path.exists() && path.to_string_lossy().contains(['*', '?', '['])
     }
 
-    /// Lists the parts of a folder, or the files that match a pattern. A folder without parts is a set of files in Parquet or CSV, those of
-    /// its folders included; names that begin with a dot or an underscore are left out.
+    /// Lists the parts of a folder, or the files that match a pattern. A folder without parts is a set of files in Parquet or CSV, or of
+    /// such folders; names that begin with a dot or an underscore are left out.
     ///
     /// # Errors
     /// The folder cannot be read, or has no tables, or parts of several sets.
@@ -155,9 +155,10 @@ impl TableFiles {
 /// Column of the numbers of rows.
 const ROW: &str = "row";
 
-/// Lists the tables in a folder and its folders.
+/// Lists the tables in a folder, or those in its folders if it has none.
 fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), PartsError> {
     let refused = |error| refused(folder, error);
+    let mut folders = Vec::new();
     for entry in folder.read_dir().map_err(refused)? {
         let path = entry.map_err(refused)?.path();
         let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(['.', '_']));
@@ -165,10 +166,13 @@ fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), PartsError> {
             continue;
         }
         if path.is_dir() {
-            list(&path, paths)?;
+            folders.push(path);
         } else if path.extension().is_some_and(|extension| extension == "csv" || extension == "parquet") {
             paths.push(path);
         }
+    }
+    if paths.is_empty() {
+        folders.iter().try_for_each(|folder| list(folder, paths))?;
     }
     Ok(())
 }
