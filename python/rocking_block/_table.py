@@ -333,7 +333,8 @@ def for_each_batch(
         import pyarrow.parquet
 
     def read(file: str) -> int:
-        with pyarrow.parquet.ParquetFile(file) as content:
+        # Without a buffer, whole columns of a group are in memory.
+        with pyarrow.parquet.ParquetFile(file, buffer_size=1 << 16) as content:
             schema, rows = content.schema_arrow, 0
             wanted = [name for name in schema.names if _engine.is_needed(split_heading(name)[0], list(named))]
             for batch in content.iter_batches(_BATCH, columns=wanted, use_threads=False):

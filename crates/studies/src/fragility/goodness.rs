@@ -139,7 +139,11 @@ impl Grouping {
         let [alone, residuals, squares] = std::mem::take(&mut self.alone);
         let records = std::mem::take(&mut self.records);
         let count = records.len() as f64 + alone;
-        let of_records = records.values().map(|[sum, weights]| (sum - excess * weights).powi(2)).sum::<f64>();
+        let square = |[sum, weights]: &[f64; 2]| {
+            let residual = sum - excess * weights;
+            residual * residual
+        };
+        let of_records = records.values().map(square).sum::<f64>();
         let of_alone = squares - 2.0 * excess * residuals + excess * excess * alone;
         let clustered = (of_records + of_alone) * count / (count - 1.0);
         let inflation = (self.is_clustered && count > 1.0).then_some(clustered / independent);

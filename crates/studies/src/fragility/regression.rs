@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::{Link, Term};
 use crate::fragility::observation::{CurveFitError, Observation};
-use crate::fragility::rows::{Row, SortedRows, total};
+use crate::fragility::rows::{EqualRows, SortedRows, total};
 
 /// A fitted curve or surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Data {
 }
 
 /// Fits the curve or surface of rows with this total weight and mean fraction.
-pub(super) fn fit_of(design: &impl Design, link: Link, total: f64, mean: f64) -> Result<CurveFit, CurveFitError> {
+pub(super) fn fit_of(design: &impl Regression, link: Link, total: f64, mean: f64) -> Result<CurveFit, CurveFitError> {
     let Maximum { coefficients, covariance, log_likelihood } =
         maximize(design, link, DVector::zeros(design.columns()))?;
     let null_log_likelihood = total * (mean * libm::log(mean) + (1.0 - mean) * libm::log1p(-mean));
@@ -97,7 +97,7 @@ impl Predictor<'_> {
 }
 
 /// The rows of a regression.
-pub(super) trait Design {
+pub(super) trait Regression {
     /// Number of coefficients.
     fn columns(&self) -> usize;
 
@@ -121,7 +121,7 @@ pub(super) trait Design {
     }
 }
 
-impl Design for Predictor<'_> {
+impl Regression for Predictor<'_> {
     fn columns(&self) -> usize {
         self.x.ncols()
     }
@@ -164,7 +164,7 @@ impl SurfaceRows<'_> {
     /// The terms of a row at these coefficients, an intercept and a slope for one measure or both.
     pub fn add(
         sums: &mut Sums,
-        row: &Row,
+        row: &EqualRows,
         coefficients: &[f64],
         term: impl Fn(f64, f64) -> Term,
         weight: impl Fn(&Term) -> f64,
@@ -177,7 +177,7 @@ impl SurfaceRows<'_> {
     }
 }
 
-impl Design for SurfaceRows<'_> {
+impl Regression for SurfaceRows<'_> {
     fn columns(&self) -> usize {
         3
     }
@@ -260,7 +260,7 @@ pub(super) struct Maximum {
 /// Maximizes the likelihood by Newton's method from these coefficients, halving steps that decrease it.
 ///
 /// The log-likelihood of both links is concave; data that are not separable have exactly one maximum.
-pub(super) fn maximize(design: &impl Design, link: Link, start: DVector<f64>) -> Result<Maximum, CurveFitError> {
+pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>) -> Result<Maximum, CurveFitError> {
     const MAX_ITERATIONS: u32 = 100;
     const MAX_HALVINGS: u32 = 60;
     let columns = design.columns();

@@ -25,7 +25,7 @@ pub(super) const OWN: u32 = u32::MAX;
 
 /// Equal rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
+pub(super) struct EqualRows {
     /// Measures above zero; the second one is 1 for a curve of one.
     pub measures: [f64; 2],
     /// Fraction of its runs that exceeded the limit.
@@ -36,8 +36,8 @@ pub(super) struct Row {
     pub count: u32,
 }
 
-impl Row {
-    fn order(&self, other: &Row) -> Ordering {
+impl EqualRows {
+    fn order(&self, other: &EqualRows) -> Ordering {
         // The bits of numbers from zero on are in the order of the numbers.
         let order = |one: f64, other: f64| one.to_bits().cmp(&other.to_bits());
         order(self.measures[0], other.measures[0])
@@ -56,7 +56,7 @@ impl Row {
         bytes
     }
 
-    fn of_bytes(bytes: &[u8]) -> Row {
+    fn of_bytes(bytes: &[u8]) -> EqualRows {
         let real = |at: usize| {
             let mut real = [0; 8];
             real.copy_from_slice(&bytes[at..at + 8]);
@@ -67,7 +67,7 @@ impl Row {
             whole.copy_from_slice(&bytes[at..at + 4]);
             u32::from_le_bytes(whole)
         };
-        Row { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
+        EqualRows { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
     }
 }
 
@@ -75,7 +75,7 @@ impl Row {
 pub(super) struct RowSorter {
     /// Rows of a run.
     run: usize,
-    buffer: Vec<Row>,
+    buffer: Vec<EqualRows>,
     runs: Option<BufWriter<File>>,
     /// Rows of each run.
     lengths: Vec<u64>,
@@ -89,7 +89,7 @@ impl Default for RowSorter {
 
 impl RowSorter {
     /// Takes a row with a fraction and measures from zero on.
-    pub fn push(&mut self, row: Row) -> Result<(), CurveFitError> {
+    pub fn push(&mut self, row: EqualRows) -> Result<(), CurveFitError> {
         if self.buffer.len() == self.run {
             self.sort();
             // Rows at few levels stay in memory.
@@ -111,7 +111,7 @@ impl RowSorter {
     }
 
     fn sort(&mut self) {
-        self.buffer.par_sort_unstable_by(Row::order);
+        self.buffer.par_sort_unstable_by(EqualRows::order);
         self.buffer.dedup_by(|next, first| take_equal(first, next));
     }
 
@@ -142,7 +142,7 @@ impl RowSorter {
             heads.extend(run.pop(&file)?.map(|row| Reverse(Head(row, number))));
         }
         let mut merged = BufWriter::new(tempfile::tempfile()?);
-        let mut last: Option<Row> = None;
+        let mut last: Option<EqualRows> = None;
         while let Some(mut head) = heads.peek_mut() {
             let Reverse(Head(row, number)) = *head;
             match runs[number].pop(&file)? {
@@ -166,7 +166,7 @@ impl RowSorter {
 }
 
 /// Adds the count of an equal row; returns false for another one.
-fn take_equal(first: &mut Row, next: &Row) -> bool {
+fn take_equal(first: &mut EqualRows, next: &EqualRows) -> bool {
     if first.order(next) != Ordering::Equal {
         return false;
     }
@@ -181,16 +181,16 @@ struct Run {
     next: u64,
     end: u64,
     /// Rows that were read, the next one last.
-    block: Vec<Row>,
+    block: Vec<EqualRows>,
 }
 
 impl Run {
-    fn pop(&mut self, mut file: &File) -> io::Result<Option<Row>> {
+    fn pop(&mut self, mut file: &File) -> io::Result<Option<EqualRows>> {
         if self.block.is_empty() && self.next < self.end {
             let mut bytes = vec![0; SIZE * BLOCK.min((self.end - self.next) as usize)];
             file.seek(SeekFrom::Start(SIZE as u64 * self.next))?;
             file.read_exact(&mut bytes)?;
-            self.block.extend(bytes.chunks_exact(SIZE).rev().map(Row::of_bytes));
+            self.block.extend(bytes.chunks_exact(SIZE).rev().map(EqualRows::of_bytes));
             self.next += self.block.len() as u64;
         }
         Ok(self.block.pop())
@@ -198,7 +198,7 @@ impl Run {
 }
 
 /// The next row of a run.
-struct Head(Row, usize);
+struct Head(EqualRows, usize);
 
 impl Ord for Head {
     fn cmp(&self, other: &Head) -> Ordering {
@@ -222,13 +222,13 @@ impl Eq for Head {}
 
 /// Rows in the order of their measures, fractions and motions, equal ones counted.
 pub(super) struct SortedRows {
-    kept: Vec<Row>,
+    kept: Vec<EqualRows>,
     file: Option<File>,
 }
 
 impl SortedRows {
     /// Passes all rows on, batch by batch.
-    pub fn batches(&self, each: &mut dyn FnMut(&[Row])) -> Result<(), CurveFitError> {
+    pub fn batches(&self, each: &mut dyn FnMut(&[EqualRows])) -> Result<(), CurveFitError> {
         let Some(mut file) = self.file.as_ref() else {
             self.kept.chunks(BATCH).for_each(each);
             return Ok(());
@@ -241,12 +241,12 @@ impl SortedRows {
             if bytes.is_empty() {
                 return Ok(());
             }
-            each(&bytes.chunks_exact(SIZE).map(Row::of_bytes).collect::<Vec<_>>());
+            each(&bytes.chunks_exact(SIZE).map(EqualRows::of_bytes).collect::<Vec<_>>());
         }
     }
 
     /// Sums over all rows, with all threads; the result does not depend on their number.
-    pub fn sum<T>(&self, of: impl Fn(&Row) -> T + Sync) -> Result<T, CurveFitError>
+    pub fn sum<T>(&self, of: impl Fn(&EqualRows) -> T + Sync) -> Result<T, CurveFitError>
     where
         T: Copy + Default + Send + Sync + std::ops::Add<Output = T>,
     {
@@ -254,7 +254,7 @@ impl SortedRows {
         const CHUNK: usize = 256;
         let mut batches = Vec::new();
         self.batches(&mut |rows| {
-            let chunk = |rows: &[Row]| rows.iter().map(&of).fold(T::default(), |sum, term| sum + term);
+            let chunk = |rows: &[EqualRows]| rows.iter().map(&of).fold(T::default(), |sum, term| sum + term);
             let chunks: Vec<T> = rows.par_chunks(CHUNK).map(chunk).collect();
             batches.push(total(&chunks));
         })?;
@@ -282,7 +282,7 @@ fn refused(error: io::Error) -> CurveFitError {
 mod tests {
     use super::*;
 
-    fn sorted(rows: &[Row], run: usize) -> (Vec<Row>, bool) {
+    fn sorted(rows: &[EqualRows], run: usize) -> (Vec<EqualRows>, bool) {
         let mut sorter = RowSorter { run, ..RowSorter::default() };
         rows.iter().try_for_each(|row| sorter.push(*row)).unwrap();
         let (found, mut all) = (sorter.finish().unwrap(), Vec::new());
@@ -295,19 +295,19 @@ mod tests {
     fn rows_are_sorted_and_counted_in_runs() {
         let row = |i: u32| {
             let measures = [f64::from(i * i % 1009 + 1), f64::from(i % 3 + 1)];
-            Row { measures, fraction: f64::from(i % 2), motion: i % 5, count: 1 }
+            EqualRows { measures, fraction: f64::from(i % 2), motion: i % 5, count: 1 }
         };
-        let mut rows: Vec<Row> = (0..50_000).map(row).collect();
+        let mut rows: Vec<EqualRows> = (0..50_000).map(row).collect();
         let (expected, in_file) = sorted(&rows, usize::MAX);
         assert!(!in_file && expected.is_sorted_by(|a, b| a.order(b) == Ordering::Less));
         assert_eq!(expected.iter().map(|row| row.count).sum::<u32>(), 50_000);
-        let count = |wanted: &Row| rows.iter().filter(|row| row.order(wanted) == Ordering::Equal).count() as u32;
+        let count = |wanted: &EqualRows| rows.iter().filter(|row| row.order(wanted) == Ordering::Equal).count() as u32;
         assert!(expected.iter().step_by(501).all(|row| row.count == count(row)));
         assert_eq!(sorted(&rows, 7_000), (expected.clone(), true));
         rows.reverse();
         assert_eq!(sorted(&rows, 999), (expected.clone(), true));
         // Few different rows need no file.
-        let levels: Vec<Row> = (0..50_000).map(|i| row(i % 30)).collect();
+        let levels: Vec<EqualRows> = (0..50_000).map(|i| row(i % 30)).collect();
         assert_eq!(sorted(&levels, 999), (sorted(&levels, usize::MAX).0, false));
     }
 }

@@ -193,21 +193,24 @@ impl Groups {
     ///
     /// # Errors
     /// The content is damaged.
-    pub(super) fn group(&self, group: usize, is_wanted: &[bool]) -> Result<Group> {
+    pub(super) fn group(&self, group: usize, is_wanted: &[bool]) -> Result<GroupReader> {
         let group = self.reader.get_row_group(group)?;
         let wanted = self.headings.iter().enumerate().filter(|(number, _)| is_wanted[*number]);
         let column = |(number, heading): (usize, &Heading)| Ok((heading.clone(), group.get_column_reader(number)?));
-        Ok(Group { left: group.metadata().num_rows() as usize, columns: wanted.map(column).collect::<Result<_>>()? })
+        Ok(GroupReader {
+            left: group.metadata().num_rows() as usize,
+            columns: wanted.map(column).collect::<Result<_>>()?,
+        })
     }
 }
 
 /// Columns of a group, read in batches of rows.
-pub(super) struct Group {
+pub(super) struct GroupReader {
     left: usize,
     columns: Vec<(Heading, ColumnReader)>,
 }
 
-impl Group {
+impl GroupReader {
     /// Reads the next rows, and returns their number with their columns.
     ///
     /// # Errors

@@ -194,6 +194,9 @@ impl Growing {
     }
 }
 
+/// Takes a batch of rows, with the headings of all columns of the file.
+pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
+
 /// Rows of a batch.
 const BATCH: u64 = 1 << 16;
 
@@ -240,11 +243,7 @@ impl<'a> TableReader<'a> {
     ///
     /// # Errors
     /// Those of both formats, and of `each`.
-    pub fn read_batches<E: From<TableReadError>>(
-        &mut self,
-        path: &Path,
-        each: &mut dyn FnMut(Table, &[String]) -> Result<(), E>,
-    ) -> Result<(), E> {
+    pub fn read_batches<E: From<TableReadError>>(&mut self, path: &Path, each: &mut TakeBatch<E>) -> Result<(), E> {
         self.read(path, &mut |reader| {
             let table = reader.take();
             each(table, &reader.headings)

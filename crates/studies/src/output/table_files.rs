@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_line, refused};
-use crate::output::reading::{TableReadError, TableReader, is_parquet};
+use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
 use crate::output::table::{Table, Values};
 
 /// The files of a table: the parts of a folder, all of one set, or other files.
@@ -111,7 +111,7 @@ impl TableFiles {
     pub fn read_batches<E: From<PartsError> + From<TableReadError>>(
         &self,
         is_wanted: &dyn Fn(&str) -> bool,
-        each: &mut dyn FnMut(Table, &[String]) -> Result<(), E>,
+        each: &mut TakeBatch<E>,
     ) -> Result<(), E> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);

@@ -15,7 +15,7 @@ use crate::fragility::nodes::{MAX_GROWTH, Node, Reducer, observations, reduced};
 use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
 use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
-use crate::fragility::rows::{OWN, Row, RowSorter, SortedRows, total};
+use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
 use crate::fragility::separation::{Ends, Hulls};
 
 /// Rows of a picture.
@@ -61,7 +61,7 @@ impl ManyRowsBuilder {
         }
         let motion = case.motion.map_or(OWN, |number| number as u32);
         // A fraction of −0 has other bits.
-        self.sorter.push(Row { measures, fraction: case.fraction + 0.0, motion, count: 1 })
+        self.sorter.push(EqualRows { measures, fraction: case.fraction + 0.0, motion, count: 1 })
     }
 
     /// Ends with the rows in order; `ranks` has the place of each motion in the order of their first rows.
@@ -179,7 +179,7 @@ impl ManyRows {
             let probabilities: Vec<f64> = rows.par_iter().map(|row| fit.probability(&row.measures[..1])).collect();
             let mut sum = 0.0;
             for (row, probability) in rows.iter().zip(probabilities) {
-                let &Row { measures: [measure, _], fraction, motion, count } = row;
+                let &EqualRows { measures: [measure, _], fraction, motion, count } = row;
                 let weight = f64::from(count);
                 area.take(sign * probability, [weight * (1.0 - fraction), weight * fraction]);
                 sum += weight * (probability - fraction) * (probability - fraction);
@@ -208,7 +208,7 @@ impl ManyRows {
     pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
-        let sums_of = |row: &Row| {
+        let sums_of = |row: &EqualRows| {
             let mut sums = Sums::default();
             SurfaceRows::add(
                 &mut sums,
@@ -245,7 +245,7 @@ impl ManyRows {
         let of_own = self.sorted.sum(|row| {
             let mut squares = Sums::default();
             if row.motion == OWN {
-                let one = sums_of(&Row { count: 1, ..*row });
+                let one = sums_of(&EqualRows { count: 1, ..*row });
                 squares.add_square(
                     step(&one).as_ref().map_or(&[f64::NAN; 3][..size], |shift| shift.as_slice()),
                     f64::from(row.count),
@@ -360,19 +360,22 @@ impl ManyRows {
                 let observation = || Observation::with_probability(&row.measures, row.fraction);
                 marks.extend((marks.len() * apart <= passed).then(observation));
                 passed += row.count as usize;
-                let score = Row { measures: [fit.probability(&row.measures), 1.0], motion: OWN, ..*row };
+                let score = EqualRows { measures: [fit.probability(&row.measures), 1.0], motion: OWN, ..*row };
                 outcome = std::mem::replace(&mut outcome, Ok(())).and_then(|()| scores.push(score));
             }
         })?;
         outcome?;
         let (scores, mut area) = (scores.finish()?, AreaUnderCurve::default());
         scores.batches(&mut |rows| {
-            for Row { measures: [score, _], fraction, count, .. } in rows {
+            for EqualRows { measures: [score, _], fraction, count, .. } in rows {
                 let weight = f64::from(*count);
                 area.take(*score, [weight * (1.0 - fraction), weight * fraction]);
             }
         })?;
-        let squares = scores.sum(|row| f64::from(row.count) * (row.measures[0] - row.fraction).powi(2))?;
+        let squares = scores.sum(|row| {
+            let error = row.measures[0] - row.fraction;
+            f64::from(row.count) * (error * error)
+        })?;
         Ok((area.finish(), squares / self.count as f64, marks))
     }
 }
