@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
+import dataclasses
 from numbers import Real
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -138,7 +138,8 @@ class Cases:
         return np.asarray(of_found[inverse])
 
 
-class Files(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Files:
     """A table in files, which is read once for a curve and again for its rows."""
 
     path: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -145,13 +146,13 @@ class Fragility(_engine.Fragility):
         return self._rows()[1]
 
     def _rows(self) -> Rows:
-        if isinstance(self._source, Files):
-            batches = self._source.cases(keep=True).batches
-            columns = [np.concatenate(column) for column in zip(*batches, strict=True)]
+        source = self._source
+        if isinstance(source, Files):
+            columns = [np.concatenate(column) for column in zip(*source.cases(keep=True).batches, strict=True)]
             known = ~np.isnan(columns[0])
-            measures, fractions, peaks, motions = (column[known] for column in columns)
-            self._source = (measures, fractions, peaks, motions)
-        return self._source
+            source = (columns[0][known], columns[1][known], columns[2][known], columns[3][known])
+            self._source = source
+        return source
 
     @property
     def goodness_of_fit(self) -> GoodnessOfFit | None:
@@ -314,7 +315,7 @@ def fragility(
     if isinstance(table, str | os.PathLike):
         source = Files(os.fspath(table), im, limit, partial)
         cases = source.cases()
-        source = source._replace(limit=cases.limit)
+        source = dataclasses.replace(source, limit=cases.limit)
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
         raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a file")
     elif partial:

@@ -33,12 +33,13 @@ Columns = Mapping[str, npt.NDArray[Any]]
 class _Fit(Protocol):
     """The drawn attributes of a fragility curve."""
 
-    measures: Floats
-    fractions: Floats
     im: str
     unit: str
     ci: float
 
+    @property
+    def range(self) -> tuple[float, float]: ...
+    def marks(self) -> list[Floats]: ...
     @property
     def median(self) -> float: ...
     @property
