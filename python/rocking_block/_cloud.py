@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._fragility import Fragility, fragility, numbers, outcomes_of
+from rocking_block._cases import numbers, outcomes_of
+from rocking_block._fragility import Fragility, fragility
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats
 

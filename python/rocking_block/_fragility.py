@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
+from rocking_block._cases import Cases, Files, Rows, cases_of, limit_word
 from rocking_block._record import Record
-from rocking_block._table import Table, by_name, read_table, split_heading
+from rocking_block._table import Table
 from rocking_block._html import html_table
-from rocking_block._words import Floats, Outcome, chosen, ticking
+from rocking_block._words import Floats, chosen, ticking
 
 if TYPE_CHECKING:
     import pandas
@@ -96,10 +97,8 @@ class Fragility(_engine.Fragility):
     """The limit: "overturned", "balance", a rotation |θ|/α [1], or a slip [m] as in "slip>0.1"."""
     ci: float
     """Confidence level of intervals and bands."""
-    measures: Floats
-    """The intensity measure of each row in the fit, shape (n,)."""
-    fractions: Floats
-    """The fraction of each row's runs that exceeded the limit, 0 or 1 for a single run, shape (n,)."""
+    rows: int
+    """Number of rows in the fit."""
     failed: int
     """Rows omitted because their runs failed."""
     undecided: int
@@ -108,24 +107,52 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their runs ended at complete separation, with the outcome open."""
     exceeded: tuple[float, float]
     """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
+    _source: Rows | Files
     _arguments: tuple[Any, ...]
 
     def __new__(
         cls,
-        rows: tuple[Floats, Floats, Floats, npt.NDArray[np.int64]],
+        source: Rows | Files,
         options: tuple[str, float, int | None, int],
         labels: tuple[str, str, str | float, int, int, int, tuple[float, float]],
         tick: Any = lambda done, total: None,
+        cases: Cases | None = None,
     ) -> Self:
-        fit = super().__new__(cls, *rows, *options, tick)
-        fit.measures, fit.fractions = rows[:2]
-        fit.ci = options[1]
+        if isinstance(source, Files):
+            cases = cases or source.cases()
+            store, first = cases.store, cases.first
+        else:
+            store, (measures, _, _, motions) = _engine.CaseStore(), source
+            store.push(np.arange(len(measures), dtype=np.int64), *source)
+            # Motions are numbered in the order of their first rows.
+            first = list(range(int(motions.max(initial=-1)) + 1))
+        fit = super().__new__(cls, store, first, *options, tick)
+        fit._source, fit.ci = source, options[1]
         fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.exceeded = labels
-        fit._arguments = (rows, options, labels)
+        fit._arguments = (source, options, labels)
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self._arguments)
+
+    @property
+    def measures(self) -> Floats:
+        """The intensity measure of each row in the fit, shape (n,). A curve of files reads them again, in the order of the files."""
+        return self._rows()[0]
+
+    @property
+    def fractions(self) -> Floats:
+        """The fraction of each row's runs that exceeded the limit, 0 or 1 for a single run, shape (n,); read as `measures`."""
+        return self._rows()[1]
+
+    def _rows(self) -> Rows:
+        source = self._source
+        if isinstance(source, Files):
+            columns = [np.concatenate(column) for column in zip(*source.cases(keep=True).batches, strict=True)]
+            known = ~np.isnan(columns[0])
+            source = (columns[0][known], columns[1][known], columns[2][known], columns[3][known])
+            self._source = source
+        return source
 
     @property
     def goodness_of_fit(self) -> GoodnessOfFit | None:
@@ -206,23 +233,7 @@ class Fragility(_engine.Fragility):
 
     def _exceeded(self) -> str:
         # Digits beyond the tenth are round-off of the fractions of ensembles.
-        return f"{np.sum(self.fractions):.10g} of {len(self.fractions)} runs"
-
-
-def _slip(limit: object) -> float | None:
-    """Returns the slip [m] of a limit such as "slip:0.1"."""
-    if not isinstance(limit, str) or limit[:5].lower() not in ("slip:", "slip>"):
-        return None
-    try:
-        slip = float(limit[5:])
-    except ValueError:
-        return None
-    return slip if 0.0 < slip < np.inf else None
-
-
-def _limit_word(limit: str | float) -> str:
-    """Returns the word of a limit in the columns of tables."""
-    return limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
+        return f"{self.exceeding:.10g} of {self.rows} runs"
 
 
 def fragility(
@@ -235,6 +246,7 @@ def fragility(
     intervals: Literal["profile", "bootstrap"] = "profile",
     samples: int = 1000,
     seed: int = 1,
+    partial: bool = False,
     progress: bool | None = None,
 ) -> Fragility:
     """Fits a fragility curve to the runs of a table, by maximum likelihood.
@@ -246,7 +258,8 @@ def fragility(
     ----------
     table : Table, DataFrame, mapping or path
         Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
-        `rocking sweep`, a Parquet file of `Table.to_parquet`, or a DataFrame of either; or your own table
+        `rocking sweep`, a Parquet file of `Table.to_parquet`, or a DataFrame of either; a folder of parts or of other such files, or
+        a pattern of them, of which rows are read in batches so that tables larger than the memory can be fitted; or your own table
         with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
@@ -266,6 +279,8 @@ def fragility(
         whole records, which needs ten or more. `Fragility.independence` names the rule. Runs without records are independent.
     samples, seed : int
         Number of bootstrap samples, and their random seed.
+    partial : bool
+        Fit the parts of a folder although some are missing.
     progress : bool, optional
         Whether to show a tqdm progress bar.
 
@@ -293,89 +308,35 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
-    if isinstance(table, str | os.PathLike):
-        table = read_table(table)
-    elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
-        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a file")
     if not isinstance(im, str):
         raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
-    table, im = by_name(table), split_heading(im)[0]
-    im = im if im in table else _engine.measure_name(im)
-    slip = _slip(limit)
-    outcome = outcomes_of(table)
-    if limit is None:
-        tied = "peak.theta/balance" in table and "ensemble.samples" not in table
-        limit = "balance" if tied else "overturned"
-    elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
-        limit = limit.lower()
-    elif slip is not None:
-        limit = "slip>" + repr(slip).removesuffix(".0")
-    elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
-        shown = f'"{limit}"' if isinstance(limit, str) else limit
-        raise ValueError(f'limit = {shown}; expected "overturned", "balance", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
+    source: Rows | Files
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
-    searched = [name for name in table if name.startswith("least.")]
-    if searched:
-        expected = "an outcome at one level in each row, as from a sweep with scales or levels"
-        raise ValueError(f"found the least levels of searches, {searched[0]}; expected {expected}")
-    if "peak.theta/alpha" in table or not isinstance(limit, str):
-        peak = numbers(table, "peak.theta/alpha")
+    if isinstance(table, str | os.PathLike):
+        source = Files(os.fspath(table), im, limit, partial)
+        cases = source.cases()
+        source = dataclasses.replace(source, limit=cases.limit)
+    elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
+        raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a file")
+    elif partial:
+        raise ValueError("partial has no effect without a folder of parts")
     else:
-        peak = np.full(len(outcome), np.nan)
-    exceeded = outcome == "overturned"
-    if not isinstance(limit, str):
-        exceeded |= peak > limit
-    if limit == "balance":
-        # Without ties, even blocks have it in `peak.theta/alpha`.
-        even = "peak.theta/balance" not in table and "eccentricity" not in table
-        exceeded |= numbers(table, "peak.theta/alpha" if even else "peak.theta/balance") > 1.0
-    if slip is not None:
-        exceeded |= numbers(table, "peak.slip") > slip
-    fraction = exceeded.astype(np.float64)
-    separated = (outcome == "separated") & ~exceeded
-    undecided = (outcome == "undecided") & ~exceeded
-    failed = outcome == "failed"
-    unknown = np.zeros(len(outcome))
-    if "ensemble.samples" in table:
-        # The samples of an ensemble count, not the run in its middle; the probability is nan if none is known.
-        word = _limit_word(limit)
-        fraction = numbers(table, f"P({word})")
-        # Tables of earlier versions do not have it.
-        if f"ensemble.unknown({word})" in table:
-            unknown = numbers(table, f"ensemble.unknown({word})") / numbers(table, "ensemble.samples")
-        none = np.isnan(fraction)
-        undecided, separated = none & (outcome == "undecided"), none & (outcome == "separated")
-        failed = none & ~undecided & ~separated
-    decided = ~separated & ~undecided & ~failed
-    least = float(np.sum((fraction * (1.0 - unknown))[decided]))
-    most = least + float(np.sum(unknown[decided]) + np.sum(~decided))
-    partly = int(np.sum(unknown[decided] > 0.0))
-    rocked = (outcome == "completed") & (peak > 0.0)
-    if "events.liftoffs" in table:
-        rocked &= np.asarray(table["events.liftoffs"]) > 0
-    peak = np.where(rocked, peak, np.nan)
-    names = [[_record_name(name) for name in table[column].tolist()] for column in ("record", "vertical") if column in table]
-    # Numbered in order of first appearance, since bootstrap samples depend on the order.
-    order: dict[tuple[str, ...], int] = {}
-    shared: list[tuple[str, ...]] = list(zip(*names, strict=True)) if names else [()] * len(outcome)
-    # A row without records has its own motion.
-    keys = [key if any(key) else ("", "", str(row)) for row, key in enumerate(shared)]
-    motions = np.array([order.setdefault(key, len(order)) for key in keys], dtype=np.int64)
-    measures = numbers(table, im)
-    rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
-    for column in rows:
-        column.setflags(write=False)
-    unit = table.units.get(im, "")
-    labels = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()), (least / len(outcome), most / len(outcome)))
+        cases = cases_of(table, im, limit)
+        (source,) = cases.batches
+        for column in source:
+            column.setflags(write=False)
+    assert cases.limit is not None
+    im, unit, shares = cases.im, cases.unit, (cases.least / cases.all, cases.most / cases.all)
+    labels = (im, unit, cases.limit, cases.failed, cases.separated, cases.undecided, shares)
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        fit = Fragility(rows, options, labels, tick)
+        fit = Fragility(source, options, labels, tick, cases)
     doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
-    if partly:
-        doubts.append(f"in {partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
+    if cases.partly:
+        doubts.append(f"in {cases.partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
     if doubts:
-        shares = " to ".join(f"{100 * share:.1f} %" for share in fit.exceeded)
-        warnings.warn(f"{'; '.join(doubts)}: it is exceeded in {shares} of all rows", stacklevel=2)
+        span = " to ".join(f"{100 * share:.1f} %" for share in fit.exceeded)
+        warnings.warn(f"{'; '.join(doubts)}: it is exceeded in {span} of all rows", stacklevel=2)
     for warning in fit.warnings(f"{im} [{unit}]" if unit else im):
         warnings.warn(warning, stacklevel=2)
     return fit
@@ -439,8 +400,8 @@ def export_fragility(
         if len(ims) > 1:
             raise ValueError(f"found curves over {' and '.join(ims)} for {name}; expected one measure")
         base, factor = _engine.measure_scale(ims[0], alpha, p, g)
-        limits = [_limit_word(state.limit) for state in states]
-        rows = len(states[0].measures)
+        limits = [limit_word(state.limit) for state in states]
+        rows = states[0].rows
         description = f"{', '.join(limits)} over {ims[0]} in {rows} rows, by rocking-block {_engine.__version__}"
         components.append((name, base, factor, list(zip(limits, states, strict=True)), description))
     texts, remarks = _engine.export_fragility(program, components, g)
@@ -452,34 +413,3 @@ def export_fragility(
         file.write_text(text, encoding="utf-8", newline="\n")
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
-
-
-def _record_name(name: Any) -> str:
-    """Returns the name of a record; empty where it is missing, for which pandas has nan, None or NA."""
-    return "" if name is None or str(name) in ("nan", "<NA>") else str(name)
-
-
-def _column(table: Table, name: str) -> npt.NDArray[Any]:
-    if name not in table:
-        raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
-    return table[name]
-
-
-def numbers(table: Table, name: str) -> Floats:
-    """Returns a column of numbers."""
-    column = _column(table, name)
-    try:
-        return column.astype(np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"column {name!r} has {column[0]!r}; expected numbers") from None
-
-
-def outcomes_of(table: Table) -> npt.NDArray[Any]:
-    """Returns the outcomes in lower case. An unknown word is an error, since it would count as a standing block."""
-    column = _column(table, "outcome")
-    outcome = np.char.lower(column.astype(str))
-    unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))
-    if unknown.size:
-        words = ", ".join(f'"{word}"' for word in get_args(Outcome))
-        raise ValueError(f"outcome = {column[unknown[0]]!r} in row {unknown[0]}; expected one of {words}")
-    return outcome

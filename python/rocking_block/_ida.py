@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._fragility import numbers, outcomes_of
+from rocking_block._cases import numbers, outcomes_of
 from rocking_block._outcomes import OF_BLOCKS
 from rocking_block._studies import swept
 from rocking_block._table import Table, by_name, read_table, split_heading

@@ -34,12 +34,13 @@ Columns = Mapping[str, npt.NDArray[Any]]
 class _Fit(Protocol):
     """The drawn attributes of a fragility curve."""
 
-    measures: Floats
-    fractions: Floats
     im: str
     unit: str
     ci: float
 
+    @property
+    def range(self) -> tuple[float, float]: ...
+    def marks(self) -> list[Floats]: ...
     @property
     def median(self) -> float: ...
     @property
@@ -199,7 +200,7 @@ def fragility(
     axes = new_axes(ax, "fragility", (7.0, 4.5))
     number = _add(axes, "fragility")
     first, curve_style = number == 0, _curve_style(number, color)
-    low, high = float(fit.measures.min()), float(fit.measures.max())
+    low, high = fit.range
     x = np.geomspace(low, high, 200)
     label = label or f"{fit.im}: median {fit.median:.3g}, β = {fit.beta:.2f}"
     (line,) = axes.plot(x, fit.curve(x), **_style({"linewidth": 1.8, "label": label} | curve_style, style))
@@ -207,12 +208,14 @@ def fragility(
     axes.fill_between(x, *fit.band(x), color=line.get_color(), alpha=0.18, lw=0, label=band)
     if runs:
         ink = INK if first else line.get_color()
-        order = np.argsort(fit.measures)
+        # Of many rows, some 10,000 spread evenly.
+        measures, fractions = fit.marks()
+        order = np.argsort(measures)
         classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
-        middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
-        share = [np.mean(fit.fractions[rows]) for rows in classes]
+        middle = [np.exp(np.mean(np.log(measures[rows]))) for rows in classes]
+        share = [np.mean(fractions[rows]) for rows in classes]
         axes.plot(middle, share, "o", color=ink, ms=5, mfc="white", label=f"share of {len(classes[0])} runs" if first else None)
-        axes.plot(fit.measures, fit.fractions, "|", color=ink, ms=7, alpha=0.35)
+        axes.plot(measures, fractions, "|", color=ink, ms=7, alpha=0.35)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")

@@ -163,7 +163,7 @@ class AnnualRate(_engine.AnnualRate):
     ) -> Self:
         rate = super().__new__(cls, hazard.levels, hazard.rates, fit, lognormal, table)
         rate.hazard = hazard
-        rate.rows = None if fit is None else (float(fit.measures.min()), float(fit.measures.max()))
+        rate.rows = None if fit is None else fit.range
         rate._arguments = (hazard, fit, lognormal, table)
         return rate
 

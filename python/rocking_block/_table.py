@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn, overload
 
 import numpy as np
@@ -285,16 +285,17 @@ def of_columns(columns: Iterable[tuple[str, str | None, npt.NDArray[Any]]], shap
 
 
 def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
-    """Reads a table of the program, a Parquet file of one, or a folder with the parts of a study.
+    """Reads a table of the program, a Parquet file of one, a folder with the parts of a study or other such files, or a pattern of them.
 
     Columns of numbers and empty fields are numeric, except for the names of records.
 
     Parameters
     ----------
     path : path
-        The file or the folder. The rows of parts are in the order of the study.
+        The file, the folder, or a pattern such as "runs/*.parquet". The rows of parts are in the order of the study, those of other files
+        in the order of the names.
     partial : bool
-        Read a folder although parts are missing.
+        Read parts although others are missing.
 
     Raises
     ------
@@ -303,17 +304,66 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
     ValueError
         The file is no table, or a part is missing, damaged or that of another study; the message names it.
     """
-    if partial and not os.path.isdir(path):
+    files, is_part = _files(path, partial)
+    if not _is_parquet(files[0]):
+        return of_columns(map(_of_program, _engine.read_table(path, partial)))
+    tables: list[Table] = []
+
+    def read(file: str) -> int:
+        tables.append(_read_parquet(file))
+        return tables[-1].rows
+
+    _read_parquet_files(files, is_part, read)
+    if len(tables) == 1:
+        return tables[0]
+    table = Table.concat(tables)
+    return table[np.argsort(table["row"], kind="stable")] if is_part else table
+
+
+def for_each_batch(
+    path: str | os.PathLike[str], named: Sequence[str], partial: bool, each: Callable[[Table, bool], None]
+) -> None:
+    """Passes the columns of a table that a fit over the named ones needs on in batches, with whether the rows are those of parts."""
+    files, is_part = _files(path, partial)
+    if not _is_parquet(files[0]):
+        _engine.read_batches(path, partial, list(named), lambda columns: each(of_columns(map(_of_program, columns)), is_part))
+        return
+    with optional("a Parquet file", "pyarrow"):
+        import pyarrow
+        import pyarrow.parquet
+
+    def read(file: str) -> int:
+        # Without a buffer, whole columns of a group are in memory.
+        with pyarrow.parquet.ParquetFile(file, buffer_size=1 << 16) as content:
+            schema, rows = content.schema_arrow, 0
+            wanted = [name for name in schema.names if _engine.is_needed(split_heading(name)[0], list(named))]
+            for batch in content.iter_batches(_BATCH, columns=wanted, use_threads=False):
+                rows += batch.num_rows
+                each(_of_arrow(pyarrow.Table.from_batches([batch], batch.schema.with_metadata(schema.metadata))), is_part)
+            # An empty file has columns as well.
+            if rows == 0:
+                each(_of_arrow(schema.empty_table().select(wanted)), is_part)
+            return rows
+
+    _read_parquet_files(files, is_part, read)
+
+
+_BATCH = 1 << 16
+"""Rows of a batch."""
+
+
+def _files(path: str | os.PathLike[str], partial: bool) -> tuple[list[str], bool]:
+    """Returns the files of a table, and whether they are parts."""
+    if os.path.isdir(path) or (not os.path.exists(path) and any(mark in os.fspath(path) for mark in "*?[")):
+        return _engine.table_files(path, partial)
+    if partial:
         raise ValueError(f"partial has no effect without a folder of parts; found {os.fspath(path)}")
-    if os.path.isdir(path):
-        files = _engine.part_files(path, partial)
-        if files[0].endswith(".parquet"):
-            return _read_parquet_parts(files)
-    else:
-        with open(path, "rb") as content:
-            if content.read(4) == b"PAR1":
-                return _read_parquet(path)
-    return of_columns(map(_of_program, _engine.read_table(path, partial)))
+    return [os.fspath(path)], False
+
+
+def _is_parquet(file: str) -> bool:
+    with open(file, "rb") as content:
+        return content.read(4) == b"PAR1"
 
 
 def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, str | None, npt.NDArray[Any]]:
@@ -324,38 +374,43 @@ def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, 
     return name, unit, values.astype(np.int64) if name in _COUNTS else values
 
 
-def _read_parquet_parts(files: list[str]) -> Table:
-    """Reads the parts of a study, in the order of its rows."""
+def _read_parquet_files(files: list[str], is_part: bool, read: Callable[[str], int]) -> None:
+    """Reads files with a function that returns the number of their rows, and checks parts."""
     with optional("a Parquet file", "pyarrow"):
         import pyarrow.parquet
 
-    tables, first = [], None
+    first = None
     for file in files:
-        table = _read_parquet(file)
+        rows = read(file)
+        if not is_part:
+            continue
         *study, part = (pyarrow.parquet.read_schema(file).metadata or {}).get(b"study", b"").decode().splitlines() or [""]
         first = study if first is None else first
         if study != first:
             raise ValueError(f"{file}: is a part of another study than {files[0]}")
-        if not part.endswith(f", {table.rows} rows"):
-            raise ValueError(f"{file}: is damaged: found {table.rows} rows, expected those of {part!r}; make it anew")
-        tables.append(table)
-    table = Table.concat(tables)
-    return table[np.argsort(table["row"], kind="stable")]
+        if not part.endswith(f", {rows} rows"):
+            raise ValueError(f"{file}: is damaged: found {rows} rows, expected those of {part!r}; make it anew")
 
 
 def _read_parquet(path: str | os.PathLike[str]) -> Table:
     """Reads a table of `Table.to_parquet` or of the program, or another one with headings of the program."""
     with optional("a Parquet file", "pyarrow"):
-        import pyarrow
         import pyarrow.parquet
 
+    return _of_arrow(pyarrow.parquet.read_table(os.fspath(path), partitioning=None))
+
+
+def _of_arrow(table: Any) -> Table:
+    import pyarrow
+
     def values(column: Any) -> npt.NDArray[Any]:
+        if pyarrow.types.is_dictionary(column.type):
+            column = column.cast(column.type.value_type)
         is_text = pyarrow.types.is_string(column.type) or pyarrow.types.is_large_string(column.type)
         return np.asarray(column.fill_null("").to_numpy(), dtype=np.str_) if is_text else np.asarray(column.to_numpy())
 
-    table = pyarrow.parquet.read_table(os.fspath(path))
     # The program keeps all units in the metadata of the file, `to_parquet` in those of the columns.
     units = json.loads((table.schema.metadata or {}).get(b"units", "{}"))
     units |= {field.name: field.metadata[b"unit"].decode() for field in table.schema if b"unit" in (field.metadata or {})}
     named = by_name({name: values(table[name]) for name in table.column_names})
-    return Table(named, units | named.units)
+    return Table(named, {name: unit for name, unit in units.items() if name in named} | named.units)

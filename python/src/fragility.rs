@@ -3,7 +3,8 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::{
-    Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, openquake, pelicun,
+    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Motions, Uncertainty,
+    openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
 
@@ -13,23 +14,59 @@ use crate::work::wait;
 /// Lower and upper ends; an end that the data do not bound is the limit of the possible values.
 type Ends = (f64, f64);
 
+/// Decided rows of a table, batch by batch; many are kept on disk.
+#[pyclass(module = "rocking_block._engine")]
+#[derive(Default)]
+pub struct CaseStore(engine::CaseStore);
+
+#[pymethods]
+impl CaseStore {
+    #[new]
+    fn new() -> CaseStore {
+        CaseStore::default()
+    }
+
+    /// Takes rows: their places in the table, the measure, the fraction that exceeded the limit, the peak of the blocks that rock and stand, and
+    /// the number of the ground motion, negative for rows with their own; a missing measure or peak is nan.
+    fn push(
+        &mut self,
+        places: PyReadonlyArray1<i64>,
+        measures: PyReadonlyArray1<f64>,
+        fractions: PyReadonlyArray1<f64>,
+        peaks: PyReadonlyArray1<f64>,
+        motions: PyReadonlyArray1<i64>,
+    ) {
+        let known = |value: f64| Some(value).filter(|value| !value.is_nan());
+        let (places, measures, fractions) = (places.as_array(), measures.as_array(), fractions.as_array());
+        let (peaks, motions) = (peaks.as_array(), motions.as_array());
+        for row in 0..places.len() {
+            let case = Case {
+                row,
+                fraction: fractions[row],
+                // The range of the exceeded runs is counted in Python.
+                unknown: 0.0,
+                peak: known(peaks[row]),
+                motion: usize::try_from(motions[row]).ok(),
+            };
+            self.0.push(places[row] as u64, &case, [known(measures[row]), Some(1.0)]);
+        }
+    }
+}
+
 /// A curve with its uncertainty and predictive power; the Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
 pub struct Fragility(pub Assessment);
 
 #[pymethods]
 impl Fragility {
-    /// Fits decided rows of a table: the measure, the fraction that exceeded the limit, the peak of the blocks that rock and
-    /// stand, and the number of the ground motion; a missing measure or peak is nan. With `samples` the intervals come from
-    /// a bootstrap, otherwise from the profile likelihood.
+    /// Fits the rows of a store, which is empty then; `first` has the place of the first row of each motion. With `samples` the intervals come
+    /// from a bootstrap, otherwise from the profile likelihood.
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
-        measures: PyReadonlyArray1<f64>,
-        fractions: PyReadonlyArray1<f64>,
-        peaks: PyReadonlyArray1<f64>,
-        motions: PyReadonlyArray1<i64>,
+        store: &mut CaseStore,
+        first: Vec<u64>,
         link: &str,
         ci: f64,
         samples: Option<i64>,
@@ -41,21 +78,37 @@ impl Fragility {
         let seed = whole("seed", seed, 0..=i64::MAX)?;
         let samples = samples.map(|samples| whole("samples", samples, 2..=1_000_000)).transpose()?;
         let uncertainty = samples.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples as u32, seed));
-        let known = |value: &f64| Some(*value).filter(|value| !value.is_nan());
-        let measures: Vec<Option<f64>> = measures.as_array().iter().map(known).collect();
-        let (fractions, peaks, motions) = (fractions.as_array(), peaks.as_array(), motions.as_array());
-        let cases = fractions.iter().zip(peaks).zip(motions).enumerate();
-        let case = |(row, ((fraction, peak), motion)): (usize, ((&f64, &f64), &i64))| Case {
-            row,
-            fraction: *fraction,
-            // The range of the exceeded runs is counted in Python.
-            unknown: 0.0,
-            peak: known(peak),
-            motion: *motion as usize,
-        };
-        let cases: Vec<Case> = cases.map(case).collect();
-        let assessment = wait(py, tick, move |_| Assessment::new(&cases, &measures, link, ci, uncertainty))?;
+        let (store, motions) = (std::mem::take(&mut store.0), Motions::of_first(first));
+        let assessment = wait(py, tick, move |_| Assessment::of(store, &motions, link, ci, uncertainty))?;
         Ok(Fragility(assessment.map_err(invalid)?))
+    }
+
+    /// Number of rows.
+    #[getter]
+    fn rows(&self) -> usize {
+        self.0.rows
+    }
+
+    /// Sum of the fractions of the rows.
+    #[getter]
+    fn exceeding(&self) -> f64 {
+        self.0.data.observations().iter().map(|row| row.weight * row.fraction).sum()
+    }
+
+    /// Least and greatest measure.
+    #[getter]
+    fn range(&self) -> Ends {
+        let measures = self.0.marks().iter().map(|row| row.measures[0]);
+        measures.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), measure| (low.min(measure), high.max(measure)))
+    }
+
+    /// Returns measures and fractions of all rows, or of some 10,000 of many in the order of their measures.
+    fn marks<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
+        let rows = self.0.marks();
+        [
+            PyArray1::from_iter(py, rows.iter().map(|row| row.measures[0])),
+            PyArray1::from_iter(py, rows.iter().map(|row| row.fraction)),
+        ]
     }
 
     #[getter]

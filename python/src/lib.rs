@@ -63,7 +63,7 @@ mod _engine {
     #[pymodule_export]
     use super::foundations::{foundation_pairs, pad_support, soil_support};
     #[pymodule_export]
-    use super::fragility::{Fragility, export_fragility};
+    use super::fragility::{CaseStore, Fragility, export_fragility};
     #[pymodule_export]
     use super::frame::{frame_block, frame_response};
     #[pymodule_export]
@@ -81,5 +81,5 @@ mod _engine {
     #[pymodule_export]
     use super::studies::{Study, outcomes, part_file_name};
     #[pymodule_export]
-    use super::table::{part_files, read_table};
+    use super::table::{is_needed, read_batches, read_table, table_files};
 }

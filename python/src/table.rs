@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
-use rocking_studies::output::parts::{Parts, PartsError};
-use rocking_studies::output::reading::TableReader;
+use rocking_studies::fragility;
+use rocking_studies::output::parts::PartsError;
+use rocking_studies::output::reading::{TableReadError, TableReader};
 use rocking_studies::output::table::{Kind, Series, Table, Values};
+use rocking_studies::output::table_files::TableFiles;
 
 use crate::options::invalid;
 
@@ -20,32 +22,76 @@ pub fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Vec<Column<'py>>>
     table.into_columns().into_iter().map(|column| shown(py, column)).collect()
 }
 
-/// Returns the files of the parts in a folder.
+/// Returns the files of a folder or of a pattern, and whether they are parts of a study.
 #[pyfunction]
-pub fn part_files(path: PathBuf, partial: bool) -> PyResult<Vec<OsString>> {
-    Ok(parts(&path, partial).map_err(invalid)?.files().map(|file| file.as_os_str().to_owned()).collect())
+pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<OsString>, bool)> {
+    let files = files(&path, partial).map_err(invalid)?;
+    Ok((files.files().map(|file| file.as_os_str().to_owned()).collect(), files.are_numbered()))
 }
 
-fn parts(path: &Path, partial: bool) -> Result<Parts, PartsError> {
-    let parts = Parts::of(path)?;
+fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
+    let files = TableFiles::of(path)?;
     if !partial {
-        parts.check_complete("partial=True")?;
+        files.check_complete("partial=True")?;
     }
-    Ok(parts)
+    Ok(files)
 }
 
-/// Reads a table in CSV, or a folder of parts.
+/// Reads a table in CSV, or a folder or a pattern of such files.
 #[pyfunction]
 pub fn read_table<'py>(py: Python<'py>, path: PathBuf, partial: bool) -> PyResult<Vec<Column<'py>>> {
     let table = py.detach(|| {
-        if path.is_dir() {
-            return Ok(parts(&path, partial)?.read(&|_| true)?.0);
+        if TableFiles::are_at(&path) {
+            return Ok(files(&path, partial)?.read(&|_| true)?.0);
         }
         let mut reader = TableReader::new(&|_| true);
         reader.read_file(&path)?;
         Ok::<Table, PartsError>(reader.table())
     });
     columns(py, table.map_err(invalid)?)
+}
+
+/// Whether a fit over the named columns needs a column.
+#[pyfunction]
+pub fn is_needed(column: &str, named: Vec<String>) -> bool {
+    fragility::is_needed(column, &named.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Passes the columns that a fit over the named ones needs to a function, in batches of rows.
+#[pyfunction]
+pub fn read_batches(py: Python, path: PathBuf, partial: bool, named: Vec<String>, each: &Bound<PyAny>) -> PyResult<()> {
+    let is_wanted = |column: &str| is_needed(column, named.clone());
+    let mut pass = |table: Table, _: &[String]| -> Result<(), Ended> {
+        py.check_signals()?;
+        each.call1((columns(py, table)?,))?;
+        Ok(())
+    };
+    let read = match TableFiles::are_at(&path) {
+        true => files(&path, partial).map_err(Ended::from).and_then(|files| files.read_batches(&is_wanted, &mut pass)),
+        false => TableReader::new(&is_wanted).read_batches(&path, &mut pass),
+    };
+    read.map_err(|Ended(error)| error)
+}
+
+/// The exception that ends the reading of a table.
+struct Ended(PyErr);
+
+impl From<PyErr> for Ended {
+    fn from(error: PyErr) -> Ended {
+        Ended(error)
+    }
+}
+
+impl From<PartsError> for Ended {
+    fn from(error: PartsError) -> Ended {
+        Ended(invalid(error))
+    }
+}
+
+impl From<TableReadError> for Ended {
+    fn from(error: TableReadError) -> Ended {
+        Ended(invalid(error))
+    }
 }
 
 fn shown<'py>(py: Python<'py>, Series { heading, values }: Series) -> PyResult<Column<'py>> {

@@ -300,3 +300,47 @@ def test_measures_in_tables_are_those_of_the_records(record):
         assert np.allclose(table[name], value * np.array([1.0, 2.0]) ** power.get(name, 1), rtol=1e-14), name
     assert np.isclose(table["PGA/(g tan alpha)"][0], record.pga / (9.81 * np.tan(0.15)), rtol=1e-14)
     assert table.units["Arias"] == "m/s" and table.units["p T_m"] == "1"
+
+
+@pytest.mark.parametrize("rows", [300, 150_000])
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_files_have_the_curve_of_one_table(tmp_path, rows, ending):
+    """Few rows are kept in the order of the table, many are sorted on disk: both have the same bits in one file and in several."""
+    table = planted(rows)
+    whole = rb.fragility(table, "PGV", 0.4)
+    for number, piece in enumerate(np.array_split(np.arange(rows), 3)):
+        if ending == "parquet":
+            table[piece].to_parquet(tmp_path / f"{number}.parquet")
+        else:
+            table[piece].to_frame().to_csv(tmp_path / f"{number}.csv", index=False)
+    for path in (tmp_path, f"{tmp_path}/*.{ending}"):
+        fit = rb.fragility(path, "PGV", 0.4)
+        assert repr(fit) == repr(whole).replace(" m/s", " m/s" if ending == "parquet" else "")
+        for name in ("median", "beta", "median_ci", "beta_ci", "coefficients", "standard_errors", "auc", "brier", "goodness", "range"):
+            assert getattr(fit, name) == getattr(whole, name), name
+        assert np.isclose(fit.efficiency, whole.efficiency, rtol=1e-10) and fit.rocking == whole.rocking
+        np.testing.assert_array_equal(fit.measures, whole.measures)
+        np.testing.assert_array_equal(fit.fractions, whole.fractions)
+        assert pickle.loads(pickle.dumps(fit)).median == fit.median
+        assert len(fit.marks()[0]) == (rows if rows == 300 else 10_001)
+    np.testing.assert_array_equal(rb.read_table(tmp_path)["PGV"], table["PGV"])
+    with pytest.raises(ValueError, match="partial has no effect without a folder of parts"):
+        rb.fragility(tmp_path / f"0.{ending}", "PGV", partial=True)
+    with pytest.raises(ValueError, match="has no parts of a study"):
+        rb.fragility(f"{tmp_path}/*.txt", "PGV")
+
+
+def test_parts_in_another_order_have_the_same_intervals(tmp_path):
+    """Motions are numbered by their first rows in the study, whatever the order of the parts."""
+    table = rb.Table({"row": np.arange(300), **planted()}, {"PGV": "m/s"})
+    whole = rb.fragility(table, "PGV", intervals="bootstrap", samples=20)
+    from rocking_block._cases import Cases
+
+    cases = Cases("PGV", None)
+    for piece in reversed(np.array_split(np.arange(300), 7)):
+        cases.take(table[piece], is_part=True)
+    assert cases.first[0] > 200 and sorted(cases.first) == list(range(0, 300, 10))
+    from rocking_block import _engine
+
+    fit = _engine.Fragility(cases.store, cases.first, "probit", 0.95, 20, 1, lambda done, total: None)
+    assert (fit.median_ci, fit.beta_ci) == (whole.median_ci, whole.beta_ci)

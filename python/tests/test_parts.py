@@ -69,6 +69,18 @@ def test_workers_write_parts_that_are_read_as_one_table(processes, whole, tmp_pa
         rb.sweep(other, executor=processes, parts=5, out=tmp_path / "runs")
 
 
+def studies_read():
+    import rocking_block._parts as parts
+
+    return parts._study.cache_info().misses
+
+
+def test_a_worker_reads_a_study_and_its_records_once(whole):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        same(rb.sweep(STUDY, executor=pool, parts=5), whole)
+        assert pool.submit(studies_read).result() == 1
+
+
 def test_parts_equal_those_of_the_program(processes, tmp_path):
     program = Path(os.environ.get("ROCKING", Path(__file__).resolve().parents[2] / "target/release/rocking"))
     (tmp_path / "study.toml").write_text(

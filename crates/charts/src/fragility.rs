@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, CurveFit, Data, Goodness, Ida, Limit, Link, Observation, Response, SweepTable, split_heading,
+    Assessment, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -35,7 +35,7 @@ pub fn curve(
     limit: Limit,
     confidence: f64,
 ) -> Result<String, PictureError> {
-    let observations = found.data.observations();
+    let observations = found.marks();
     let measures = || observations.iter().map(|row| row.measures[0]);
     let x = range(measures());
     let at: Vec<f64> = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS)).collect();
@@ -54,14 +54,15 @@ pub fn curve(
         };
         (row.measures[0] + 1.5 * side * aside, y)
     };
+    let rows = match observations.len() < found.rows {
+        true => "some of the rows: above the chart if they exceed the limit, below if not, between if a part does",
+        false => "each row: above the chart if it exceeds the limit, below if not, between if a part does",
+    };
     let legend = [
         (Symbol::Curve(LineStyle::BLACK), name(found).into()),
         (Symbol::Band, format!("{} % confidence", short(100.0 * confidence))),
         (Symbol::Mark(Mark::Circle), "fraction of a group of rows, with their number".into()),
-        (
-            Symbol::Mark(Mark::Tick),
-            "each row: above the chart if it exceeds the limit, below if not, between if a part does".into(),
-        ),
+        (Symbol::Mark(Mark::Tick), rows.into()),
     ];
     let ticks = observations.iter().enumerate().map(|row| (Mark::Tick, tick(row)));
     let groups = &found.groups;
@@ -86,7 +87,7 @@ pub fn curve(
         significant(found.fit.dispersion(), 4),
         found.auc,
         found.brier,
-        observations.len()
+        found.rows
     );
     page(&[title, misfit(found, &unit), blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
@@ -114,7 +115,7 @@ fn misfit(found: &Assessment, unit: &str) -> String {
 
 /// Draws the curves of several limits, each with its name, over the measure with this heading.
 pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> Result<String, PictureError> {
-    let measures = curves.iter().flat_map(|(_, found)| found.data.observations()).map(|row| row.measures[0]);
+    let measures = curves.iter().flat_map(|(_, found)| found.marks()).map(|row| row.measures[0]);
     let x = range(measures);
     let at = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS));
     let line = |found: &Assessment| at.clone().map(|measure| (measure, found.fit.probability(&[measure]))).collect();
@@ -260,16 +261,10 @@ fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
 }
 
 /// Draws a fragility surface of two measures in grey, with the lines of 10, 50 and 90 %, and the rows.
-pub fn surface(
-    blocks: &str,
-    data: &Data,
-    fit: &CurveFit,
-    headings: [&str; 2],
-    limit: Limit,
-) -> Result<String, PictureError> {
+pub fn surface(blocks: &str, found: &Surface, headings: [&str; 2], limit: Limit) -> Result<String, PictureError> {
     /// Tiles along each axis.
     const TILES: u32 = 80;
-    let observations = data.observations();
+    let (observations, fit) = (&found.marks, &found.fit);
     let [x, y] = [0, 1].map(|measure| range(observations.iter().map(|row| row.measures[measure])));
     let edge = |range: &Range<f64>, tile: u32| range.end * f64::from(tile) / f64::from(TILES);
     let tile = |number: u32| {
@@ -319,28 +314,59 @@ pub fn surface(
         (Symbol::Mark(Mark::Cross), "rows that exceed the limit with a probability of 50 % or more".into()),
         (Symbol::Mark(Mark::Circle), "other rows".into()),
     ];
-    let title = format!("{}, {} rows", probability_of(limit), observations.len());
+    let title = format!("{}, {} rows", probability_of(limit), found.rows);
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Describes file, slenderness and foundations of a table, as far as its columns show.
-pub fn blocks(table: &SweepTable) -> String {
-    let span = |symbol: &str, names: &[&str], unit: &str| {
-        let numbers = names.iter().find_map(|name| table.numbers(name).ok())?;
-        let [low, high] = statistics::range(numbers.into_iter().flatten())?;
-        let to = if low == high { String::new() } else { format!(" to {}", significant(high, 4)) };
-        Some(formula(&format!("{symbol} = {}{to}{unit}", significant(low, 4))))
-    };
-    let file = table.file().rsplit(['/', '\\']).next().map(String::from);
-    let foundations = table.words("foundation").map(|words| format!("foundation {}", words.join(" or ")));
-    let parts = [
-        file,
-        span("α", &["alpha", "dimensionless.alpha"], " rad"),
-        foundations,
-        span("η", &["eta", "dimensionless.eta"], ""),
-        span("ξ_v", &["xi_v", "dimensionless.xi_v"], ""),
-    ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+/// File, slenderness and foundations of a table, as far as its columns show.
+#[derive(Default)]
+pub struct Blocks {
+    file: Option<String>,
+    /// Ranges of the slenderness, of η and of ξ_v.
+    spans: [Option<[f64; 2]>; 3],
+    foundations: Option<Vec<String>>,
+}
+
+impl Blocks {
+    /// Takes rows of a table.
+    pub fn take(&mut self, table: &SweepTable) {
+        self.file = table.file().rsplit(['/', '\\']).next().map(String::from);
+        for (span, name) in self.spans.iter_mut().zip(["alpha", "eta", "xi_v"]) {
+            let names = [name.to_string(), format!("dimensionless.{name}")];
+            let numbers = names.iter().find_map(|name| table.numbers(name).ok()).unwrap_or_default();
+            *span = statistics::range(numbers.into_iter().flatten().chain(span.iter().flatten().copied()));
+        }
+        if let Some(words) = table.words("foundation") {
+            let known = self.foundations.get_or_insert_default();
+            words.into_iter().for_each(|word| {
+                if !known.contains(&word) {
+                    known.push(word)
+                }
+            });
+        }
+    }
+
+    /// Describes a table.
+    pub fn of(table: &SweepTable) -> String {
+        let mut blocks = Blocks::default();
+        blocks.take(table);
+        blocks.to_string()
+    }
+}
+
+impl std::fmt::Display for Blocks {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let span = |span: Option<[f64; 2]>, symbol: &str, unit: &str| {
+            let [low, high] = span?;
+            let to = if low == high { String::new() } else { format!(" to {}", significant(high, 4)) };
+            Some(formula(&format!("{symbol} = {}{to}{unit}", significant(low, 4))))
+        };
+        let [alpha, eta, xi_v] = self.spans;
+        let foundations = self.foundations.as_ref().map(|words| format!("foundation {}", words.join(" or ")));
+        let parts =
+            [self.file.clone(), span(alpha, "α", " rad"), foundations, span(eta, "η", ""), span(xi_v, "ξ_v", "")];
+        f.write_str(&parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
 }
 
 /// Splits a heading such as `PGV [m/s]` into an axis label and a suffix for numbers.

@@ -23,7 +23,7 @@ pub struct Picture {
 pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportError> {
     let report = &results.report;
     let heading = report.im.as_str();
-    let blocks = rocking_charts::fragility::blocks(&results.table);
+    let blocks = rocking_charts::fragility::Blocks::of(&results.table);
     let mut pictures = Vec::new();
     let mut add = |name: &'static str, svg: String| pictures.push(Picture { name, svg });
     add("sketch", Sketch { block: plan.block, height: plan.height }.svg()?);

@@ -64,7 +64,7 @@ pub fn run(options: &IdaCommand, explicit: &ExplicitOptions) -> anyhow::Result<(
     let table = SweepTable::new(&name, table);
     let ida = Ida::read(&table, &measure.to_string())?;
     if let (Some(file), Some(format)) = (file, format) {
-        let svg = charts::ida(&charts::blocks(&table), &ida, &measure.heading())?;
+        let svg = charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?;
         Pending::write(vec![(file, format.encode(&svg)?)])?;
     }
     let result = IdaResult::of(&ida, measure);

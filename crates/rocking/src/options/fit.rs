@@ -9,10 +9,11 @@ use crate::options::checks::check;
 use crate::options::choices;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
-use rocking_studies::fragility::{Limit, Link, SweepTable, Uncertainty, is_needed};
+use rocking_studies::fragility::{Collected, Limit, Link, SweepTable, SweepTableError, Uncertainty, is_needed};
 use rocking_studies::output::output_target::STANDARD;
-use rocking_studies::output::parts::Parts;
 use rocking_studies::output::reading::TableReader;
+use rocking_studies::output::table::Table;
+use rocking_studies::output::table_files::TableFiles;
 use rocking_studies::spec::words::Words;
 
 /// Rows and method of a fit.
@@ -56,53 +57,98 @@ impl FitOptions {
         self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed))
     }
 
-    /// Returns the limit, or the usual one of a table.
-    pub fn limit(&self, table: &SweepTable) -> Limit {
-        self.limit.unwrap_or_else(|| table.usual_limit())
+    /// Begins with the cases over these columns, for the limit of the options or another one.
+    pub fn collected(&self, limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
+        Collected::new(limit.or(self.limit), columns)
     }
 
-    /// Reads the rows of a table that meet the conditions, and returns its name with them. Columns that are neither named nor needed by
-    /// any fit are left out; without `named` all are read.
-    pub fn table(&self, path: &Path, named: Option<&[&str]>) -> anyhow::Result<(String, SweepTable)> {
-        let of_conditions = self.conditions.iter().filter_map(|condition| Some(condition.split_once('=')?.0));
-        let named = named.map(|named| named.iter().copied().chain(of_conditions).collect::<Vec<_>>());
-        let is_wanted = |column: &str| named.as_ref().is_none_or(|named| is_needed(column, named));
-        let (name, mut table) = read(path, self.partial, &is_wanted)?;
-        for condition in &self.conditions {
-            let (column, value) = condition
-                .split_once('=')
-                .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
-            table.keep(column, value)?;
+    /// Passes the rows of a table that meet the conditions on in batches, with whether they are rows of a part, and returns the name of the
+    /// table. Columns that are neither named nor needed by any fit are left out.
+    pub fn read_batches(
+        &self,
+        path: &Path,
+        named: &[&str],
+        each: &mut dyn FnMut(&SweepTable, bool) -> anyhow::Result<()>,
+    ) -> anyhow::Result<String> {
+        let conditions = self.conditions()?;
+        let named: Vec<&str> = named.iter().copied().chain(conditions.iter().map(|(column, _)| *column)).collect();
+        let is_wanted = |column: &str| is_needed(column, &named);
+        let files = self.files(path)?;
+        let name = path.display().to_string();
+        let (mut kept, is_part) = (vec![0; conditions.len()], files.as_ref().is_some_and(TableFiles::are_numbered));
+        let mut take = |mut batch: SweepTable| -> anyhow::Result<()> {
+            for ((column, value), kept) in conditions.iter().zip(&mut kept) {
+                batch.keep_rows(column, value)?;
+                *kept += batch.rows();
+            }
+            each(&batch, is_part)
+        };
+        let mut of_columns =
+            |table: Table, headings: &[String]| take(SweepTable::of_columns(&name, table, headings.to_vec()));
+        let name = match files {
+            Some(files) => {
+                files.read_batches(&is_wanted, &mut of_columns)?;
+                name.clone()
+            }
+            None if path == Path::new(STANDARD) => {
+                let (name, text) = input::text(path)?;
+                take(SweepTable::read(&name, text.as_bytes())?)?;
+                name
+            }
+            None => {
+                TableReader::new(&is_wanted).read_batches(path, &mut of_columns)?;
+                name.clone()
+            }
+        };
+        match conditions.iter().zip(kept).find(|(_, kept)| *kept == 0) {
+            Some(((column, value), _)) => {
+                let [column, value] = [column, value].map(|text| (*text).into());
+                Err(SweepTableError::NoRow { file: name, column, value }.into())
+            }
+            None => Ok(name),
         }
-        Ok((name, table))
     }
-}
 
-/// Reads a table, as CSV or Parquet by its name, or a folder of parts, and returns its name in messages with it.
-fn read(path: &Path, is_partial: bool, is_wanted: &dyn Fn(&str) -> bool) -> anyhow::Result<(String, SweepTable)> {
-    anyhow::ensure!(
-        !is_partial || path.is_dir(),
-        "--partial has no effect without a folder of parts; found {}",
-        path.display()
-    );
-    if path == Path::new(STANDARD) {
-        let (name, text) = input::text(path)?;
-        let table = SweepTable::read(&name, text.as_bytes())?;
-        return Ok((name, table));
+    /// Reads all columns of the rows that meet the conditions.
+    pub fn table(&self, path: &Path) -> anyhow::Result<SweepTable> {
+        let mut table = match self.files(path)? {
+            Some(files) => {
+                let (table, headings) = files.read(&|_| true)?;
+                SweepTable::of_columns(&path.display().to_string(), table, headings)
+            }
+            None if path == Path::new(STANDARD) => {
+                let (name, text) = input::text(path)?;
+                SweepTable::read(&name, text.as_bytes())?
+            }
+            None => {
+                let mut reader = TableReader::new(&|_| true);
+                reader.read_file(path)?;
+                SweepTable::new(&path.display().to_string(), reader.table())
+            }
+        };
+        self.conditions()?.into_iter().try_for_each(|(column, value)| table.keep(column, value))?;
+        Ok(table)
     }
-    let name = path.display().to_string();
-    let (table, headings) = if path.is_dir() {
-        let parts = Parts::of(path)?;
-        if !is_partial {
-            parts.check_complete("--partial")?;
+
+    fn conditions(&self) -> anyhow::Result<Vec<(&str, &str)>> {
+        let split = self.conditions.iter().map(|condition| {
+            let split = condition.split_once('=');
+            split.with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))
+        });
+        split.collect()
+    }
+
+    /// Lists the files of a folder or of a pattern; `None` for a single file.
+    fn files(&self, path: &Path) -> anyhow::Result<Option<TableFiles>> {
+        if path == Path::new(STANDARD) || !TableFiles::are_at(path) {
+            let path = path.display();
+            anyhow::ensure!(!self.partial, "--partial has no effect without a folder of parts; found {path}");
+            return Ok(None);
         }
-        parts.read(is_wanted)?
-    } else {
-        let mut reader = TableReader::new(is_wanted);
-        reader.read_file(path)?;
-        let headings = reader.headings().to_vec();
-        (reader.table(), headings)
-    };
-    let table = SweepTable::of_columns(&name, table, headings);
-    Ok((name, table))
+        let files = TableFiles::of(path)?;
+        if !self.partial {
+            files.check_complete("--partial")?;
+        }
+        Ok(Some(files))
+    }
 }

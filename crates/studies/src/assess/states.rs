@@ -127,7 +127,7 @@ mod tests {
         let of = |fractions: &[Option<f64>]| {
             let measures: Vec<Option<f64>> = (1..=fractions.len()).map(|i| Some(0.2 * i as f64)).collect();
             let case = |(row, fraction): (usize, &Option<f64>)| {
-                Some(Case { row, fraction: (*fraction)?, unknown: 0.0, peak: None, motion: 0 })
+                Some(Case { row, fraction: (*fraction)?, unknown: 0.0, peak: None, motion: None })
             };
             let cases: Vec<Case> = fractions.iter().enumerate().filter_map(case).collect();
             rate_bounds(&hazard, &cases, &measures)

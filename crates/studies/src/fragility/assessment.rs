@@ -4,15 +4,17 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::fragility::bootstrap::{Bootstrap, MIN_GROUPS, bootstrap};
+use crate::fragility::cases::{Case, Motions};
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::goodness::{Goodness, Group, groups};
 use crate::fragility::likelihood::Link;
+use crate::fragility::many::{ManyRows, Quality};
 use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::profile::{Interval, LikelihoodProfile};
-use crate::fragility::quality::{auc, brier, efficiency, sufficiency};
+use crate::fragility::quality::{auc, brier, efficiency, p_value, sufficiency};
 use crate::fragility::regression::CurveFit;
-use crate::fragility::table::Case;
+use crate::fragility::store::{CaseStore, StoredRows};
 
 /// The method for intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,8 +37,10 @@ impl Uncertainty {
 
 /// The curve of one measure with its intervals and its quality.
 pub struct Assessment {
-    /// The cases with a value of the measure.
+    /// The cases with a value of the measure; of many rows, fewer observations with the same likelihood.
     pub data: Data,
+    /// Number of cases with a value of the measure.
+    pub rows: usize,
     /// The curve.
     pub fit: CurveFit,
     /// Interval of the median.
@@ -68,6 +72,8 @@ pub struct Assessment {
     /// Covariance of the coefficients, clustered by record where records repeat.
     covariance: Option<DMatrix<f64>>,
     bootstrap: Option<Bootstrap>,
+    /// Some of many rows.
+    marks: Option<Vec<Observation>>,
 }
 
 impl Assessment {
@@ -82,48 +88,67 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
-        let pairs: Vec<(&Case, f64)> =
-            cases.iter().zip(measures).filter_map(|(case, measure)| Some((case, (*measure)?))).collect();
-        let observation = |(case, measure): &(&Case, f64)| Observation::with_probability(&[*measure], case.fraction);
-        let data = Data::new(pairs.iter().map(observation).collect())?;
-        let fit = data.fit(link)?;
-        let (rocking, peaks): (Vec<f64>, Vec<f64>) =
-            pairs.iter().filter_map(|(case, measure)| Some((*measure, rocking_peak(case)?))).unzip();
-        let probabilities = fit.probabilities(data.observations());
-        let records: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
-        let covariance = clusters::covariance(&data, &fit, &records);
-        let groups = groups(data.observations(), &probabilities, &records);
-        let independence = Independence::of(&records);
-        let (median, dispersion, bootstrap) = match uncertainty {
-            Uncertainty::Profile => {
+        let mut store = CaseStore::default();
+        let pairs = cases.iter().zip(measures).enumerate();
+        pairs.for_each(|(row, (case, measure))| store.push(row as u64, case, [*measure, Some(1.0)]));
+        let motions = cases.iter().filter_map(|case| case.motion).max().map_or(0, |last| last + 1);
+        Assessment::of(store, &Motions::of_first((0..motions as u64).collect()), link, confidence, uncertainty)
+    }
+
+    /// Fits a curve to stored cases, whose ground motions are `motions`; `confidence` is above 0 and below 1.
+    ///
+    /// # Errors
+    /// Those of [`Assessment::new`], and of temporary files.
+    pub fn of(
+        store: CaseStore,
+        motions: &Motions,
+        link: Link,
+        confidence: f64,
+        uncertainty: Uncertainty,
+    ) -> Result<Assessment, CurveFitError> {
+        let without = store.without();
+        let found = match store.rows(motions)? {
+            StoredRows::Few(rows, records) => Found::of_list(&rows, &records, link, uncertainty)?,
+            StoredRows::Many(rows) => Found::of_many(&rows, link, uncertainty)?,
+        };
+        let Found { rows, data, fit, independence, covariance, bootstrap, quality, efficiency, rocking } = found;
+        let (median, dispersion) = match &bootstrap {
+            None => {
                 let deviate = independence.deviate(confidence);
                 let profile = LikelihoodProfile::clustered(&data, &fit, deviate, covariance.clone())?;
-                (profile.median(), profile.dispersion(), None)
+                (profile.median(), profile.dispersion())
             }
-            Uncertainty::Bootstrap(samples, seed) => {
-                let found = bootstrap(&data, &records, link, samples, seed)?;
+            Some(found) => {
                 let interval = |feature: fn(&CurveFit) -> f64| found.interval(confidence, feature);
-                (interval(CurveFit::median), interval(CurveFit::dispersion), Some(found))
+                (interval(CurveFit::median), interval(CurveFit::dispersion))
             }
         };
+        let Quality { auc, brier, groups, marks } = quality;
         Ok(Assessment {
+            rows,
             median,
             dispersion,
-            auc: auc(data.observations(), &probabilities),
-            brier: brier(data.observations(), &probabilities),
+            auc,
+            brier,
             goodness: Goodness::of(&groups),
             groups,
-            efficiency: efficiency(&rocking, &peaks),
-            rocking: rocking.len(),
+            efficiency,
+            rocking,
             independence,
             standard_errors: standard_errors(covariance.as_ref(), &fit),
-            without: cases.len() - pairs.len(),
+            without,
             confidence,
             covariance,
             bootstrap,
+            marks,
             data,
             fit,
         })
+    }
+
+    /// The rows to draw: all, or of many some 10,000 in the order of their measures with the first and the last one.
+    pub fn marks(&self) -> &[Observation] {
+        self.marks.as_deref().unwrap_or_else(|| self.data.observations())
     }
 
     /// Pointwise intervals of the probability at these measures, each above zero.
@@ -174,13 +199,71 @@ impl Assessment {
     }
 }
 
-/// Least peak |θ|/α (1) that counts as rocking.
-///
-/// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
-const MIN_ROCKING: f64 = 1e-3;
+/// A curve, before its intervals.
+struct Found {
+    rows: usize,
+    data: Data,
+    fit: CurveFit,
+    independence: Independence,
+    covariance: Option<DMatrix<f64>>,
+    bootstrap: Option<Bootstrap>,
+    quality: Quality,
+    efficiency: Option<f64>,
+    rocking: usize,
+}
 
-fn rocking_peak(case: &Case) -> Option<f64> {
-    case.peak.filter(|peak| *peak >= MIN_ROCKING)
+impl Found {
+    fn of_list(
+        rows: &[(Case, [f64; 2])],
+        records: &[usize],
+        link: Link,
+        uncertainty: Uncertainty,
+    ) -> Result<Found, CurveFitError> {
+        let observation =
+            |(case, [measure, _]): &(Case, [f64; 2])| Observation::with_probability(&[*measure], case.fraction);
+        let data = Data::new(rows.iter().map(observation).collect())?;
+        let fit = data.fit(link)?;
+        let (rocking, peaks): (Vec<f64>, Vec<f64>) =
+            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
+        let probabilities = fit.probabilities(data.observations());
+        Ok(Found {
+            rows: rows.len(),
+            independence: Independence::of(records),
+            covariance: clusters::covariance(&data, &fit, records),
+            bootstrap: match uncertainty {
+                Uncertainty::Profile => None,
+                Uncertainty::Bootstrap(samples, seed) => Some(bootstrap(&data, records, link, samples, seed)?),
+            },
+            quality: Quality {
+                auc: auc(data.observations(), &probabilities),
+                brier: brier(data.observations(), &probabilities),
+                groups: groups(data.observations(), &probabilities, records),
+                marks: None,
+            },
+            efficiency: efficiency(&rocking, &peaks),
+            rocking: rocking.len(),
+            data,
+            fit,
+        })
+    }
+
+    fn of_many(rows: &ManyRows, link: Link, uncertainty: Uncertainty) -> Result<Found, CurveFitError> {
+        let (data, fit, width) = rows.curve(link)?;
+        Ok(Found {
+            rows: rows.count,
+            independence: rows.independence(),
+            covariance: rows.covariance(&fit, Some(width))?,
+            bootstrap: match uncertainty {
+                Uncertainty::Profile => None,
+                Uncertainty::Bootstrap(samples, seed) => Some(rows.bootstrap(link, samples, seed, width)?),
+            },
+            quality: rows.quality(&fit)?,
+            efficiency: rows.scatter.efficiency(),
+            rocking: rows.scatter.rows,
+            data,
+            fit,
+        })
+    }
 }
 
 /// Standard errors of the coefficients of a fit from their covariance, clustered by record.
@@ -193,8 +276,8 @@ fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &CurveFit) -> Vec<f64
 
 /// The surface of two measures with its quality.
 pub struct Surface {
-    /// The cases with values of both.
-    pub data: Data,
+    /// Number of cases with values of both.
+    pub rows: usize,
     /// The surface.
     pub fit: CurveFit,
     /// Standard errors of the coefficients, as in [`Assessment`].
@@ -203,45 +286,54 @@ pub struct Surface {
     pub auc: f64,
     /// Brier score.
     pub brier: f64,
+    /// The rows to draw: all, or some of many.
+    pub marks: Vec<Observation>,
 }
 
 impl Surface {
-    /// Fits a surface; `measures` and `others` have the values of each case.
+    /// Fits a surface to stored cases with values of both measures.
     ///
     /// # Errors
-    /// Those of [`Data::new`] and [`Data::fit`].
-    pub fn new(
-        cases: &[Case],
-        measures: &[Option<f64>],
-        others: &[Option<f64>],
-        link: Link,
-    ) -> Result<Surface, CurveFitError> {
-        let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
-            Some((Observation::with_probability(&[(*measure)?, (*other)?], case.fraction), case.motion))
-        });
-        let (observations, records): (Vec<Observation>, Vec<usize>) = both.unzip();
-        let data = Data::new(observations)?;
-        let fit = data.fit(link)?;
-        let probabilities = fit.probabilities(data.observations());
-        let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
-        let standard_errors = standard_errors(clusters::covariance(&data, &fit, &records).as_ref(), &fit);
-        Ok(Surface { data, fit, standard_errors, auc, brier })
+    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    pub fn of(store: CaseStore, motions: &Motions, link: Link) -> Result<Surface, CurveFitError> {
+        match store.rows(motions)? {
+            StoredRows::Few(rows, records) => {
+                let observation =
+                    |(case, measures): &(Case, [f64; 2])| Observation::with_probability(measures, case.fraction);
+                let data = Data::new(rows.iter().map(observation).collect())?;
+                let fit = data.fit(link)?;
+                let probabilities = fit.probabilities(data.observations());
+                let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
+                let standard_errors = standard_errors(clusters::covariance(&data, &fit, &records).as_ref(), &fit);
+                Ok(Surface { rows: rows.len(), fit, standard_errors, auc, brier, marks: data.observations().to_vec() })
+            }
+            StoredRows::Many(rows) => {
+                let fit = rows.surface(link)?;
+                let standard_errors = standard_errors(rows.covariance(&fit, None)?.as_ref(), &fit);
+                let (auc, brier, marks) = rows.quality_of_surface(&fit)?;
+                Ok(Surface { rows: rows.count, fit, standard_errors, auc, brier, marks })
+            }
+        }
     }
 }
 
-/// The [`sufficiency`] of a measure with respect to another, from the cases with values of both.
+/// The [`sufficiency`] of the first measure of stored cases with respect to the second one.
 ///
 /// # Errors
-/// Those of [`sufficiency`], and of [`Data::new`] for the first measure.
-pub fn sufficiency_of_cases(
-    cases: &[Case],
-    measures: &[Option<f64>],
-    others: &[Option<f64>],
-    link: Link,
-) -> Result<f64, CurveFitError> {
-    let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
-        Some((Observation::with_probability(&[(*measure)?], case.fraction), ((*other)?, case.motion)))
-    });
-    let (observations, (others, records)): (Vec<Observation>, (Vec<f64>, Vec<usize>)) = both.unzip();
-    sufficiency(&Data::new(observations)?, &others, link, &records)
+/// Those of [`sufficiency`], and of temporary files.
+pub fn sufficiency_of(store: CaseStore, motions: &Motions, link: Link) -> Result<f64, CurveFitError> {
+    match store.rows(motions)? {
+        StoredRows::Few(rows, records) => {
+            let observation =
+                |(case, [first, _]): &(Case, [f64; 2])| Observation::with_probability(&[*first], case.fraction);
+            let others: Vec<f64> = rows.iter().map(|(_, [_, other])| *other).collect();
+            sufficiency(&Data::new(rows.iter().map(observation).collect())?, &others, link, &records)
+        }
+        StoredRows::Many(rows) => {
+            let (_, curve, _) = rows.curve(link)?;
+            let surface = rows.surface(link)?;
+            let covariance = rows.covariance(&surface, None)?;
+            Ok(p_value(&curve, &surface, covariance.as_ref(), rows.independence()))
+        }
+    }
 }

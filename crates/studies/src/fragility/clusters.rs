@@ -24,8 +24,13 @@ impl Independence {
         let mut distinct = records.to_vec();
         distinct.sort_unstable();
         distinct.dedup();
-        match distinct.len() {
-            count if count == records.len() => Independence::Rows,
+        Independence::of_counts(distinct.len(), records.len())
+    }
+
+    /// Determines the independent units from the numbers of records and rows.
+    pub(super) fn of_counts(records: usize, rows: usize) -> Independence {
+        match records {
+            count if count == rows => Independence::Rows,
             1 => Independence::OneRecord,
             count => Independence::Records(count),
         }
@@ -61,7 +66,7 @@ impl std::fmt::Display for Independence {
 }
 
 /// Greatest number of records for a jackknife with full refits; with more, one Newton step is as accurate.
-const MAX_REFITS: usize = 100;
+pub(super) const MAX_REFITS: usize = 100;
 
 /// Change of the coefficients when a record is left out; `None` if the others have no best fit.
 fn without(data: &Data, fit: &CurveFit, records: &[usize], record: usize) -> Option<DVector<f64>> {
@@ -90,16 +95,31 @@ pub(super) fn covariance(data: &Data, fit: &CurveFit, records: &[usize]) -> Opti
         *score += term.score * row.transpose();
         *information += term.information * row.transpose() * row;
     }
-    let whole: DMatrix<f64> = sums.iter().map(|(_, information)| information).sum();
     let mut has_rows = vec![false; last];
     records.iter().for_each(|&record| has_rows[record] = true);
-    let mut covariance = DMatrix::zeros(size, size);
-    for (record, (score, information)) in sums.iter().enumerate().filter(|(record, _)| has_rows[*record]) {
+    let whole: DMatrix<f64> = sums.iter().map(|(_, information)| information).sum();
+    let sums = sums.iter().enumerate().filter(|(record, _)| has_rows[*record]);
+    let shifts = sums.map(|(record, (score, information))| {
         let refitted = if count <= MAX_REFITS { without(data, fit, records, record) } else { None };
-        let shift = match refitted {
-            Some(shift) => shift,
-            None => (&whole - information).cholesky()?.solve(score),
-        };
+        refitted.or_else(|| step(&whole, score, information))
+    });
+    of_shifts(shifts, size, count)
+}
+
+/// Change of the coefficients by a Newton step without a record, from its score and information and the information of all.
+pub(super) fn step(whole: &DMatrix<f64>, score: &DVector<f64>, information: &DMatrix<f64>) -> Option<DVector<f64>> {
+    Some((whole - information).cholesky()?.solve(score))
+}
+
+/// The covariance from the changes of the coefficients without each of the records.
+pub(super) fn of_shifts(
+    shifts: impl Iterator<Item = Option<DVector<f64>>>,
+    size: usize,
+    count: usize,
+) -> Option<DMatrix<f64>> {
+    let mut covariance = DMatrix::zeros(size, size);
+    for shift in shifts {
+        let shift = shift?;
         covariance += &shift * shift.transpose();
     }
     Some(covariance * ((count - 1) as f64 / count as f64))

@@ -37,6 +37,11 @@ impl Data {
         Ok(Data { observations })
     }
 
+    /// Takes observations that have been checked.
+    pub(super) fn checked(observations: Vec<Observation>) -> Data {
+        Data { observations }
+    }
+
     /// The observations.
     pub fn observations(&self) -> &[Observation] {
         &self.observations

@@ -65,34 +65,97 @@ pub(super) fn groups(observations: &[Observation], probabilities: &[f64], record
     let measure = |row: usize| observations[row].measures[0];
     let mut rows: Vec<usize> = (0..observations.len()).collect();
     rows.sort_by(|&a, &b| measure(a).total_cmp(&measure(b)));
-    let size = rows.len().div_ceil((rows.len() / MIN_ROWS).clamp(1, MAX_GROUPS));
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new()];
-    // A scaled record meets its level to round-off.
-    for alike in rows.chunk_by(|&a, &b| measure(b) - measure(a) <= 1e-9 * measure(b)) {
-        match groups.last_mut() {
-            Some(last) if last.len() < size => last.extend(alike),
-            _ => groups.push(alike.to_vec()),
+    let mut groups = Grouping::new(rows.len(), matches!(Independence::of(records), Independence::Records(_)));
+    for row in rows {
+        let Observation { fraction, weight, .. } = observations[row];
+        let fitted = Fitted { measure: measure(row), fraction, probability: probabilities[row] };
+        groups.take(fitted, weight, 1, Some(records[row]));
+    }
+    groups.finish()
+}
+
+/// A row with its fitted probability.
+#[derive(Clone, Copy)]
+pub(super) struct Fitted {
+    pub measure: f64,
+    pub fraction: f64,
+    pub probability: f64,
+}
+
+/// Groups in the making, from rows in the order of their measures.
+pub(super) struct Grouping {
+    /// Rows of a group, at least.
+    size: usize,
+    is_clustered: bool,
+    groups: Vec<Group>,
+    last: f64,
+    rows: usize,
+    /// Sums of the weight, and of the measure, the fraction, the probability and the variance of a row times the weight.
+    sums: [f64; 5],
+    /// Sums of the residuals and of the weights of each record.
+    records: BTreeMap<usize, [f64; 2]>,
+    /// Number, residuals and squares of the residuals of rows that share their motion with no other row.
+    alone: [f64; 3],
+}
+
+impl Grouping {
+    /// Begins the groups of this number of rows.
+    pub fn new(rows: usize, is_clustered: bool) -> Grouping {
+        let size = rows.div_ceil((rows / MIN_ROWS).clamp(1, MAX_GROUPS));
+        let (groups, records) = (Vec::new(), BTreeMap::new());
+        Grouping { size, is_clustered, groups, last: 0.0, rows: 0, sums: [0.0; 5], records, alone: [0.0; 3] }
+    }
+
+    /// Takes equal rows with at least the last measure, with their weight and the record that they share with other rows.
+    pub fn take(&mut self, row: Fitted, weight: f64, count: usize, record: Option<usize>) {
+        let Fitted { measure, fraction, probability } = row;
+        // A scaled record meets its level to round-off.
+        if self.rows >= self.size && measure - self.last > 1e-9 * measure {
+            self.end_group();
+        }
+        (self.last, self.rows) = (measure, self.rows + count);
+        let terms = [1.0, measure, fraction, probability, probability * (1.0 - probability)];
+        self.sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+        if !self.is_clustered {
+            return;
+        }
+        let residual = fraction - probability;
+        match record {
+            Some(record) => {
+                let [sum, weights] = self.records.entry(record).or_default();
+                (*sum, *weights) = (*sum + weight * residual, *weights + weight);
+            }
+            None => {
+                let terms = [1.0, residual, residual * residual];
+                self.alone.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+            }
         }
     }
-    let is_clustered = matches!(Independence::of(records), Independence::Records(_));
-    let group = |rows: &Vec<usize>| {
-        let runs: f64 = rows.iter().map(|&row| observations[row].weight).sum();
-        let mean = |value: &dyn Fn(usize) -> f64| {
-            rows.iter().map(|&row| observations[row].weight * value(row)).sum::<f64>() / runs
+
+    fn end_group(&mut self) {
+        let [runs, measure, fraction, expected, independent] = std::mem::take(&mut self.sums);
+        let [measure, fraction, expected] = [measure, fraction, expected].map(|sum| sum / runs);
+        let excess = fraction - expected;
+        let [alone, residuals, squares] = std::mem::take(&mut self.alone);
+        let records = std::mem::take(&mut self.records);
+        let count = records.len() as f64 + alone;
+        let square = |[sum, weights]: &[f64; 2]| {
+            let residual = sum - excess * weights;
+            residual * residual
         };
-        let (fraction, expected) = (mean(&|row| observations[row].fraction), mean(&|row| probabilities[row]));
-        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
-        for &row in rows {
-            let residual = observations[row].fraction - probabilities[row] - (fraction - expected);
-            *sums.entry(records[row]).or_default() += observations[row].weight * residual;
-        }
-        let count = sums.len() as f64;
-        let clustered = sums.values().map(|sum| sum * sum).sum::<f64>() * count / (count - 1.0);
-        let independent = runs * mean(&|row| probabilities[row] * (1.0 - probabilities[row]));
-        let inflation = (is_clustered && sums.len() > 1).then_some(clustered / independent);
-        Group { measure: mean(&measure), fraction, rows: rows.len(), expected, runs, inflation }
-    };
-    groups.iter().map(group).collect()
+        let of_records = records.values().map(square).sum::<f64>();
+        let of_alone = squares - 2.0 * excess * residuals + excess * excess * alone;
+        let clustered = (of_records + of_alone) * count / (count - 1.0);
+        let inflation = (self.is_clustered && count > 1.0).then_some(clustered / independent);
+        let rows = std::mem::take(&mut self.rows);
+        self.groups.push(Group { measure, fraction, rows, expected, runs, inflation });
+    }
+
+    /// Returns the groups.
+    pub fn finish(mut self) -> Vec<Group> {
+        self.end_group();
+        self.groups
+    }
 }
 
 /// P(χ² > x) for a whole number of degrees of freedom above zero (M. Abramowitz, I. A. Stegun, Handbook of mathematical functions, 26.4.4

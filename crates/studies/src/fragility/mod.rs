@@ -9,7 +9,8 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | `table` | the table of a sweep, a limit → cases that exceed it or not |
+//! | `table` | the table of a sweep → its columns, by their names |
+//! | `cases` | the table of a sweep, a limit → decided rows with their ground motions |
 //! | `observation` | the measures and the outcome of a case → an observation |
 //! | `separation` | observations → whether a best curve exists |
 //! | `data` | observations → data with a unique best curve |
@@ -20,6 +21,10 @@
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
 //! | `goodness` | observations, a curve → the deviance of the curve from groups of rows |
+//! | `rows` | rows of a large table in any order → the same rows sorted and counted, on disk |
+//! | `nodes` | many rows over a measure → few weighted observations with the same likelihood |
+//! | `many` | rows of a large table → their curve or surface with intervals and quality |
+//! | `store` | cases with their measures, batch by batch → a list of rows, or sorted rows if they are many |
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
 //! | `export` | lognormal curves → the files of pelicun and OpenQuake |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
@@ -36,23 +41,29 @@
 
 mod assessment;
 mod bootstrap;
+mod cases;
 mod clusters;
 mod data;
 mod export;
 mod goodness;
 mod ida;
 mod likelihood;
+mod many;
+mod nodes;
 mod observation;
 mod profile;
 mod quality;
 mod regression;
+mod rows;
 mod separation;
+mod store;
 mod table;
 
 pub use crate::output::table::split_heading;
 pub use crate::run::limit::Limit;
-pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of_cases};
+pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of};
 pub use bootstrap::{Bootstrap, bootstrap};
+pub use cases::{Case, Cases, Motions};
 pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, ExportError, LossProgram, openquake, pelicun};
@@ -63,4 +74,5 @@ pub use observation::{CurveFitError, Observation};
 pub use profile::{Interval, LikelihoodProfile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::CurveFit;
-pub use table::{Case, Cases, SweepTable, SweepTableError, is_needed};
+pub use store::{CaseStore, Collected, RowCounts};
+pub use table::{SweepTable, SweepTableError, is_needed};

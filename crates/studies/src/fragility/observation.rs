@@ -123,6 +123,16 @@ pub enum CurveFitError {
         /// Number of ground motions.
         found: usize,
     },
+    /// Rows do not fit on disk.
+    #[error(
+        "cannot keep rows in a temporary file in {folder}: {reason}; expected 64 bytes of room for each row; TMPDIR names another folder"
+    )]
+    Temporary {
+        /// The folder.
+        folder: String,
+        /// The reason.
+        reason: String,
+    },
     /// Newton's method did not converge.
     #[error("found no maximum of the likelihood in {iterations} iterations; the last step was {step:e}")]
     NotConverged {

@@ -1,9 +1,12 @@
 //! Observations and a curve → quality of the measure: AUC, Brier score, efficiency, sufficiency.
 
+use nalgebra::DMatrix;
+
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
 use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::regression::CurveFit;
 
 /// The area under the receiver operating characteristic (1); ½ is chance.
 ///
@@ -17,16 +20,47 @@ pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
         .map(|(row, &score)| (score, [row.weight * (1.0 - row.fraction), row.weight * row.fraction]))
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Equal scores may differ by round-off.
-    let is_tie = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
-    let (mut below, mut ordered, mut total) = (0.0, 0.0, [0.0; 2]);
-    for alike in rows.chunk_by(|a, b| is_tie(a.0, b.0)) {
-        let sum = alike.iter().fold([0.0; 2], |sum, (_, parts)| [sum[0] + parts[0], sum[1] + parts[1]]);
-        ordered += sum[1] * (below + 0.5 * sum[0]);
-        below += sum[0];
-        total = [total[0] + sum[0], total[1] + sum[1]];
+    let mut area = AreaUnderCurve::default();
+    rows.iter().for_each(|(score, weights)| area.take(*score, *weights));
+    area.finish()
+}
+
+/// The area under the receiver operating characteristic, from rows in the order of their scores.
+#[derive(Default)]
+pub(super) struct AreaUnderCurve {
+    score: f64,
+    /// Weights of the rows with this score, those that do not exceed the limit first.
+    tied: [f64; 2],
+    /// Weight below this score of rows that do not exceed the limit.
+    below: f64,
+    /// Weight of rows that do.
+    exceeded: f64,
+    ordered: f64,
+}
+
+impl AreaUnderCurve {
+    /// Takes a row with at least the last score, with its weights in both classes.
+    pub fn take(&mut self, score: f64, weights: [f64; 2]) {
+        // Equal scores may differ by round-off.
+        if (score - self.score).abs() > 1e-12 * score.abs().max(self.score.abs()) {
+            self.end_tie();
+        }
+        self.score = score;
+        self.tied = [self.tied[0] + weights[0], self.tied[1] + weights[1]];
     }
-    ordered / (total[0] * total[1])
+
+    fn end_tie(&mut self) {
+        let [others, exceeded] = std::mem::take(&mut self.tied);
+        self.ordered += exceeded * (self.below + 0.5 * others);
+        self.below += others;
+        self.exceeded += exceeded;
+    }
+
+    /// Returns the area.
+    pub fn finish(mut self) -> f64 {
+        self.end_tie();
+        self.ordered / (self.below * self.exceeded)
+    }
 }
 
 /// The Brier score (1): the mean square of probability minus outcome, or minus the fraction of exceedances.
@@ -63,6 +97,34 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
 }
 
+/// The scatter of the log peaks about their regression on the log measure, of rows in any order.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Scatter {
+    /// Number of rows.
+    pub rows: usize,
+    means: [f64; 2],
+    /// Sums of the products of the deviations from the means: of the measure, of both, of the peak.
+    products: [f64; 3],
+}
+
+impl Scatter {
+    /// Takes a measure and a peak.
+    pub fn take(&mut self, measure: f64, peak: f64) {
+        self.rows += 1;
+        let [dx, dy] = [libm::log(measure) - self.means[0], libm::log(peak) - self.means[1]];
+        self.means = [self.means[0] + dx / self.rows as f64, self.means[1] + dy / self.rows as f64];
+        let after = 1.0 - 1.0 / self.rows as f64;
+        let terms = [dx * dx, dx * dy, dy * dy];
+        self.products.iter_mut().zip(terms).for_each(|(sum, term)| *sum += after * term);
+    }
+
+    /// The [`efficiency`].
+    pub fn efficiency(&self) -> Option<f64> {
+        let [xx, xy, yy] = self.products;
+        (self.rows > 2 && xx > 0.0).then(|| ((yy - xy * xy / xx) / (self.rows as f64 - 2.0)).max(0.0).sqrt())
+    }
+}
+
 /// The sufficiency of a measure with respect to another: the p-value of the other one as a second measure.
 ///
 /// The likelihood ratio test, χ² with one degree of freedom; a small value, below 0.05 say, rejects that the first measure is
@@ -80,11 +142,21 @@ pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -
     let curve = data.fit(link)?;
     let both = Data::new(both.collect())?;
     let surface = both.fit(link)?;
+    let covariance = clusters::covariance(&both, &surface, records);
+    Ok(p_value(&curve, &surface, covariance.as_ref(), Independence::of(records)))
+}
+
+/// The p-value of the second measure of a surface beside the curve of the first one.
+pub(super) fn p_value(
+    curve: &CurveFit,
+    surface: &CurveFit,
+    covariance: Option<&DMatrix<f64>>,
+    independence: Independence,
+) -> f64 {
     let gain = 2.0 * (surface.log_likelihood - curve.log_likelihood).max(0.0);
     // The added coefficient is the last one.
-    let clustered = clusters::covariance(&both, &surface, records).map_or(f64::INFINITY, |found| found[(2, 2)]);
-    let deviate = (gain * surface.covariance[(2, 2)] / clustered).sqrt();
-    Ok(Independence::of(records).exceedance(deviate))
+    let clustered = covariance.map_or(f64::INFINITY, |found| found[(2, 2)]);
+    independence.exceedance((gain * surface.covariance[(2, 2)] / clustered).sqrt())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::{Link, Term};
 use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::rows::{EqualRows, SortedRows, total};
 
 /// A fitted curve or surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,13 +30,18 @@ impl Data {
     /// [`CurveFitError::NotConverged`] for data that are nearly separable.
     pub fn fit(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         let observations = self.observations();
-        let Maximum { coefficients, covariance, log_likelihood } =
-            maximize(&Predictor::full(observations), link, DVector::zeros(1 + self.measures()))?;
         let total: f64 = observations.iter().map(|row| row.weight).sum();
         let mean = observations.iter().map(|row| row.weight * row.fraction).sum::<f64>() / total;
-        let null_log_likelihood = total * (mean * libm::log(mean) + (1.0 - mean) * libm::log1p(-mean));
-        Ok(CurveFit { link, coefficients, covariance, log_likelihood, null_log_likelihood })
+        fit_of(&Predictor::full(observations), link, total, mean)
     }
+}
+
+/// Fits the curve or surface of rows with this total weight and mean fraction.
+pub(super) fn fit_of(design: &impl Regression, link: Link, total: f64, mean: f64) -> Result<CurveFit, CurveFitError> {
+    let Maximum { coefficients, covariance, log_likelihood } =
+        maximize(design, link, DVector::zeros(design.columns()))?;
+    let null_log_likelihood = total * (mean * libm::log(mean) + (1.0 - mean) * libm::log1p(-mean));
+    Ok(CurveFit { link, coefficients, covariance, log_likelihood, null_log_likelihood })
 }
 
 impl CurveFit {
@@ -88,17 +94,12 @@ impl Predictor<'_> {
         let rows = self.observations.iter().zip(predictor.iter());
         rows.map(|(row, &predictor)| link.term(predictor, row.fraction) * row.weight).collect()
     }
+}
 
-    /// The sums of a step at these coefficients.
-    fn sums(&self, link: Link, coefficients: &DVector<f64>) -> Sums {
-        self.sums_of(coefficients, |predictor, y| link.term_of_step(predictor, y), |term| term.curvature)
-    }
-
-    /// The expected information at these coefficients.
-    fn information(&self, link: Link, coefficients: &DVector<f64>) -> DMatrix<f64> {
-        let sums = self.sums_of(coefficients, |predictor, y| link.term(predictor, y), |term| term.information);
-        sums.squares(self.x.ncols())
-    }
+/// The rows of a regression.
+pub(super) trait Regression {
+    /// Number of coefficients.
+    fn columns(&self) -> usize;
 
     /// Sums the terms of all rows, on all threads for many rows; the result does not depend on the number of threads.
     fn sums_of(
@@ -106,7 +107,31 @@ impl Predictor<'_> {
         coefficients: &DVector<f64>,
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
-    ) -> Sums {
+    ) -> Result<Sums, CurveFitError>;
+
+    /// The sums of a step at these coefficients.
+    fn sums(&self, link: Link, coefficients: &DVector<f64>) -> Result<Sums, CurveFitError> {
+        self.sums_of(coefficients, |predictor, y| link.term_of_step(predictor, y), |term| term.curvature)
+    }
+
+    /// The expected information at these coefficients.
+    fn information(&self, link: Link, coefficients: &DVector<f64>) -> Result<DMatrix<f64>, CurveFitError> {
+        let sums = self.sums_of(coefficients, |predictor, y| link.term(predictor, y), |term| term.information)?;
+        Ok(sums.squares(self.columns()))
+    }
+}
+
+impl Regression for Predictor<'_> {
+    fn columns(&self) -> usize {
+        self.x.ncols()
+    }
+
+    fn sums_of(
+        &self,
+        coefficients: &DVector<f64>,
+        term: impl Fn(f64, f64) -> Term + Sync,
+        weight: impl Fn(&Term) -> f64 + Sync,
+    ) -> Result<Sums, CurveFitError> {
         /// Rows of a chunk: the round-off of one long sum over 20,000 sorted rows hides the last steps to the maximum.
         const CHUNK: usize = 256;
         let columns = self.x.ncols();
@@ -119,14 +144,7 @@ impl Predictor<'_> {
                 let predictor =
                     (0..columns).map(|column| x[column] * coefficients[column]).sum::<f64>() + self.offset[row];
                 let term = term(predictor, observation.fraction) * observation.weight;
-                sums.likelihood += term.log_likelihood;
-                let weight = weight(&term);
-                for i in 0..columns {
-                    sums.score[i] += x[i] * term.score;
-                    for j in 0..=i {
-                        sums.squares[i][j] += weight * x[i] * x[j];
-                    }
-                }
+                sums.add(&x[..columns], &term, weight(&term));
             }
             sums
         };
@@ -135,7 +153,46 @@ impl Predictor<'_> {
             0..=8 => (0..chunks).map(chunk).collect(),
             _ => (0..chunks).into_par_iter().map(chunk).collect(),
         };
-        total(&parts)
+        Ok(total(&parts))
+    }
+}
+
+/// The full model of a large table over two measures.
+pub(super) struct SurfaceRows<'a>(pub &'a SortedRows);
+
+impl SurfaceRows<'_> {
+    /// The terms of a row at these coefficients, an intercept and a slope for one measure or both.
+    pub fn add(
+        sums: &mut Sums,
+        row: &EqualRows,
+        coefficients: &[f64],
+        term: impl Fn(f64, f64) -> Term,
+        weight: impl Fn(&Term) -> f64,
+    ) {
+        let [first, second] = row.measures.map(libm::log);
+        let x = &[1.0, first, second][..coefficients.len()];
+        let predictor = x.iter().zip(coefficients).map(|(x, coefficient)| x * coefficient).sum();
+        let term = term(predictor, row.fraction) * f64::from(row.count);
+        sums.add(x, &term, weight(&term));
+    }
+}
+
+impl Regression for SurfaceRows<'_> {
+    fn columns(&self) -> usize {
+        3
+    }
+
+    fn sums_of(
+        &self,
+        coefficients: &DVector<f64>,
+        term: impl Fn(f64, f64) -> Term + Sync,
+        weight: impl Fn(&Term) -> f64 + Sync,
+    ) -> Result<Sums, CurveFitError> {
+        self.0.sum(|row| {
+            let mut sums = Sums::default();
+            SurfaceRows::add(&mut sums, row, coefficients.as_slice(), &term, &weight);
+            sums
+        })
     }
 }
 
@@ -144,7 +201,7 @@ const MAX_COLUMNS: usize = 3;
 
 /// Sums over rows.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+pub(super) struct Sums {
     likelihood: f64,
     /// Derivatives of the log-likelihood with respect to the coefficients.
     score: [f64; MAX_COLUMNS],
@@ -153,11 +210,29 @@ struct Sums {
 }
 
 impl Sums {
-    fn score(&self, columns: usize) -> DVector<f64> {
+    /// Adds the term of a row with its weight in the squares.
+    fn add(&mut self, x: &[f64], term: &Term, weight: f64) {
+        self.likelihood += term.log_likelihood;
+        for i in 0..x.len() {
+            self.score[i] += x[i] * term.score;
+            for j in 0..=i {
+                self.squares[i][j] += weight * x[i] * x[j];
+            }
+        }
+    }
+
+    /// Adds `x xᵀ` with a weight.
+    pub fn add_square(&mut self, x: &[f64], weight: f64) {
+        self.add(x, &Term::default(), weight);
+    }
+
+    /// The derivatives of the log-likelihood.
+    pub fn score(&self, columns: usize) -> DVector<f64> {
         DVector::from_fn(columns, |column, _| self.score[column])
     }
 
-    fn squares(&self, columns: usize) -> DMatrix<f64> {
+    /// `Xᵀ diag(w) X`.
+    pub fn squares(&self, columns: usize) -> DMatrix<f64> {
         DMatrix::from_fn(columns, columns, |i, j| self.squares[i.max(j)][i.min(j)])
     }
 }
@@ -175,18 +250,6 @@ impl std::ops::Add for Sums {
     }
 }
 
-/// Adds halves, whose round-off is small.
-fn total(parts: &[Sums]) -> Sums {
-    match parts {
-        [] => Sums::default(),
-        [one] => *one,
-        _ => {
-            let (first, second) = parts.split_at(parts.len() / 2);
-            total(first) + total(second)
-        }
-    }
-}
-
 /// The maximum of the likelihood.
 pub(super) struct Maximum {
     pub coefficients: DVector<f64>,
@@ -197,25 +260,25 @@ pub(super) struct Maximum {
 /// Maximizes the likelihood by Newton's method from these coefficients, halving steps that decrease it.
 ///
 /// The log-likelihood of both links is concave; data that are not separable have exactly one maximum.
-pub(super) fn maximize(design: &Predictor, link: Link, start: DVector<f64>) -> Result<Maximum, CurveFitError> {
+pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>) -> Result<Maximum, CurveFitError> {
     const MAX_ITERATIONS: u32 = 100;
     const MAX_HALVINGS: u32 = 60;
-    let columns = design.x.ncols();
+    let columns = design.columns();
     let mut at = start;
-    let mut here = design.sums(link, &at);
+    let mut here = design.sums(link, &at)?;
     let mut length = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
         let (score, best) = (here.score(columns), here.likelihood);
         let Some(step) = here.squares(columns).cholesky().map(|curvature| curvature.solve(&score)) else { break };
         // The next step would change the likelihood by about the square of this, which is below round-off.
         if step.dot(&score) <= 1e-24 * (1.0 + best.abs()) {
-            let Some(inverse) = design.information(link, &at).cholesky() else { break };
+            let Some(inverse) = design.information(link, &at)?.cholesky() else { break };
             return Ok(Maximum { coefficients: at, covariance: inverse.inverse(), log_likelihood: best });
         }
         let mut part = 1.0;
         for _ in 0..MAX_HALVINGS {
             let next = &at + part * &step;
-            let there = design.sums(link, &next);
+            let there = design.sums(link, &next)?;
             // Near the maximum, round-off may make the better step look worse.
             if there.likelihood >= best - 1e-13 * (1.0 + best.abs()) {
                 (at, here) = (next, there);

@@ -28,31 +28,100 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
         }
     }
     if count == 1 {
-        let ends = |is| {
-            let values = class(is).map(|row| row.measures[0]);
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-        };
-        let ((low_others, high_others), (low_exceeded, high_exceeded)) = (ends(others), ends(exceeded));
-        for (below, above, falls) in [(high_others, low_exceeded, false), (high_exceeded, low_others, true)] {
-            let at = || observations.iter().filter(|row| row.measures[0] == below);
-            let has_more = || observations.iter().any(|row| row.measures[0] > below);
-            let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
-            if below <= above {
-                return Err(CurveFitError::Separable { below, above, falls, shared });
+        let mut ends = Ends::default();
+        observations.iter().for_each(|row| ends.take(row.measures[0], row.fraction));
+        return match ends.separating() {
+            Some((below, above, falls)) => {
+                let at = || observations.iter().filter(|row| row.measures[0] == below);
+                let has_more = || observations.iter().any(|row| row.measures[0] > below);
+                let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
+                Err(CurveFitError::Separable { below, above, falls, shared })
             }
-        }
-        return Ok(());
+            None => Ok(()),
+        };
     }
-    let points =
-        |is| -> Vec<[f64; 2]> { class(is).map(|row| [row.measures[0], row.measures[1]].map(libm::log)).collect() };
-    if hull(points(|_| true)).len() < 3 {
+    let mut hulls = Hulls::default();
+    hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction)));
+    if hulls.is_line() {
         return Err(CurveFitError::Collinear { rows });
     }
-    if is_separable(&hull(points(others)), &hull(points(exceeded))) {
+    if hulls.are_separable() {
         let (exceeded, others) = (class(exceeded).count(), class(others).count());
         return Err(CurveFitError::SeparablePlane { exceeded, others });
     }
     Ok(())
+}
+
+/// The convex hulls of all rows, of those that do not exceed the limit, and of those that do, in the plane of the logarithms of two measures.
+#[derive(Default)]
+pub(super) struct Hulls([Vec<[f64; 2]>; 3]);
+
+impl Hulls {
+    /// Takes rows: their measures, and the fraction of exceedances.
+    pub fn take(&mut self, rows: impl Iterator<Item = ([f64; 2], f64)> + Clone) {
+        let classes = [|_| true, |y| y < 1.0, |y| y > 0.0] as [fn(f64) -> bool; 3];
+        for (corners, is_in) in self.0.iter_mut().zip(classes) {
+            let more =
+                rows.clone().filter(|(_, fraction)| is_in(*fraction)).map(|(measures, _)| measures.map(libm::log));
+            *corners = hull(std::mem::take(corners).into_iter().chain(more).collect());
+        }
+    }
+
+    /// Whether all rows are on a line.
+    pub fn is_line(&self) -> bool {
+        self.0[0].len() < 3
+    }
+
+    /// Whether a line separates both classes.
+    pub fn are_separable(&self) -> bool {
+        is_separable(&self.0[1], &self.0[2])
+    }
+}
+
+/// Least and greatest measure of both classes, those that do not exceed the limit first; infinite the other way round without rows.
+#[derive(Clone, Copy)]
+pub(super) struct Ends([[f64; 2]; 2]);
+
+impl Default for Ends {
+    fn default() -> Ends {
+        Ends([[f64::INFINITY, f64::NEG_INFINITY]; 2])
+    }
+}
+
+impl Ends {
+    /// Takes a row with a fraction of exceedances.
+    pub fn take(&mut self, measure: f64, fraction: f64) {
+        for ([low, high], is_in) in self.0.iter_mut().zip([fraction < 1.0, fraction > 0.0]) {
+            if is_in {
+                (*low, *high) = (low.min(measure), high.max(measure));
+            }
+        }
+    }
+
+    /// The only class: whether it exceeds the limit.
+    pub fn only_class(&self) -> Option<bool> {
+        let has_rows = self.0.map(|[low, high]| low <= high);
+        (has_rows != [true; 2]).then_some(has_rows[1])
+    }
+
+    /// Greatest measure of the lower class, least measure of the upper one, and whether the lower one exceeds the limit.
+    pub fn separating(&self) -> Option<(f64, f64, bool)> {
+        let [[low_others, high_others], [low_exceeded, high_exceeded]] = self.0;
+        let sides = [(high_others, low_exceeded, false), (high_exceeded, low_others, true)];
+        sides.into_iter().find(|(below, above, _)| below <= above)
+    }
+
+    /// Least and greatest measure of all rows.
+    pub fn range(&self) -> [f64; 2] {
+        let [[a, b], [c, d]] = self.0;
+        [a.min(c), b.max(d)]
+    }
+
+    /// Length of the range that has both classes, in the logarithm of the measure.
+    pub fn overlap(&self) -> f64 {
+        let [[a, b], [c, d]] = self.0;
+        libm::log(b.min(d) / a.max(c)).max(0.0)
+    }
 }
 
 /// Whether a line separates two sets, given by their convex hulls.

@@ -1,13 +1,12 @@
-//! The table of a sweep, a limit → cases that exceed it or not.
+//! The table of a sweep → its columns, by their names.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 
 use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
 use crate::output::reading::{TableReadError, TableReader};
-use crate::output::table::{Series, Table, Values, split_heading};
-use crate::run::limit::{KnownPeaks, Limit};
+use crate::output::table::{Kind, Series, Table, Values, split_heading};
+use crate::run::limit::Limit;
 use crate::run::outcome::End;
 
 /// The reason why a table cannot be evaluated.
@@ -105,34 +104,6 @@ pub fn is_needed(column: &str, named: &[&str]) -> bool {
         || named.iter().any(is_named)
 }
 
-/// The outcome of a row, relative to a limit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Case {
-    /// Position of the row in the table.
-    pub row: usize,
-    /// Fraction of its known runs that exceeded the limit: 0 or 1 for a single run.
-    pub fraction: f64,
-    /// Fraction of its runs that may have exceeded the limit or not: 0 for a single run, which is known.
-    pub unknown: f64,
-    /// Peak |θ|/α, if the block lifted off and stands.
-    pub peak: Option<f64>,
-    /// Number of its ground motion; each row without records has its own.
-    pub motion: usize,
-}
-
-/// The rows of a table, relative to a limit.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cases {
-    /// Rows with a known outcome.
-    pub cases: Vec<Case>,
-    /// Number of rows with failed runs.
-    pub failed: usize,
-    /// Number of rows that ended at complete separation without exceeding the limit.
-    pub separated: usize,
-    /// Number of rows that ended undecided without exceeding the limit.
-    pub undecided: usize,
-}
-
 impl SweepTable {
     /// Evaluates the rows of a study; `file` is the name of the table in errors.
     pub fn new(file: &str, table: Table) -> SweepTable {
@@ -187,6 +158,18 @@ impl SweepTable {
     /// # Errors
     /// There is no such column, or no such row.
     pub fn keep(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
+        self.keep_rows(column, value)?;
+        match self.rows() {
+            0 => Err(SweepTableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
+            _ => Ok(()),
+        }
+    }
+
+    /// [`SweepTable::keep`] of a batch, which may have no such row.
+    ///
+    /// # Errors
+    /// There is no such column.
+    pub fn keep_rows(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
         let series = self.column(column)?;
         let number: Option<f64> = value.parse().ok();
         let is = |row: usize| {
@@ -195,10 +178,7 @@ impl SweepTable {
         };
         let is_kept: Vec<bool> = (0..self.rows()).map(is).collect();
         self.table.retain(&is_kept);
-        match self.rows() {
-            0 => Err(SweepTableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// The heading of a column, found by its name with or without the unit.
@@ -218,7 +198,7 @@ impl SweepTable {
         (0..self.rows()).map(|row| self.number(column, row)).collect()
     }
 
-    fn number(&self, column: &Series, row: usize) -> Result<Option<f64>, SweepTableError> {
+    pub(super) fn number(&self, column: &Series, row: usize) -> Result<Option<f64>, SweepTableError> {
         match &column.values {
             Values::Real(_) | Values::Integer(_) => Ok(column.number(row)),
             Values::Boolean(_) | Values::Choice(_) | Values::Text(_) => match column.text(row).as_str() {
@@ -228,77 +208,8 @@ impl SweepTable {
         }
     }
 
-    /// Compares each row with a limit: the probability of its ensemble if the table has one, else its single run.
-    ///
-    /// # Errors
-    /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
-    pub fn cases(&self, limit: Limit) -> Result<Cases, SweepTableError> {
-        let mut headings = self.table.columns().iter().map(|column| &column.heading);
-        if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
-            return Err(SweepTableError::Search { file: self.file.clone(), column: heading.to_string() });
-        }
-        let ends = self.ends()?;
-        let known = |name: &str| self.column(name).ok();
-        // A limit on the rotation needs the peaks; for others they only serve the efficiency.
-        let peaks = match limit {
-            Limit::Overturned | Limit::Balance | Limit::Slip(_) => known("peak.theta/alpha"),
-            Limit::Rotation(_) => Some(self.column("peak.theta/alpha")?),
-        };
-        let slips = match limit {
-            Limit::Slip(_) => Some(self.column("peak.slip")?),
-            Limit::Overturned | Limit::Balance | Limit::Rotation(_) => None,
-        };
-        let balances = match limit {
-            Limit::Balance => Some(self.over_balance()?),
-            Limit::Overturned | Limit::Rotation(_) | Limit::Slip(_) => None,
-        };
-        let liftoffs = known("events.liftoffs");
-        let is_ensemble = self.column("ensemble.samples").is_ok();
-        let probabilities = match is_ensemble {
-            true => Some(self.column(&format!("P({limit})"))?),
-            false => None,
-        };
-        // Tables of earlier versions do not have it.
-        let unknown = known(&format!("ensemble.unknown({limit})"));
-        let samples = known("ensemble.samples");
-        let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
-        let mut found = Cases::default();
-        let mut motions = BTreeMap::new();
-        let names = ["record", "vertical"].map(|name| self.column(name).ok());
-        for (row, end) in ends.into_iter().enumerate() {
-            let peak = number(peaks, row)?;
-            let mut known: Vec<String> = names.iter().flatten().map(|column| column.text(row)).collect();
-            if known.iter().all(String::is_empty) {
-                // A row without records gets a key of three parts, unlike all pairs of names.
-                known = vec![String::new(), String::new(), row.to_string()];
-            }
-            let next = motions.len();
-            let motion = *motions.entry(known).or_insert(next);
-            let response =
-                KnownPeaks { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
-            let fraction = match is_ensemble {
-                // Empty if no sample is known.
-                true => number(probabilities, row)?,
-                false => limit.verdict(end, response).map(|exceeds| f64::from(u8::from(exceeds))),
-            };
-            match (fraction, end) {
-                (Some(fraction), _) => {
-                    let rocked = end == End::Completed && number(liftoffs, row)? != Some(0.0);
-                    let peak = peak.filter(|peak| rocked && *peak > 0.0);
-                    let of_samples = number(unknown, row)?.zip(number(samples, row)?);
-                    let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
-                    found.cases.push(Case { row, fraction, unknown, peak, motion });
-                }
-                (None, End::Undecided) => found.undecided += 1,
-                (None, End::Separated) => found.separated += 1,
-                (None, End::Failed | End::Completed | End::Overturned) => found.failed += 1,
-            }
-        }
-        Ok(found)
-    }
-
     /// The peak rotations over the balance angles of their sides; without ties, even blocks have them in `peak.theta/alpha`.
-    fn over_balance(&self) -> Result<&Series, SweepTableError> {
+    pub(super) fn over_balance(&self) -> Result<&Series, SweepTableError> {
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
         self.column(if is_even { "peak.theta/alpha" } else { OVER_BALANCE })
     }
@@ -316,7 +227,16 @@ impl SweepTable {
             let word = column.word(row).unwrap_or_default();
             word.parse().map_err(|error: String| self.wrong(row, column, &error))
         };
-        (0..self.rows()).map(end).collect()
+        // Words are read once, those of no row included, whose errors do not count.
+        let known: Vec<Option<End>> = match &column.heading.kind {
+            Kind::Choice(words) => words.iter().map(|word| word.parse().ok()).collect(),
+            _ => Vec::new(),
+        };
+        let fast = |row: usize| match &column.values {
+            Values::Choice(positions) => known.get(positions[row] as usize).copied().flatten(),
+            _ => None,
+        };
+        (0..self.rows()).map(|row| fast(row).map_or_else(|| end(row), Ok)).collect()
     }
 
     /// The fields of each row between its number and a column: its block and ground motion.
@@ -332,7 +252,7 @@ impl SweepTable {
         self.column(im).map_or_else(|error| error, |column| self.wrong(row, column, "a level"))
     }
 
-    fn column(&self, name: &str) -> Result<&Series, SweepTableError> {
+    pub(super) fn column(&self, name: &str) -> Result<&Series, SweepTableError> {
         let find = |name: &str, same: fn(&str, &str) -> bool| {
             let is = |series: &&Series| same(&series.heading.name, name) || same(&series.heading.to_string(), name);
             self.table.columns().iter().find(is)
@@ -353,55 +273,15 @@ impl SweepTable {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    const TABLE: &str = "# a study\nrow,p [rad/s],record,PGV [m/s],outcome,peak.theta/alpha [1]\n0,1,a,0.5,completed,0.3\n\
+    pub(in crate::fragility) const TABLE: &str = "# a study\nrow,p [rad/s],record,PGV [m/s],outcome,peak.theta/alpha [1]\n0,1,a,0.5,completed,0.3\n\
                          1,1,b,0.7,overturned,7\n2,2,a,,completed,0.6\n3,2,b,0.9,separated,0.2\n4,2,b,0.9,separated,0.8\n\
                          5,2,a,0.2,failed,0.1\n6,2,a,0.2,completed,0\n7,2,a,0.2,undecided,0.4\n8,2,b,0.2,undecided,3.3\n";
 
     fn table(text: &str) -> SweepTable {
         SweepTable::read("t.csv", text.as_bytes()).unwrap()
-    }
-
-    #[test]
-    fn rows_are_compared_with_a_limit() {
-        let fractions = |limit: &str| {
-            let found = table(TABLE).cases(limit.parse().unwrap()).unwrap();
-            let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction, case.motion)).collect();
-            (cases, found.failed, found.separated, found.undecided)
-        };
-        assert_eq!(fractions("overturned"), (vec![(0, 0.0, 0), (1, 1.0, 1), (2, 0.0, 0), (6, 0.0, 0)], 1, 2, 2));
-        let rotated = vec![(0, 0.0, 0), (1, 1.0, 1), (2, 1.0, 0), (4, 1.0, 1), (6, 0.0, 0), (8, 1.0, 1)];
-        assert_eq!(fractions("theta/alpha>0.5"), (rotated, 1, 1, 1));
-        let peaks: Vec<_> = table(TABLE).cases(Limit::Overturned).unwrap().cases.iter().map(|case| case.peak).collect();
-        assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
-    }
-
-    /// A block that overturns exceeds any slip; the number of its row is not asked for.
-    #[test]
-    fn rows_are_compared_with_a_slip() {
-        let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\
-                    4,undecided,0.1\n";
-        let found = table(text).cases(Limit::Slip(0.1)).unwrap();
-        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
-        assert_eq!((cases, found.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
-        let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
-        assert!(refused.starts_with("t.csv: has no column peak.slip"), "{refused}");
-    }
-
-    #[test]
-    fn an_ensemble_gives_its_probability() {
-        let ensemble = "row,outcome,peak.theta/alpha [1],ensemble.samples [1],P(overturned) [1]\n0,completed,0.3,4,0.25\n\
-                        1,failed,0.3,4,1\n2,failed,0.1,4,\n";
-        let found = table(ensemble).cases(Limit::Overturned).unwrap();
-        assert_eq!(found.cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [0.25, 1.0]);
-        assert_eq!(found.failed, 1);
-        let refused = table(ensemble).cases(Limit::Rotation(0.5)).unwrap_err().to_string();
-        assert!(
-            refused.starts_with("t.csv: has no column P(theta/alpha>0.5); expected one of row, outcome"),
-            "{refused}"
-        );
     }
 
     #[test]

@@ -9,7 +9,8 @@
 //! | [`output_target`] | the name of an output → a file, a stream or standard output |
 //! | [`resumable`] | rows → a CSV file that an interrupted study can resume |
 //! | [`runner`] | numbered tasks → their results in order, computed on all cores |
-//! | [`parts`] | a study → its parts, each a file of a folder; such a folder → its table |
+//! | [`parts`] | a study → its parts, each a file of a folder |
+//! | [`table_files`] | the parts of a study, or other files of one table → its rows |
 //! | [`forecast`] | a study → its expected cost, from a sample of its rows |
 
 pub mod csv;
@@ -22,3 +23,4 @@ pub mod reading;
 pub mod resumable;
 pub mod runner;
 pub mod table;
+pub mod table_files;

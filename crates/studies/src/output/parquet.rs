@@ -3,7 +3,7 @@
 //! The names of columns are those of the table, without their units, and missing numbers and empty texts are nulls. The metadata of the file has
 //! the units, a JSON object by the names of the columns, and the description of the study, line by line, under `units` and `study`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::Write;
 use std::sync::Arc;
@@ -141,10 +141,10 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// Opens a file; columns that are neither numbers, whole numbers, booleans nor texts are refused.
+    /// Opens a file.
     ///
     /// # Errors
-    /// The content is not that of a Parquet file, or a column has another type.
+    /// The content is not that of a Parquet file, or a column has columns of its own.
     pub(super) fn new(content: File) -> Result<Groups> {
         let reader = SerializedFileReader::new(content)?;
         let metadata = reader.metadata().file_metadata();
@@ -155,14 +155,17 @@ impl Groups {
                 field.is_primitive().then(|| field.get_physical_type()),
                 field.get_basic_info().logical_type_ref(),
             ) {
-                (Some(PhysicalType::DOUBLE), _) => Kind::Real,
-                (Some(PhysicalType::INT64), None | Some(LogicalType::Integer { .. })) => Kind::Integer,
+                (Some(PhysicalType::DOUBLE | PhysicalType::FLOAT), _) => Kind::Real,
+                (Some(PhysicalType::INT64 | PhysicalType::INT32), None | Some(LogicalType::Integer { .. })) => {
+                    Kind::Integer
+                }
                 (Some(PhysicalType::BOOLEAN), _) => Kind::Boolean,
-                (Some(PhysicalType::BYTE_ARRAY), Some(LogicalType::String)) => Kind::Text,
-                _ => {
+                (Some(_), _) => Kind::Text,
+                (None, _) => {
                     let name = field.name();
-                    let expected = "expected numbers, whole numbers, booleans or texts";
-                    return Err(ParquetError::General(format!("column {name} has another type; {expected}")));
+                    return Err(ParquetError::General(format!(
+                        "column {name} has columns of its own; expected plain ones"
+                    )));
                 }
             };
             Ok(Heading { name: field.name().into(), unit: units.get(field.name()).cloned(), kind })
@@ -186,14 +189,37 @@ impl Groups {
         self.reader.num_row_groups()
     }
 
-    /// Reads a column of a group.
+    /// Begins with the wanted columns of a group.
     ///
     /// # Errors
     /// The content is damaged.
-    pub(super) fn column(&self, group: usize, column: usize) -> Result<Series> {
+    pub(super) fn group(&self, group: usize, is_wanted: &[bool]) -> Result<GroupReader> {
         let group = self.reader.get_row_group(group)?;
-        let rows = group.metadata().num_rows() as usize;
-        Ok(Series { heading: self.headings[column].clone(), values: values(group.get_column_reader(column)?, rows)? })
+        let wanted = self.headings.iter().enumerate().filter(|(number, _)| is_wanted[*number]);
+        let column = |(number, heading): (usize, &Heading)| Ok((heading.clone(), group.get_column_reader(number)?));
+        Ok(GroupReader {
+            left: group.metadata().num_rows() as usize,
+            columns: wanted.map(column).collect::<Result<_>>()?,
+        })
+    }
+}
+
+/// Columns of a group, read in batches of rows.
+pub(super) struct GroupReader {
+    left: usize,
+    columns: Vec<(Heading, ColumnReader)>,
+}
+
+impl GroupReader {
+    /// Reads the next rows, and returns their number with their columns.
+    ///
+    /// # Errors
+    /// The content is damaged, or a column is neither one of numbers, whole numbers, booleans nor texts.
+    pub(super) fn next(&mut self, most: usize) -> Result<Option<(usize, Vec<Series>)>> {
+        let rows = self.left.min(most);
+        self.left -= rows;
+        let columns = self.columns.iter_mut().map(|(heading, reader)| series(heading, reader, rows));
+        if rows == 0 { Ok(None) } else { Ok(Some((rows, columns.collect::<Result<_>>()?))) }
     }
 }
 
@@ -202,21 +228,44 @@ fn entry<'a>(metadata: &'a FileMetaData, key: &str) -> Option<&'a str> {
     entries.filter(|entry| entry.key == key).find_map(|entry| entry.value.as_deref())
 }
 
-fn values(reader: ColumnReader, rows: usize) -> Result<Values> {
-    Ok(match reader {
+fn series(heading: &Heading, reader: &mut ColumnReader, rows: usize) -> Result<Series> {
+    let mut kind = heading.kind.clone();
+    let values = match reader {
         ColumnReader::DoubleColumnReader(reader) => Values::Real(all(reader, rows, f64::NAN)?),
+        ColumnReader::FloatColumnReader(reader) => {
+            Values::Real(all(reader, rows, f32::NAN)?.into_iter().map(f64::from).collect())
+        }
         ColumnReader::Int64ColumnReader(reader) => Values::Integer(all(reader, rows, 0)?),
+        ColumnReader::Int32ColumnReader(reader) => {
+            Values::Integer(all(reader, rows, 0)?.into_iter().map(i64::from).collect())
+        }
         ColumnReader::BoolColumnReader(reader) => Values::Boolean(all(reader, rows, false)?),
         ColumnReader::ByteArrayColumnReader(reader) => {
+            let (mut words, mut known) = (Vec::new(), HashMap::new());
+            let mut position = |text: ByteArray| match known.get(text.data()) {
+                Some(position) => Ok(*position),
+                None => {
+                    let next = words.len() as u32;
+                    words.push(text.as_utf8()?.to_string());
+                    known.insert(text.data().to_vec(), next);
+                    Ok(next)
+                }
+            };
             let texts = all(reader, rows, ByteArray::from(""))?;
-            Values::Text(texts.iter().map(|text| Ok(text.as_utf8()?.into())).collect::<Result<_>>()?)
+            let positions = texts.into_iter().map(&mut position).collect::<Result<_>>()?;
+            kind = Kind::Choice(words.into());
+            Values::Choice(positions)
         }
-        _ => return Err(ParquetError::General("a column has another type than its schema".into())),
-    })
+        _ => {
+            let expected = "expected numbers, whole numbers, booleans or texts";
+            return Err(ParquetError::General(format!("column {} has another type; {expected}", heading.name)));
+        }
+    };
+    Ok(Series { heading: Heading { kind, ..heading.clone() }, values })
 }
 
 /// Reads all values of a column, `missing` for nulls.
-fn all<T: DataType>(mut reader: ColumnReaderImpl<T>, rows: usize, missing: T::T) -> Result<Vec<T::T>> {
+fn all<T: DataType>(reader: &mut ColumnReaderImpl<T>, rows: usize, missing: T::T) -> Result<Vec<T::T>> {
     let (mut known, mut is_known) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
     while is_known.len() < rows {
         let before = is_known.len();

@@ -1,4 +1,4 @@
-//! A study → its parts, each a file of a folder; such a folder → its table.
+//! A study → its parts, each a file of a folder.
 //!
 //! The rows of a study depend on their numbers alone, so that parts can be made anywhere and in any order. Blocks of rows go to the parts
 //! in turn, in an order drawn anew for each round: neighbouring rows share a block or a record, and thus their cost.
@@ -6,15 +6,14 @@
 use std::fmt::{self, Display};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
 use rocking_block::numerics::wide::VectorWidth;
 
-use crate::output::reading::{TableReadError, TableReader, is_parquet, parquet_description};
+use crate::output::reading::{TableReadError, is_parquet, parquet_description};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
-use crate::output::table::{Table, Values};
 
 /// Blocks of rows in a part of a large study: enough that all parts cost about the same.
 const BLOCKS: u64 = 32;
@@ -51,7 +50,7 @@ impl PartNumber {
     }
 
     /// The part whose file has this name.
-    fn of_file(name: &str) -> Option<PartNumber> {
+    pub(super) fn of_file(name: &str) -> Option<PartNumber> {
         let (stem, extension) = name.rsplit_once('.')?;
         let (number, count) = stem.strip_prefix("part-")?.split_once("-of-")?;
         let part = PartNumber::new(number.parse().ok()?, count.parse().ok()?)?;
@@ -145,7 +144,7 @@ impl<S: Study> Study for Part<'_, S> {
 }
 
 /// The beginning of the line of the description that tells parts apart.
-const PART: &str = "part ";
+pub(super) const PART: &str = "part ";
 
 /// The state of the file of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,7 +171,9 @@ pub enum PartsError {
         expected: String,
     },
     /// The folder has no parts.
-    #[error("{0}: has no parts of a study; expected files such as part-00001-of-00010.csv")]
+    #[error(
+        "{0}: has no parts of a study; expected files such as part-00001-of-00010.csv, or others in .parquet or .csv"
+    )]
     None(String),
     /// The folder has parts of several sets.
     #[error("{folder}: has parts of different sets, {first} and {other}; expected one set in a folder")]
@@ -250,7 +251,7 @@ pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, 
 }
 
 /// The description in the file of a part, line by line.
-fn description(path: &Path) -> Result<Vec<String>, PartsError> {
+pub(super) fn description(path: &Path) -> Result<Vec<String>, PartsError> {
     let file = open(path)?;
     if is_parquet(path) {
         return Ok(parquet_description(&path.display().to_string(), file)?.0);
@@ -280,7 +281,7 @@ fn complete_rows(path: &Path) -> Result<u64, PartsError> {
 }
 
 /// Whether the last line of a file has an end.
-fn ends_with_line(path: &Path) -> Result<bool, PartsError> {
+pub(super) fn ends_with_line(path: &Path) -> Result<bool, PartsError> {
     let mut last = [0];
     let read = open(path)?;
     let read = (&read).seek(SeekFrom::End(-1)).and_then(|_| (&read).read_exact(&mut last));
@@ -291,103 +292,6 @@ fn open(path: &Path) -> Result<File, PartsError> {
     File::open(path).map_err(|error| refused(path, error))
 }
 
-fn refused(path: &Path, error: io::Error) -> PartsError {
+pub(super) fn refused(path: &Path, error: io::Error) -> PartsError {
     PartsError::Io { file: path.display().to_string(), error }
-}
-
-/// The parts in a folder, all of one set.
-pub struct Parts {
-    folder: String,
-    count: u64,
-    files: Vec<(PartNumber, PathBuf)>,
-}
-
-impl Parts {
-    /// Lists the parts of a folder.
-    ///
-    /// # Errors
-    /// The folder cannot be read, or has no parts, or parts of several sets.
-    pub fn of(path: &Path) -> Result<Parts, PartsError> {
-        let folder = path.display().to_string();
-        let refused = |error| refused(path, error);
-        let mut files = Vec::new();
-        for entry in path.read_dir().map_err(refused)? {
-            let path = entry.map_err(refused)?.path();
-            let name = path.file_name().and_then(|name| name.to_str());
-            files.extend(name.and_then(PartNumber::of_file).map(|part| (part, path)));
-        }
-        files.sort();
-        let Some((PartNumber { count, .. }, first)) = files.first().cloned() else {
-            return Err(PartsError::None(folder));
-        };
-        let extension = first.extension();
-        let other = files.iter().find(|(part, path)| part.count != count || path.extension() != extension);
-        if let Some((_, other)) = other {
-            let [first, other] =
-                [&first, other].map(|path| path.file_name().unwrap_or_default().to_string_lossy().into());
-            return Err(PartsError::Sets { folder, first, other });
-        }
-        Ok(Parts { folder, count, files })
-    }
-
-    /// The files, in the order of their numbers.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(_, path)| path.as_path())
-    }
-
-    /// Checks that all parts are there.
-    ///
-    /// # Errors
-    /// Names the missing ones, and `partial`, the option that does without them.
-    pub fn check_complete(&self, partial: &'static str) -> Result<(), PartsError> {
-        let is_there = |number: &u64| self.files.binary_search_by_key(number, |(part, _)| part.number).is_ok();
-        let missing: Vec<u64> = (1..=self.count).filter(|number| !is_there(number)).collect();
-        if missing.is_empty() {
-            return Ok(());
-        }
-        let shown: Vec<String> = missing.iter().take(10).map(u64::to_string).collect();
-        let more = if missing.len() > 10 { ", …" } else { "" };
-        let (folder, count, parts) = (self.folder.clone(), missing.len() as u64, self.count);
-        Err(PartsError::Missing { folder, count, parts, missing: shown.join(", ") + more, partial })
-    }
-
-    /// Reads the wanted columns of all parts, in the order of the rows; returns the headings of all columns as well.
-    ///
-    /// # Errors
-    /// A part is damaged or no table, or one of another study.
-    pub fn read(&self, is_wanted: &dyn Fn(&str) -> bool) -> Result<(Table, Vec<String>), PartsError> {
-        const ROW: &str = "row";
-        let with_row = |name: &str| name == ROW || is_wanted(name);
-        let mut reader = TableReader::new(&with_row);
-        let mut first: Option<Vec<String>> = None;
-        for (part, path) in &self.files {
-            let file = path.display().to_string();
-            let mut study = description(path)?;
-            let own = study.pop().unwrap_or_default();
-            let rows = own.strip_prefix(&format!("{PART}{part}, ")).and_then(|rows| rows.strip_suffix(" rows"));
-            let Some(expected) = rows.and_then(|rows| rows.parse().ok()) else {
-                return Err(PartsError::Other { file, found: own, expected: format!("{PART}{part}, …") });
-            };
-            let first = first.get_or_insert_with(|| study.clone());
-            if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
-                return Err(PartsError::Other { file, found: found.clone(), expected: expected.clone() });
-            }
-            let before = reader.rows();
-            reader.read_file(path)?;
-            let found = reader.rows() - before;
-            if found != expected || !is_parquet(path) && !ends_with_line(path)? {
-                return Err(PartsError::Broken { file, found, expected });
-            }
-        }
-        let headings = reader.headings().to_vec();
-        let mut table = reader.table();
-        if let Some(Values::Integer(rows)) = table.column(ROW).map(|column| &column.values)
-            && !rows.is_sorted()
-        {
-            let mut order: Vec<usize> = (0..rows.len()).collect();
-            order.sort_by_key(|&position| rows[position]);
-            table.reorder(&order);
-        }
-        Ok((table, headings))
-    }
 }

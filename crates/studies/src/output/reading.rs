@@ -98,18 +98,33 @@ enum Growing {
 /// Words by their positions in the order of their first row.
 #[derive(Default)]
 struct Words {
-    known: HashMap<Arc<str>, u32>,
+    known: HashMap<String, u32>,
+    /// The words; a copy that is made anew for new words.
+    list: Arc<[String]>,
     positions: Vec<u32>,
 }
 
 impl Words {
-    fn push(&mut self, word: &str) {
+    fn position(&mut self, word: &str) -> u32 {
         let next = self.known.len() as u32;
-        let position = self.known.get(word).copied().unwrap_or_else(|| {
+        self.known.get(word).copied().unwrap_or_else(|| {
             self.known.insert(word.into(), next);
             next
-        });
+        })
+    }
+
+    fn push(&mut self, word: &str) {
+        let position = self.position(word);
         self.positions.push(position);
+    }
+
+    fn list(&mut self) -> Arc<[String]> {
+        if self.list.len() < self.known.len() {
+            let mut list = vec![String::new(); self.known.len()];
+            self.known.iter().for_each(|(word, position)| list[*position as usize].clone_from(word));
+            self.list = list.into();
+        }
+        Arc::clone(&self.list)
     }
 }
 
@@ -142,8 +157,8 @@ impl Growing {
     /// Makes the column one of words, and appends a word.
     fn push_word(&mut self, text: &str) {
         if !matches!(self, Growing::Words(_)) {
-            let earlier =
-                Series { heading: Heading { name: String::new(), unit: None, kind: Kind::Text }, values: self.take() };
+            let (kind, values) = self.take();
+            let earlier = Series { heading: Heading { name: String::new(), unit: None, kind }, values };
             let mut words = Words::default();
             (0..earlier.values.len()).for_each(|row| words.push(&earlier.text(row)));
             *self = Growing::Words(words);
@@ -152,28 +167,38 @@ impl Growing {
         words.push(text);
     }
 
-    /// Takes the values of a column without words.
-    fn take(&mut self) -> Values {
-        match std::mem::replace(self, Growing::Words(Words::default())) {
-            Growing::Real(values) => Values::Real(values),
-            Growing::Integer(values) => Values::Integer(values),
-            Growing::Words(words) => Values::Choice(words.positions),
+    /// Takes the values with their type; the column is empty then, and keeps its words.
+    fn take(&mut self) -> (Kind, Values) {
+        match self {
+            Growing::Real(values) => (Kind::Real, Values::Real(std::mem::take(values))),
+            Growing::Integer(values) => (Kind::Integer, Values::Integer(std::mem::take(values))),
+            Growing::Words(words) => (Kind::Choice(words.list()), Values::Choice(std::mem::take(&mut words.positions))),
         }
     }
 
     /// Appends the values of a typed column.
     #[cfg(feature = "parquet")]
     fn append(&mut self, more: Series) {
-        match (&mut *self, more.values) {
-            (Growing::Real(values), Values::Real(more)) => values.extend(more),
-            (Growing::Integer(values), Values::Integer(more)) => values.extend(more),
-            (_, values) => {
+        match (&mut *self, more.values, &more.heading.kind) {
+            (Growing::Real(values), Values::Real(more), _) => values.extend(more),
+            (Growing::Integer(values), Values::Integer(more), _) => values.extend(more),
+            (Growing::Words(words), Values::Choice(more), Kind::Choice(list)) => {
+                let known: Vec<u32> = list.iter().map(|word| words.position(word)).collect();
+                words.positions.extend(more.into_iter().map(|position| known[position as usize]));
+            }
+            (_, values, _) => {
                 let more = Series { heading: more.heading, values };
                 (0..more.values.len()).for_each(|row| self.push_word(&more.text(row)));
             }
         }
     }
 }
+
+/// Takes a batch of rows, with the headings of all columns of the file.
+pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
+
+/// Rows of a batch.
+const BATCH: u64 = 1 << 16;
 
 impl<'a> TableReader<'a> {
     /// Keeps the columns with wanted names.
@@ -211,11 +236,30 @@ impl<'a> TableReader<'a> {
     /// # Errors
     /// Those of both formats.
     pub fn read_file(&mut self, path: &Path) -> Result<(), TableReadError> {
+        self.read(path, &mut |_| Ok(()))
+    }
+
+    /// Passes the rows of a file on in batches, with the headings of all columns. Batches share the words of their columns.
+    ///
+    /// # Errors
+    /// Those of both formats, and of `each`.
+    pub fn read_batches<E: From<TableReadError>>(&mut self, path: &Path, each: &mut TakeBatch<E>) -> Result<(), E> {
+        self.read(path, &mut |reader| {
+            let table = reader.take();
+            each(table, &reader.headings)
+        })
+    }
+
+    fn read<E: From<TableReadError>>(
+        &mut self,
+        path: &Path,
+        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
         let file = path.display().to_string();
         let content = File::open(path).map_err(|error| TableReadError::Io { file: file.clone(), error })?;
         match is_parquet(path) {
-            true => self.read_parquet(&file, content),
-            false => self.read_csv(&file, content),
+            true => self.read_parquet(&file, content, each),
+            false => self.read_csv_batches(&file, content, each),
         }
     }
 
@@ -224,6 +268,15 @@ impl<'a> TableReader<'a> {
     /// # Errors
     /// A row with the wrong number of fields or with the headings, invalid UTF-8, or other columns than before.
     pub fn read_csv(&mut self, file: &str, content: impl Read) -> Result<(), TableReadError> {
+        self.read_csv_batches(file, content, &mut |_| Ok(()))
+    }
+
+    fn read_csv_batches<E: From<TableReadError>>(
+        &mut self,
+        file: &str,
+        content: impl Read,
+        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
         let refused = |error: csv::Error| match *error.kind() {
             csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
                 let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
@@ -235,14 +288,14 @@ impl<'a> TableReader<'a> {
         let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(content);
         let header = reader.headers().map_err(refused)?.clone();
         if header.is_empty() {
-            return Err(TableReadError::Empty(file.into()));
+            return Err(TableReadError::Empty(file.into()).into());
         }
         self.begin(file, header.iter().map(String::from).collect(), |_, heading| Growing::of(heading))?;
         let mut record = StringRecord::new();
         let before = self.rows;
         while reader.read_record(&mut record).map_err(refused)? {
             if record == header {
-                return Err(TableReadError::Joined { file: file.into(), rows: self.rows - before });
+                return Err(TableReadError::Joined { file: file.into(), rows: self.rows - before }.into());
             }
             for (column, text) in self.columns.iter_mut().zip(&record) {
                 if let Some(column) = column {
@@ -250,17 +303,30 @@ impl<'a> TableReader<'a> {
                 }
             }
             self.rows += 1;
+            if (self.rows - before).is_multiple_of(BATCH) {
+                each(self)?;
+            }
         }
-        Ok(())
+        each(self)
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn read_parquet(&mut self, file: &str, _: File) -> Result<(), TableReadError> {
-        Err(not_parquet(file, UNKNOWN))
+    fn read_parquet<E: From<TableReadError>>(
+        &mut self,
+        file: &str,
+        _: File,
+        _: &mut dyn FnMut(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
+        Err(not_parquet(file, UNKNOWN).into())
     }
 
     #[cfg(feature = "parquet")]
-    fn read_parquet(&mut self, file: &str, content: File) -> Result<(), TableReadError> {
+    fn read_parquet<E: From<TableReadError>>(
+        &mut self,
+        file: &str,
+        content: File,
+        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
         let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
         let headings = groups.headings.iter().map(Heading::to_string).collect();
         self.begin(file, headings, |number, _| match groups.headings[number].kind {
@@ -268,12 +334,13 @@ impl<'a> TableReader<'a> {
             Kind::Integer => Growing::Integer(Vec::new()),
             Kind::Boolean | Kind::Choice(_) | Kind::Text => Growing::Words(Words::default()),
         })?;
-        self.rows += groups.rows();
+        let is_wanted: Vec<bool> = self.columns.iter().map(Option::is_some).collect();
         for group in 0..groups.count() {
-            for (number, column) in self.columns.iter_mut().enumerate() {
-                if let Some(column) = column {
-                    column.append(groups.column(group, number).map_err(|error| not_parquet(file, error))?);
-                }
+            let mut group = groups.group(group, &is_wanted).map_err(|error| not_parquet(file, error))?;
+            while let Some((rows, columns)) = group.next(BATCH as usize).map_err(|error| not_parquet(file, error))? {
+                self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
+                self.rows += rows as u64;
+                each(self)?;
             }
         }
         Ok(())
@@ -285,23 +352,18 @@ impl<'a> TableReader<'a> {
     }
 
     /// Returns the table of the wanted columns.
-    pub fn table(self) -> Table {
-        let column = |(heading, column): (&String, Option<Growing>)| {
-            let mut column = column?;
+    pub fn table(mut self) -> Table {
+        self.take()
+    }
+
+    /// Takes the rows since the last call.
+    fn take(&mut self) -> Table {
+        let column = |(heading, column): (&String, &mut Option<Growing>)| {
+            let (kind, values) = column.as_mut()?.take();
             let (name, unit) = split_heading(heading);
-            let heading = |kind| Heading { name: name.into(), unit: unit.map(String::from), kind };
-            let kind = match &mut column {
-                Growing::Real(_) => Kind::Real,
-                Growing::Integer(_) => Kind::Integer,
-                Growing::Words(words) => {
-                    let mut list: Vec<(Arc<str>, u32)> = words.known.drain().collect();
-                    list.sort_by_key(|(_, position)| *position);
-                    Kind::Choice(list.into_iter().map(|(word, _)| word.to_string()).collect())
-                }
-            };
-            Some(Series { heading: heading(kind), values: column.take() })
+            Some(Series { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, values })
         };
-        Table::of_series(self.headings.iter().zip(self.columns).filter_map(column).collect())
+        Table::of_series(self.headings.iter().zip(&mut self.columns).filter_map(column).collect())
     }
 }
 

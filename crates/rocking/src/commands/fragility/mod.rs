@@ -15,20 +15,20 @@ use crate::options::measure::BlockScales;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::PictureOptions;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use report::{FragilityReport, MeasureReport, RowCounts, SurfaceReport};
+use report::{FragilityReport, MeasureReport, SurfaceReport, warning_of_left_out};
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
-    split_heading, sufficiency_of_cases,
+    Assessment, Collected, Component, Ida, Limit, LossProgram, Surface, Uncertainty, openquake, pelicun, split_heading,
+    sufficiency_of,
 };
 use rocking_studies::intensity::Measure;
 
 /// Options of `rocking fragility`.
 #[derive(Parser)]
 pub struct FragilityCommand {
-    /// Table of a sweep; `-` for standard input
-    #[arg(value_name = "TABLE.csv")]
+    /// Table of a sweep, in CSV or Parquet; a folder of parts or of other such files, or a pattern of them in quotes; `-` for standard input
+    #[arg(value_name = "TABLE")]
     table: PathBuf,
     /// Intensity measure, or any other column of positive numbers, with or without its unit; several are compared
     #[arg(long, value_name = "COLUMN", required = true)]
@@ -89,49 +89,62 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
-    let named: Vec<&str> = im.iter().chain(beside).chain(&options.surface).map(String::as_str).collect();
-    // All columns identify the curves of an analysis.
-    let (name, table) = fit.table(&options.table, ida.is_none().then_some(&named))?;
-    let limit = fit.limit(&table);
-    let found = table.cases(limit)?;
-    let blocks = charts::blocks(&table);
-    let column = |name: &str| -> anyhow::Result<Vec<Option<f64>>> {
-        let numbers = table.numbers(name)?;
-        Ok(found.cases.iter().map(|case| numbers[case.row]).collect())
-    };
+    let one = |name: &String| [Some(name.clone()), None];
+    let with = |name: &String, other: &String| [Some(name.clone()), Some(other.clone())];
+    // For each measure: its own cases, those beside other columns, and those of the surface.
+    let others: Vec<&String> = beside.iter().chain(&options.surface).collect();
+    let columns =
+        im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
+    let mut found = fit.collected(None, columns.collect());
+    let further = options.export_limit.iter().map(|&limit| (limit, fit.collected(Some(limit), vec![one(&im[0])])));
+    let mut further: Vec<(Limit, Collected)> = further.collect();
+    let (mut blocks, mut headings) = (charts::Blocks::default(), None);
+    let named: Vec<&str> = im.iter().chain(others.iter().copied()).map(String::as_str).collect();
+    let name = fit.read_batches(&options.table, &named, &mut |batch, is_part| {
+        blocks.take(batch);
+        if headings.is_none() {
+            headings = Some(named.iter().map(|name| batch.heading(name)).collect::<Result<Vec<_>, _>>()?);
+        }
+        further.iter_mut().try_for_each(|(_, found)| found.take(batch, is_part))?;
+        Ok(found.take(batch, is_part)?)
+    })?;
+    let (limit, headings) = (found.limit().unwrap_or(Limit::Overturned), headings.unwrap_or_default());
+    let blocks = blocks.to_string();
     let uncertainty = fit.uncertainty();
     let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
-    let rows = RowCounts::of(&table, &found);
-    let (mut exported, mut warnings) = (Vec::new(), Vec::from_iter(rows.warning()));
+    let Collected { stores, motions, counts, .. } = found;
+    let mut stores = stores.into_iter();
+    let (mut exported, mut warnings) = (Vec::new(), Vec::from_iter(warning_of_left_out(&counts)));
     let mut intervals = None;
-    for measure in im {
-        let heading = &table.heading(measure)?;
+    for (measure, heading) in im.iter().zip(&headings) {
         let at = || format!("{name}: {measure}");
-        let values = column(measure)?;
-        let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
+        let mut store = || stores.next().unwrap_or_default();
+        let assessment = Assessment::of(store(), &motions, *link, *ci, uncertainty).with_context(at)?;
         intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
         // That of missing intervals is the same for all measures.
         let new = assessment.warnings(heading).into_iter().filter(|warning| !warnings.contains(warning));
         let new: Vec<String> = new.collect();
         warnings.extend(new);
         let p_value = |other: &String| {
-            let found = sufficiency_of_cases(&found.cases, &values, &column(other)?, *link);
+            let found = sufficiency_of(store(), &motions, *link);
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
         };
         let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
         if let Some(other) = &options.surface {
-            let found = Surface::new(&found.cases, &values, &column(other)?, *link);
+            let found = Surface::of(store(), &motions, *link);
             let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
-            let headings = [heading, &*table.heading(other)?];
+            let headings = [heading, headings.last().unwrap_or(heading)];
             if format.is_some() {
-                svg = Some(charts::surface(&blocks, &found.data, &found.fit, headings, limit)?);
+                svg = Some(charts::surface(&blocks, &found, headings.map(String::as_str), limit)?);
             }
-            surface = Some(SurfaceReport::of(headings, &found));
+            surface = Some(SurfaceReport::of(headings.map(String::as_str), &found));
         } else if format.is_some() {
             svg = Some(charts::curve(&blocks, &assessment, heading, limit, *ci)?);
         }
         if let Some(program) = options.export {
-            let component = options.component(&table, heading, limit, &assessment, explicit).with_context(at)?;
+            let further = std::mem::take(&mut further);
+            let component =
+                options.component(&name, heading, limit, &assessment, further, explicit).with_context(at)?;
             warnings.extend(component.crossings());
             exported = match program {
                 LossProgram::Pelicun => pelicun(&[component], options.block.g)?.to_vec(),
@@ -146,6 +159,8 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
         pictures.push((file, format.encode(&svg)?));
     }
     if let (Some(file), Some(format)) = (ida_picture, ida_format) {
+        // All columns identify the curves of an analysis.
+        let table = fit.table(&options.table)?;
         let curves = Ida::read(&table, &im[0])?;
         let svg = charts::ida(&blocks, &curves, &table.heading(&im[0])?)?;
         pictures.push((file, format.encode(&svg)?));
@@ -157,7 +172,7 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
         link: link.to_string(),
         confidence: *ci,
         intervals: intervals.unwrap_or_default(),
-        rows,
+        rows: counts,
         measures,
         surface,
     };
@@ -183,29 +198,28 @@ impl FragilityCommand {
     /// Returns the curve of the measure with this heading, and those of the further limits, as a component of the export.
     fn component(
         &self,
-        table: &SweepTable,
+        table: &str,
         heading: &str,
         limit: Limit,
         found: &Assessment,
+        further: Vec<(Limit, Collected)>,
         explicit: &ExplicitOptions,
     ) -> anyhow::Result<Component> {
         let measure: Measure = split_heading(heading).0.parse().map_err(anyhow::Error::msg)?;
         let (base, factor) = self.block.base(measure, explicit)?;
-        let numbers = table.numbers(heading)?;
-        let further = |&limit: &Limit| {
-            let cases = table.cases(limit)?.cases;
-            let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-            let found = Assessment::new(&cases, &values, self.fit.link, self.fit.ci, Uncertainty::Profile);
+        let fit = |(limit, Collected { stores, motions, .. }): (Limit, Collected)| {
+            let store = stores.into_iter().next().unwrap_or_default();
+            let found = Assessment::of(store, &motions, self.fit.link, self.fit.ci, Uncertainty::Profile);
             Ok((limit, found.with_context(|| limit.to_string())?.fit))
         };
-        let further = self.export_limit.iter().map(further).collect::<anyhow::Result<Vec<_>>>()?;
+        let further = further.into_iter().map(fit).collect::<anyhow::Result<Vec<_>>>()?;
         let curves = || std::iter::once((limit, &found.fit)).chain(further.iter().map(|(limit, fit)| (*limit, fit)));
         let limits: Vec<String> = curves().map(|(limit, _)| limit.to_string()).collect();
-        let file = table.file().rsplit(['/', '\\']).next().unwrap_or_default();
+        let file = table.rsplit(['/', '\\']).next().unwrap_or_default();
         let description = format!(
             "{} over {heading} in {} rows of {file}, by rocking-block {}",
             limits.join(", "),
-            found.data.observations().len(),
+            found.rows,
             env!("CARGO_PKG_VERSION")
         );
         Ok(Component::new(&self.id, base, factor, curves(), &description)?)

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use rocking_studies::fragility::{Assessment, Cases, Goodness, Interval, Surface, SweepTable};
+use rocking_studies::fragility::{Assessment, Goodness, Interval, RowCounts, Surface};
 
 /// Report of all curves, in SI units.
 #[derive(Serialize)]
@@ -22,56 +22,18 @@ pub struct FragilityReport {
     pub surface: Option<SurfaceReport>,
 }
 
-/// Counts of the table's rows.
-#[derive(Serialize)]
-pub struct RowCounts {
-    all: usize,
-    /// Rows whose run decides whether the limit is exceeded.
-    decided: usize,
-    /// Rows that exceed the limit; for ensembles, the sum of the fractions of their samples that do.
-    exceeded: f64,
-    /// Rows that exceed the limit if all rows and samples without a known outcome do.
-    exceeded_at_most: f64,
-    /// Rows of ensembles some of whose samples have no known outcome.
-    partly_known: usize,
-    /// Rows whose runs failed.
-    failed: usize,
-    /// Rows whose runs ended at complete separation before exceeding the limit.
-    separated: usize,
-    /// Rows whose duration was too short.
-    undecided: usize,
-}
-
-impl RowCounts {
-    /// Counts the rows of a table.
-    pub fn of(table: &SweepTable, Cases { cases, failed, separated, undecided }: &Cases) -> RowCounts {
-        let exceeded = cases.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum();
-        let unknown: f64 = cases.iter().map(|case| case.unknown).sum();
-        RowCounts {
-            all: table.rows(),
-            decided: cases.len(),
-            exceeded,
-            exceeded_at_most: exceeded + unknown + (table.rows() - cases.len()) as f64,
-            partly_known: cases.iter().filter(|case| case.unknown > 0.0).count(),
-            failed: *failed,
-            separated: *separated,
-            undecided: *undecided,
-        }
-    }
-
-    /// Warns of rows and samples that a curve leaves out although they may exceed the limit.
-    pub fn warning(&self) -> Option<String> {
-        let RowCounts { all, exceeded, exceeded_at_most, undecided, partly_known, .. } = *self;
-        let [least, most] = [exceeded, exceeded_at_most].map(|count| 100.0 * count / all as f64);
-        let rows = (undecided > 0)
-            .then(|| format!("{undecided} undecided rows may exceed the limit and are left out of curves"));
-        let samples = (partly_known > 0).then(|| {
-            format!("in {partly_known} rows, samples without a known outcome may exceed the limit and are left out of its probability")
-        });
-        let doubts: Vec<String> = rows.into_iter().chain(samples).collect();
-        (!doubts.is_empty())
-            .then(|| format!("{}: it is exceeded in {least:.1} % to {most:.1} % of all rows", doubts.join("; ")))
-    }
+/// Warns of rows and samples that a curve leaves out although they may exceed the limit.
+pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
+    let RowCounts { all, exceeded, exceeded_at_most, undecided, partly_known, .. } = *counts;
+    let [least, most] = [exceeded, exceeded_at_most].map(|count| 100.0 * count / all as f64);
+    let rows =
+        (undecided > 0).then(|| format!("{undecided} undecided rows may exceed the limit and are left out of curves"));
+    let samples = (partly_known > 0).then(|| {
+        format!("in {partly_known} rows, samples without a known outcome may exceed the limit and are left out of its probability")
+    });
+    let doubts: Vec<String> = rows.into_iter().chain(samples).collect();
+    (!doubts.is_empty())
+        .then(|| format!("{}: it is exceeded in {least:.1} % to {most:.1} % of all rows", doubts.join("; ")))
 }
 
 /// Curve of a measure.
@@ -108,11 +70,11 @@ pub struct MeasureReport {
 impl MeasureReport {
     /// Reports the curve of the measure with this heading.
     pub fn of(heading: &str, found: &Assessment, sufficiency: BTreeMap<String, f64>) -> MeasureReport {
-        let Assessment { data, fit, median, dispersion, auc, brier, efficiency, rocking, .. } = found;
+        let Assessment { rows, fit, median, dispersion, auc, brier, efficiency, rocking, .. } = found;
         let ends = |Interval { low, high }: &Interval| [*low, *high];
         MeasureReport {
             im: heading.into(),
-            rows: data.observations().len(),
+            rows: *rows,
             median: fit.median(),
             median_interval: ends(median),
             beta: fit.dispersion(),
@@ -171,10 +133,10 @@ pub struct SurfaceReport {
 impl SurfaceReport {
     /// Reports the surface of the measures with these headings.
     pub fn of(headings: [&str; 2], found: &Surface) -> SurfaceReport {
-        let Surface { data, fit, standard_errors, auc, brier } = found;
+        let Surface { rows, fit, standard_errors, auc, brier, .. } = found;
         SurfaceReport {
             im: headings.map(String::from),
-            rows: data.observations().len(),
+            rows: *rows,
             intercept: fit.coefficients[0],
             slopes: [fit.coefficients[1], fit.coefficients[2]],
             standard_errors: standard_errors.clone(),

@@ -17,7 +17,7 @@ use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::{ReportOptions, WrittenFiles};
 use report::{CurveReport, HazardReport, RateReport};
 use rocking_charts::fragility::probability_of;
-use rocking_studies::fragility::{Assessment, Cases, Interval, split_heading};
+use rocking_studies::fragility::{Assessment, Collected, Interval, Limit, split_heading};
 use rocking_studies::intensity::Measure;
 use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
 use rocking_studies::statistics::range;
@@ -68,7 +68,7 @@ struct FragilityOptions {
     #[arg(long, value_name = "COLUMN")]
     im: Option<String>,
     /// Table of a sweep, to which a curve is fitted as by `rocking fragility`
-    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["median", "beta"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["median", "beta"])]
     table: Option<PathBuf>,
     /// Median of a lognormal curve, in the unit of --im or else in SI units
     #[arg(long, value_name = "M", requires = "beta")]
@@ -246,44 +246,40 @@ impl FragilityOptions {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let Some(path) = &self.table else { unreachable!("checked before") };
         let FitOptions { link, ci, .. } = self.fit;
-        let (name, table) = self.fit.table(path, Some(&[im]))?;
-        let limit = self.fit.limit(&table);
-        let Cases { cases, .. } = table.cases(limit)?;
-        let numbers = table.numbers(im)?;
-        let heading = table.heading(im)?;
-        let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-        let rows = range(values.iter().flatten().copied());
+        let mut found = self.fit.collected(None, vec![[Some(im.into()), None]]);
+        let mut heading = None;
+        let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
+            if heading.is_none() {
+                heading = Some(batch.heading(im)?);
+            }
+            Ok(found.take(batch, is_part)?)
+        })?;
+        let limit = found.limit().unwrap_or(Limit::Overturned);
+        let Collected { stores, motions, .. } = found;
+        let store = stores.into_iter().next().unwrap_or_default();
         let at = || format!("{name}: {im}");
         let (limit, ordinate) = (limit.to_string(), probability_of(limit));
         if self.empirical {
-            let mut levels: Vec<(f64, Vec<f64>)> = Vec::new();
-            let mut pairs: Vec<(f64, f64)> =
-                cases.iter().zip(&values).filter_map(|(case, value)| Some(((*value)?, case.fraction))).collect();
-            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (level, fraction) in pairs {
-                match levels.last_mut() {
-                    Some((last, fractions)) if *last == level => fractions.push(fraction),
-                    _ => levels.push((level, vec![fraction])),
-                }
-            }
-            let row_count: usize = levels.iter().map(|level| level.1.len()).sum();
+            let levels = store.levels(&motions).with_context(at)?;
+            let row_count: usize = levels.iter().map(|(.., rows)| rows).sum();
             anyhow::ensure!(
                 row_count >= 2 * levels.len(),
                 "{name}: {im} has {} levels in {row_count} rows; expected several rows at each level, as from a sweep with levels",
                 levels.len()
             );
-            let mean = |fractions: &[f64]| fractions.iter().sum::<f64>() / fractions.len() as f64;
+            let rows = range(levels.iter().map(|(level, ..)| *level));
             let (levels, fractions): (Vec<f64>, Vec<f64>) =
-                levels.iter().map(|(level, all)| (*level, mean(all))).unzip();
+                levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
             let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
             let report = CurveReport::empirical(name.clone(), limit, levels.len());
-            return Ok(Fragility { curve, heading: Some(heading), assessment: None, ordinate, rows, report });
+            return Ok(Fragility { curve, heading, assessment: None, ordinate, rows, report });
         }
         let uncertainty = self.fit.uncertainty();
-        let assessment = Assessment::new(&cases, &values, link, ci, uncertainty).with_context(at)?;
+        let assessment = Assessment::of(store, &motions, link, ci, uncertainty).with_context(at)?;
+        let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
         let intervals = uncertainty.words(assessment.independence);
         let report = CurveReport::fitted(name, limit, &assessment.fit, intervals);
-        Ok(Fragility { curve, heading: Some(heading), assessment: Some(assessment), ordinate, rows, report })
+        Ok(Fragility { curve, heading, assessment: Some(assessment), ordinate, rows, report })
     }
 }

@@ -168,6 +168,24 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
         json
     };
     assert_eq!(fit("parts", &[]), fit("whole.csv", &[]));
+    assert_eq!(fit("parts/*.csv", &[]), fit("whole.csv", &[]));
+    // Other files have no numbers: their rows are in the order of the names.
+    fs::create_dir_all(path.join("other/of=it")).unwrap();
+    let whole = fs::read_to_string(path.join("whole.csv")).unwrap();
+    let (lines, heading) = (whole.lines().collect::<Vec<_>>(), whole.lines().position(|line| line.starts_with("row,")));
+    let (comments, rows) = lines.split_at(heading.unwrap() + 1);
+    for (name, rows) in ["a.csv", "b.csv"].into_iter().zip(rows.chunks(70)) {
+        fs::write(path.join("other/of=it").join(name), [comments, rows].concat().join("\n") + "\n").unwrap();
+    }
+    assert_eq!(fit("other", &[]), fit("whole.csv", &[]));
+    // The rows that meet a condition are the same: they are separable.
+    let [one, other] = ["whole.csv", "other"].map(|table| {
+        let refusal = refusal(path, &["fragility", table, "--im", "PGV", "--limit", "0.2", "--where", "scale=0.6"]);
+        assert!(refusal.contains("exceeded in 14 of 20 at"), "{refusal}");
+        refusal.trim_start_matches(table).to_string()
+    });
+    assert_eq!(one, other);
+    refused(path, &["fragility", "other", "--im", "PGV", "--where", "p=99"], &["other: no row has p = 99"]);
     let missing = path.join("parts/part-00003-of-00004.csv");
     let bytes = fs::read(&missing).unwrap();
     fs::write(&missing, &bytes[..bytes.len() - 1]).unwrap();
@@ -186,7 +204,8 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
     refused(path, &arguments, &["part-00003-of-00004.csv: is a part of another study; found `seed = 4`"]);
     make_part(path, "1/2", "parts");
     refused(path, &arguments, &["parts of different sets, part-00001-of-00002.csv and"]);
-    refused(path, &["fragility", ".", "--im", "PGV"], &[".: has no parts of a study"]);
+    fs::create_dir(path.join("none")).unwrap();
+    refused(path, &["fragility", "none", "--im", "PGV"], &["none: has no parts of a study"]);
     refused(
         path,
         &["fragility", "whole.csv", "--im", "PGV", "--partial"],

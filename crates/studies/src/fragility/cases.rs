@@ -1,0 +1,232 @@
+//! The table of a sweep, a limit → its decided rows, with their ground motions.
+
+use std::collections::HashMap;
+
+use crate::fragility::table::{SweepTable, SweepTableError};
+use crate::output::table::{Series, Values};
+use crate::run::limit::{KnownPeaks, Limit};
+use crate::run::outcome::End;
+
+/// The outcome of a row, relative to a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// Position of the row in the table.
+    pub row: usize,
+    /// Fraction of its known runs that exceeded the limit: 0 or 1 for a single run.
+    pub fraction: f64,
+    /// Fraction of its runs that may have exceeded the limit or not: 0 for a single run, which is known.
+    pub unknown: f64,
+    /// Peak |θ|/α, if the block lifted off and stands.
+    pub peak: Option<f64>,
+    /// Number of its ground motion; `None` for a row without records, which has its own.
+    pub motion: Option<usize>,
+}
+
+impl Case {
+    /// The peak of a block that rocks and stands.
+    pub(super) fn rocking_peak(&self) -> Option<f64> {
+        /// Least peak |θ|/α (1) that counts as rocking.
+        ///
+        /// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
+        const MIN_ROCKING: f64 = 1e-3;
+        self.peak.filter(|peak| *peak >= MIN_ROCKING)
+    }
+}
+
+/// The rows of a table, relative to a limit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cases {
+    /// Rows with a known outcome.
+    pub cases: Vec<Case>,
+    /// Number of rows with failed runs.
+    pub failed: usize,
+    /// Number of rows that ended at complete separation without exceeding the limit.
+    pub separated: usize,
+    /// Number of rows that ended undecided without exceeding the limit.
+    pub undecided: usize,
+}
+
+/// The ground motions of a table, by the names of their records.
+#[derive(Default)]
+pub struct Motions {
+    numbers: HashMap<[String; 2], usize>,
+    /// Place of the first row of each.
+    first: Vec<u64>,
+}
+
+impl Motions {
+    fn number(&mut self, names: [String; 2]) -> Option<usize> {
+        if names.iter().all(String::is_empty) {
+            return None;
+        }
+        let next = self.first.len();
+        let number = *self.numbers.entry(names).or_insert(next);
+        if number == next {
+            self.first.push(u64::MAX);
+        }
+        Some(number)
+    }
+
+    /// Motions with these places of their first rows.
+    pub fn of_first(first: Vec<u64>) -> Motions {
+        Motions { numbers: HashMap::new(), first }
+    }
+
+    /// The place of each motion in the order of their first rows.
+    pub fn ranks(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.first.len()).collect();
+        order.sort_by_key(|&number| self.first[number]);
+        let mut ranks = vec![0; order.len()];
+        order.into_iter().enumerate().for_each(|(rank, number)| ranks[number] = rank);
+        ranks
+    }
+}
+
+impl SweepTable {
+    /// Compares each row with a limit: the probability of its ensemble if the table has one, else its single run.
+    ///
+    /// # Errors
+    /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
+    pub fn cases(&self, limit: Limit) -> Result<Cases, SweepTableError> {
+        self.cases_of(limit, &mut Motions::default(), |row| row as u64)
+    }
+
+    /// [`SweepTable::cases`] of a batch of rows, whose ground motions may have occurred before; `place` is that of a row in the whole table.
+    ///
+    /// # Errors
+    /// Those of [`SweepTable::cases`].
+    pub fn cases_of(
+        &self,
+        limit: Limit,
+        motions: &mut Motions,
+        place: impl Fn(usize) -> u64,
+    ) -> Result<Cases, SweepTableError> {
+        let mut headings = self.table().columns().iter().map(|column| &column.heading);
+        if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
+            return Err(SweepTableError::Search { file: self.file().into(), column: heading.to_string() });
+        }
+        let ends = self.ends()?;
+        let known = |name: &str| self.column(name).ok();
+        // A limit on the rotation needs the peaks; for others they only serve the efficiency.
+        let peaks = match limit {
+            Limit::Overturned | Limit::Balance | Limit::Slip(_) => known("peak.theta/alpha"),
+            Limit::Rotation(_) => Some(self.column("peak.theta/alpha")?),
+        };
+        let slips = match limit {
+            Limit::Slip(_) => Some(self.column("peak.slip")?),
+            Limit::Overturned | Limit::Balance | Limit::Rotation(_) => None,
+        };
+        let balances = match limit {
+            Limit::Balance => Some(self.over_balance()?),
+            Limit::Overturned | Limit::Rotation(_) | Limit::Slip(_) => None,
+        };
+        let liftoffs = known("events.liftoffs");
+        let is_ensemble = self.column("ensemble.samples").is_ok();
+        let probabilities = match is_ensemble {
+            true => Some(self.column(&format!("P({limit})"))?),
+            false => None,
+        };
+        // Tables of earlier versions do not have it.
+        let unknown = known(&format!("ensemble.unknown({limit})"));
+        let samples = known("ensemble.samples");
+        let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
+        let mut found = Cases::default();
+        let [record, vertical] = ["record", "vertical"].map(|name| self.column(name).ok());
+        // Words are looked up once for all rows of a batch.
+        let is_numbered =
+            [record, vertical].into_iter().flatten().all(|column| matches!(column.values, Values::Choice(_)));
+        let position = |column: Option<&Series>, row: usize| match column.map(|column| &column.values) {
+            Some(Values::Choice(positions)) => Some(positions[row]),
+            _ => None,
+        };
+        let text = |column: Option<&Series>, row: usize| column.map_or_else(String::new, |column| column.text(row));
+        let mut seen: HashMap<[Option<u32>; 2], Option<usize>> = HashMap::new();
+        let mut last = None;
+        for (row, end) in ends.into_iter().enumerate() {
+            let peak = number(peaks, row)?;
+            let mut by_names = || motions.number([text(record, row), text(vertical, row)]);
+            let positions = [position(record, row), position(vertical, row)];
+            let motion = match last {
+                Some((same, motion)) if is_numbered && same == positions => motion,
+                _ if is_numbered => *seen.entry(positions).or_insert_with(by_names),
+                _ => by_names(),
+            };
+            last = Some((positions, motion));
+            if let Some(number) = motion {
+                motions.first[number] = motions.first[number].min(place(row));
+            }
+            let response =
+                KnownPeaks { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
+            let fraction = match is_ensemble {
+                // Empty if no sample is known.
+                true => number(probabilities, row)?,
+                false => limit.verdict(end, response).map(|exceeds| f64::from(u8::from(exceeds))),
+            };
+            match (fraction, end) {
+                (Some(fraction), _) => {
+                    let rocked = end == End::Completed && number(liftoffs, row)? != Some(0.0);
+                    let peak = peak.filter(|peak| rocked && *peak > 0.0);
+                    let of_samples = number(unknown, row)?.zip(number(samples, row)?);
+                    let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
+                    found.cases.push(Case { row, fraction, unknown, peak, motion });
+                }
+                (None, End::Undecided) => found.undecided += 1,
+                (None, End::Separated) => found.separated += 1,
+                (None, End::Failed | End::Completed | End::Overturned) => found.failed += 1,
+            }
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = crate::fragility::table::tests::TABLE;
+
+    fn table(text: &str) -> SweepTable {
+        SweepTable::read("t.csv", text.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn rows_are_compared_with_a_limit() {
+        let fractions = |limit: &str| {
+            let found = table(TABLE).cases(limit.parse().unwrap()).unwrap();
+            let cases: Vec<_> =
+                found.cases.iter().map(|case| (case.row, case.fraction, case.motion.unwrap())).collect();
+            (cases, found.failed, found.separated, found.undecided)
+        };
+        assert_eq!(fractions("overturned"), (vec![(0, 0.0, 0), (1, 1.0, 1), (2, 0.0, 0), (6, 0.0, 0)], 1, 2, 2));
+        let rotated = vec![(0, 0.0, 0), (1, 1.0, 1), (2, 1.0, 0), (4, 1.0, 1), (6, 0.0, 0), (8, 1.0, 1)];
+        assert_eq!(fractions("theta/alpha>0.5"), (rotated, 1, 1, 1));
+        let peaks: Vec<_> = table(TABLE).cases(Limit::Overturned).unwrap().cases.iter().map(|case| case.peak).collect();
+        assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
+    }
+
+    /// A block that overturns exceeds any slip; the number of its row is not asked for.
+    #[test]
+    fn rows_are_compared_with_a_slip() {
+        let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\
+                    4,undecided,0.1\n";
+        let found = table(text).cases(Limit::Slip(0.1)).unwrap();
+        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, found.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
+        let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
+        assert!(refused.starts_with("t.csv: has no column peak.slip"), "{refused}");
+    }
+
+    #[test]
+    fn an_ensemble_gives_its_probability() {
+        let ensemble = "row,outcome,peak.theta/alpha [1],ensemble.samples [1],P(overturned) [1]\n0,completed,0.3,4,0.25\n\
+                        1,failed,0.3,4,1\n2,failed,0.1,4,\n";
+        let found = table(ensemble).cases(Limit::Overturned).unwrap();
+        assert_eq!(found.cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [0.25, 1.0]);
+        assert_eq!(found.failed, 1);
+        let refused = table(ensemble).cases(Limit::Rotation(0.5)).unwrap_err().to_string();
+        assert!(
+            refused.starts_with("t.csv: has no column P(theta/alpha>0.5); expected one of row, outcome"),
+            "{refused}"
+        );
+    }
+}

@@ -1,0 +1,313 @@
+//! Rows of a large table, in any order → the same rows sorted by their measures and counted, in little memory.
+//!
+//! Rows are sorted in runs, which fill a temporary file, and merged to another one. The result depends on the rows, not on their order.
+
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+
+use rayon::prelude::*;
+
+use crate::fragility::observation::CurveFitError;
+
+/// Rows of a run.
+const RUN: usize = 1 << 20;
+/// Rows of a batch.
+const BATCH: usize = 1 << 16;
+/// Rows that a merge reads of a run at a time.
+const BLOCK: usize = 1 << 11;
+/// Bytes of a row in a file.
+const SIZE: usize = 32;
+
+/// The motion of a row that shares it with no other row.
+pub(super) const OWN: u32 = u32::MAX;
+
+/// Equal rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct EqualRows {
+    /// Measures above zero; the second one is 1 for a curve of one.
+    pub measures: [f64; 2],
+    /// Fraction of its runs that exceeded the limit.
+    pub fraction: f64,
+    /// Number of its ground motion.
+    pub motion: u32,
+    /// Number of rows.
+    pub count: u32,
+}
+
+impl EqualRows {
+    fn order(&self, other: &EqualRows) -> Ordering {
+        // The bits of numbers from zero on are in the order of the numbers.
+        let order = |one: f64, other: f64| one.to_bits().cmp(&other.to_bits());
+        order(self.measures[0], other.measures[0])
+            .then_with(|| order(self.measures[1], other.measures[1]))
+            .then_with(|| order(self.fraction, other.fraction))
+            .then_with(|| self.motion.cmp(&other.motion))
+    }
+
+    fn bytes(&self) -> [u8; SIZE] {
+        let mut bytes = [0; SIZE];
+        bytes[..8].copy_from_slice(&self.measures[0].to_le_bytes());
+        bytes[8..16].copy_from_slice(&self.measures[1].to_le_bytes());
+        bytes[16..24].copy_from_slice(&self.fraction.to_le_bytes());
+        bytes[24..28].copy_from_slice(&self.motion.to_le_bytes());
+        bytes[28..].copy_from_slice(&self.count.to_le_bytes());
+        bytes
+    }
+
+    fn of_bytes(bytes: &[u8]) -> EqualRows {
+        let real = |at: usize| {
+            let mut real = [0; 8];
+            real.copy_from_slice(&bytes[at..at + 8]);
+            f64::from_le_bytes(real)
+        };
+        let whole = |at: usize| {
+            let mut whole = [0; 4];
+            whole.copy_from_slice(&bytes[at..at + 4]);
+            u32::from_le_bytes(whole)
+        };
+        EqualRows { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
+    }
+}
+
+/// Rows in the making.
+pub(super) struct RowSorter {
+    /// Rows of a run.
+    run: usize,
+    buffer: Vec<EqualRows>,
+    runs: Option<BufWriter<File>>,
+    /// Rows of each run.
+    lengths: Vec<u64>,
+}
+
+impl Default for RowSorter {
+    fn default() -> RowSorter {
+        RowSorter { run: RUN, buffer: Vec::new(), runs: None, lengths: Vec::new() }
+    }
+}
+
+impl RowSorter {
+    /// Takes a row with a fraction and measures from zero on.
+    pub fn push(&mut self, row: EqualRows) -> Result<(), CurveFitError> {
+        if self.buffer.len() == self.run {
+            self.sort();
+            // Rows at few levels stay in memory.
+            if self.buffer.len() > self.run / 2 {
+                self.end_run().map_err(refused)?;
+            }
+        }
+        self.buffer.push(row);
+        Ok(())
+    }
+
+    /// Ends with the rows in order.
+    pub fn finish(mut self) -> Result<SortedRows, CurveFitError> {
+        self.sort();
+        if self.runs.is_none() {
+            return Ok(SortedRows { kept: self.buffer, file: None });
+        }
+        self.end_run().and_then(|()| self.merged()).map_err(refused)
+    }
+
+    fn sort(&mut self) {
+        self.buffer.par_sort_unstable_by(EqualRows::order);
+        self.buffer.dedup_by(|next, first| take_equal(first, next));
+    }
+
+    fn end_run(&mut self) -> io::Result<()> {
+        let file = match &mut self.runs {
+            Some(file) => file,
+            None => self.runs.insert(BufWriter::new(tempfile::tempfile()?)),
+        };
+        self.buffer.iter().try_for_each(|row| file.write_all(&row.bytes()))?;
+        self.lengths.push(self.buffer.len() as u64);
+        self.buffer.clear();
+        Ok(())
+    }
+
+    fn merged(self) -> io::Result<SortedRows> {
+        let Some(runs) = self.runs else { return Ok(SortedRows { kept: self.buffer, file: None }) };
+        drop(self.buffer);
+        let file = runs.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let mut begin = 0;
+        let run = |length: u64| {
+            let run = Run { next: begin, end: begin + length, block: Vec::new() };
+            begin += length;
+            run
+        };
+        let mut runs: Vec<Run> = self.lengths.into_iter().map(run).collect();
+        let mut heads = BinaryHeap::new();
+        for (number, run) in runs.iter_mut().enumerate() {
+            heads.extend(run.pop(&file)?.map(|row| Reverse(Head(row, number))));
+        }
+        let mut merged = BufWriter::new(tempfile::tempfile()?);
+        let mut last: Option<EqualRows> = None;
+        while let Some(mut head) = heads.peek_mut() {
+            let Reverse(Head(row, number)) = *head;
+            match runs[number].pop(&file)? {
+                Some(next) => *head = Reverse(Head(next, number)),
+                None => drop(std::collections::binary_heap::PeekMut::pop(head)),
+            }
+            match &mut last {
+                Some(last) => {
+                    if !take_equal(last, &row) {
+                        merged.write_all(&last.bytes())?;
+                        *last = row;
+                    }
+                }
+                None => last = Some(row),
+            }
+        }
+        last.iter().try_for_each(|row| merged.write_all(&row.bytes()))?;
+        let file = merged.into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(SortedRows { kept: Vec::new(), file: Some(file) })
+    }
+}
+
+/// Adds the count of an equal row; returns false for another one.
+fn take_equal(first: &mut EqualRows, next: &EqualRows) -> bool {
+    if first.order(next) != Ordering::Equal {
+        return false;
+    }
+    let Some(count) = first.count.checked_add(next.count) else { return false };
+    first.count = count;
+    true
+}
+
+/// A sorted run of a file.
+struct Run {
+    /// Place of the next row to read, in rows.
+    next: u64,
+    end: u64,
+    /// Rows that were read, the next one last.
+    block: Vec<EqualRows>,
+}
+
+impl Run {
+    fn pop(&mut self, mut file: &File) -> io::Result<Option<EqualRows>> {
+        if self.block.is_empty() && self.next < self.end {
+            let mut bytes = vec![0; SIZE * BLOCK.min((self.end - self.next) as usize)];
+            file.seek(SeekFrom::Start(SIZE as u64 * self.next))?;
+            file.read_exact(&mut bytes)?;
+            self.block.extend(bytes.chunks_exact(SIZE).rev().map(EqualRows::of_bytes));
+            self.next += self.block.len() as u64;
+        }
+        Ok(self.block.pop())
+    }
+}
+
+/// The next row of a run.
+struct Head(EqualRows, usize);
+
+impl Ord for Head {
+    fn cmp(&self, other: &Head) -> Ordering {
+        self.0.order(&other.0)
+    }
+}
+
+impl PartialOrd for Head {
+    fn partial_cmp(&self, other: &Head) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Head {
+    fn eq(&self, other: &Head) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Head {}
+
+/// Rows in the order of their measures, fractions and motions, equal ones counted.
+pub(super) struct SortedRows {
+    kept: Vec<EqualRows>,
+    file: Option<File>,
+}
+
+impl SortedRows {
+    /// Passes all rows on, batch by batch.
+    pub fn batches(&self, each: &mut dyn FnMut(&[EqualRows])) -> Result<(), CurveFitError> {
+        let Some(mut file) = self.file.as_ref() else {
+            self.kept.chunks(BATCH).for_each(each);
+            return Ok(());
+        };
+        file.seek(SeekFrom::Start(0)).map_err(refused)?;
+        let mut bytes = Vec::with_capacity(SIZE * BATCH);
+        loop {
+            bytes.clear();
+            file.take((SIZE * BATCH) as u64).read_to_end(&mut bytes).map_err(refused)?;
+            if bytes.is_empty() {
+                return Ok(());
+            }
+            each(&bytes.chunks_exact(SIZE).map(EqualRows::of_bytes).collect::<Vec<_>>());
+        }
+    }
+
+    /// Sums over all rows, with all threads; the result does not depend on their number.
+    pub fn sum<T>(&self, of: impl Fn(&EqualRows) -> T + Sync) -> Result<T, CurveFitError>
+    where
+        T: Copy + Default + Send + Sync + std::ops::Add<Output = T>,
+    {
+        /// Rows of a chunk, which is summed one by one.
+        const CHUNK: usize = 256;
+        let mut batches = Vec::new();
+        self.batches(&mut |rows| {
+            let chunk = |rows: &[EqualRows]| rows.iter().map(&of).fold(T::default(), |sum, term| sum + term);
+            let chunks: Vec<T> = rows.par_chunks(CHUNK).map(chunk).collect();
+            batches.push(total(&chunks));
+        })?;
+        Ok(total(&batches))
+    }
+}
+
+/// Adds halves, whose round-off is small.
+pub(super) fn total<T: Copy + Default + std::ops::Add<Output = T>>(parts: &[T]) -> T {
+    match parts {
+        [] => T::default(),
+        [one] => *one,
+        _ => {
+            let (first, second) = parts.split_at(parts.len() / 2);
+            total(first) + total(second)
+        }
+    }
+}
+
+fn refused(error: io::Error) -> CurveFitError {
+    CurveFitError::Temporary { folder: std::env::temp_dir().display().to_string(), reason: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sorted(rows: &[EqualRows], run: usize) -> (Vec<EqualRows>, bool) {
+        let mut sorter = RowSorter { run, ..RowSorter::default() };
+        rows.iter().try_for_each(|row| sorter.push(*row)).unwrap();
+        let (found, mut all) = (sorter.finish().unwrap(), Vec::new());
+        found.batches(&mut |rows| all.extend_from_slice(rows)).unwrap();
+        (all, found.file.is_some())
+    }
+
+    /// Runs on disk have the rows that one sort in memory has, whatever their order; equal rows are counted.
+    #[test]
+    fn rows_are_sorted_and_counted_in_runs() {
+        let row = |i: u32| {
+            let measures = [f64::from(i * i % 1009 + 1), f64::from(i % 3 + 1)];
+            EqualRows { measures, fraction: f64::from(i % 2), motion: i % 5, count: 1 }
+        };
+        let mut rows: Vec<EqualRows> = (0..50_000).map(row).collect();
+        let (expected, in_file) = sorted(&rows, usize::MAX);
+        assert!(!in_file && expected.is_sorted_by(|a, b| a.order(b) == Ordering::Less));
+        assert_eq!(expected.iter().map(|row| row.count).sum::<u32>(), 50_000);
+        let count = |wanted: &EqualRows| rows.iter().filter(|row| row.order(wanted) == Ordering::Equal).count() as u32;
+        assert!(expected.iter().step_by(501).all(|row| row.count == count(row)));
+        assert_eq!(sorted(&rows, 7_000), (expected.clone(), true));
+        rows.reverse();
+        assert_eq!(sorted(&rows, 999), (expected.clone(), true));
+        // Few different rows need no file.
+        let levels: Vec<EqualRows> = (0..50_000).map(|i| row(i % 30)).collect();
+        assert_eq!(sorted(&levels, 999), (sorted(&levels, usize::MAX).0, false));
+    }
+}

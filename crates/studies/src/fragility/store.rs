@@ -1,0 +1,182 @@
+//! Cases with their measures, batch by batch → a list of rows, or sorted rows if they are many.
+
+use crate::fragility::cases::{Case, Cases, Motions};
+use crate::fragility::many::{ManyRows, ManyRowsBuilder};
+use crate::fragility::observation::CurveFitError;
+use crate::fragility::table::{SweepTable, SweepTableError};
+use crate::run::limit::Limit;
+
+/// Most rows that are kept as a list, in the order of the table; more are sorted on disk.
+const MAX_LIST: usize = 1 << 17;
+
+/// The cases of a table over one or two measures.
+#[derive(Default)]
+pub struct CaseStore {
+    /// Places in the table, cases and measures.
+    list: Vec<(u64, Case, [f64; 2])>,
+    many: Option<ManyRowsBuilder>,
+    /// Cases without a value of the measures.
+    without: usize,
+    /// The error of the first row that a fit refuses.
+    refused: Option<CurveFitError>,
+}
+
+/// Cases with values of the measures.
+pub(super) enum StoredRows {
+    /// In the order of the table, with the number of the record of each.
+    Few(Vec<(Case, [f64; 2])>, Vec<usize>),
+    /// Sorted.
+    Many(Box<ManyRows>),
+}
+
+impl CaseStore {
+    /// Takes a case with its place in the table; for a curve, the second measure is 1.
+    pub fn push(&mut self, place: u64, case: &Case, measures: [Option<f64>; 2]) {
+        let [Some(first), Some(second)] = measures else {
+            self.without += 1;
+            return;
+        };
+        match &mut self.many {
+            None => {
+                self.list.push((place, *case, [first, second]));
+                if self.list.len() > MAX_LIST {
+                    self.many = Some(ManyRowsBuilder::default());
+                    for (place, case, measures) in std::mem::take(&mut self.list) {
+                        self.push(place, &case, measures.map(Some));
+                    }
+                }
+            }
+            Some(many) => {
+                if self.refused.is_none() {
+                    self.refused = many.push(case, [first, second]).err();
+                }
+            }
+        }
+    }
+
+    /// Number of cases without a value of the measures.
+    pub(super) fn without(&self) -> usize {
+        self.without
+    }
+
+    /// Returns the rows; `motions` are those of the cases.
+    pub(super) fn rows(mut self, motions: &Motions) -> Result<StoredRows, CurveFitError> {
+        if let Some(error) = self.refused {
+            return Err(error);
+        }
+        let ranks = &motions.ranks();
+        if let Some(many) = self.many {
+            return Ok(StoredRows::Many(Box::new(many.finish(ranks)?)));
+        }
+        self.list.sort_by_key(|(place, ..)| *place);
+        let record = |(row, (_, case, _)): (usize, &(u64, Case, [f64; 2]))| match case.motion {
+            Some(number) => ranks[number],
+            None => ranks.len() + row,
+        };
+        let records = self.list.iter().enumerate().map(record).collect();
+        Ok(StoredRows::Few(self.list.into_iter().map(|(_, case, measures)| (case, measures)).collect(), records))
+    }
+
+    /// The values of the measure in increasing order, with the sum of the fractions and the number of the rows.
+    ///
+    /// # Errors
+    /// A row that a fit refuses, and those of temporary files.
+    pub fn levels(self, motions: &Motions) -> Result<Vec<(f64, f64, usize)>, CurveFitError> {
+        match self.rows(motions)? {
+            StoredRows::Few(mut rows, _) => {
+                rows.sort_by(|(_, one), (_, other)| one[0].total_cmp(&other[0]));
+                let alike = rows.chunk_by(|(_, one), (_, other)| one[0] == other[0]);
+                Ok(alike
+                    .map(|rows| (rows[0].1[0], rows.iter().map(|(case, _)| case.fraction).sum(), rows.len()))
+                    .collect())
+            }
+            StoredRows::Many(rows) => rows.levels(),
+        }
+    }
+}
+
+/// Counts and cases of a table that is read batch by batch, relative to a limit.
+pub struct Collected {
+    limit: Option<Limit>,
+    columns: Vec<[Option<String>; 2]>,
+    /// The cases over each list of columns.
+    pub stores: Vec<CaseStore>,
+    /// The ground motions of the cases.
+    pub motions: Motions,
+    /// Counts of the rows.
+    pub counts: RowCounts,
+}
+
+/// Counts of a table's rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct RowCounts {
+    /// All rows.
+    pub all: usize,
+    /// Rows whose run decides whether the limit is exceeded.
+    pub decided: usize,
+    /// Rows that exceed the limit; for ensembles, the sum of the fractions of their samples that do.
+    pub exceeded: f64,
+    /// Rows that exceed the limit if all rows and samples without a known outcome do.
+    pub exceeded_at_most: f64,
+    /// Rows of ensembles some of whose samples have no known outcome.
+    pub partly_known: usize,
+    /// Rows whose runs failed.
+    pub failed: usize,
+    /// Rows whose runs ended at complete separation before exceeding the limit.
+    pub separated: usize,
+    /// Rows whose duration was too short.
+    pub undecided: usize,
+}
+
+impl Collected {
+    /// Begins with a limit, or the usual one of the table, and the columns of the measures of each store.
+    pub fn new(limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
+        let stores = columns.iter().map(|_| CaseStore::default()).collect();
+        Collected { limit, columns, stores, motions: Motions::default(), counts: RowCounts::default() }
+    }
+
+    /// The limit; `None` before the first batch unless it was given.
+    pub fn limit(&self) -> Option<Limit> {
+        self.limit
+    }
+
+    /// Takes a batch of rows. `is_part` says that the rows of the whole table are in the order of their column `row`, otherwise in that of
+    /// the batches.
+    ///
+    /// # Errors
+    /// Those of [`SweepTable::cases`], and a column that is missing or has no numbers.
+    pub fn take(&mut self, batch: &SweepTable, is_part: bool) -> Result<(), SweepTableError> {
+        let limit = *self.limit.get_or_insert_with(|| batch.usual_limit());
+        let before = self.counts.all as u64;
+        let numbers = if is_part { Some(batch.numbers("row")?) } else { None };
+        let place = |row: usize| match &numbers {
+            Some(numbers) => numbers[row].unwrap_or_default() as u64,
+            None => before + row as u64,
+        };
+        let Cases { cases, failed, separated, undecided } = batch.cases_of(limit, &mut self.motions, place)?;
+        for (store, columns) in self.stores.iter_mut().zip(&self.columns) {
+            let [first, second] =
+                columns.each_ref().map(|name| name.as_ref().map(|name| batch.numbers(name)).transpose());
+            let (first, second) = (first?, second?);
+            let value = |numbers: &Option<Vec<Option<f64>>>, row: usize| {
+                numbers.as_ref().map_or(Some(1.0), |numbers| numbers[row])
+            };
+            for case in &cases {
+                store.push(place(case.row), case, [value(&first, case.row), value(&second, case.row)]);
+            }
+        }
+        let counts = &mut self.counts;
+        counts.all += batch.rows();
+        counts.decided += cases.len();
+        counts.exceeded += cases.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
+        let unknown: f64 = cases.iter().map(|case| case.unknown).sum();
+        counts.exceeded_at_most += cases.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>()
+            + unknown
+            + (batch.rows() - cases.len()) as f64;
+        counts.partly_known += cases.iter().filter(|case| case.unknown > 0.0).count();
+        counts.failed += failed;
+        counts.separated += separated;
+        counts.undecided += undecided;
+        Ok(())
+    }
+}

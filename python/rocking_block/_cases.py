@@ -1,0 +1,215 @@
+"""Rows of a table, batch by batch → their outcomes relative to a limit."""
+
+from __future__ import annotations
+
+import dataclasses
+from numbers import Real
+from typing import Any, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from rocking_block import _engine
+from rocking_block._table import Table, by_name, for_each_batch, split_heading
+from rocking_block._words import Floats, Outcome
+
+Rows = tuple[Floats, Floats, Floats, npt.NDArray[np.int64]]
+"""Measures, fractions of the runs that exceeded the limit, peaks of the blocks that rock and stand, and numbers of the ground motions, which
+are -1 for rows that have their own."""
+
+
+class Cases:
+    """The decided rows of a table with their counts; `limit` is the word or the rotation of the limit after the first batch."""
+
+    def __init__(self, im: str, limit: str | float | None) -> None:
+        self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
+        self.all = self.failed = self.separated = self.undecided = self.partly = 0
+        self.least = self.most = 0.0
+        self.store = _engine.CaseStore()
+        self.batches: list[Rows] = []
+        """The rows of each batch, if they are kept."""
+        self._motions: dict[tuple[str, ...], int] = {}
+        self.first: list[int] = []
+        """Place of the first row of each motion."""
+        self._is_begun = False
+
+    def take(self, table: Table, is_part: bool = False, keep: bool = False) -> None:
+        """Takes rows; rows of parts are in the order of their numbers, others in that of the batches."""
+        if not self._is_begun:
+            self._begin(table)
+        outcome, limit = outcomes_of(table), self.limit
+        assert limit is not None
+        if "peak.theta/alpha" in table or not isinstance(limit, str):
+            peak = numbers(table, "peak.theta/alpha")
+        else:
+            peak = np.full(len(outcome), np.nan)
+        exceeded = outcome == "overturned"
+        if not isinstance(limit, str):
+            exceeded |= peak > limit
+        if limit == "balance":
+            # Without ties, even blocks have it in `peak.theta/alpha`.
+            even = "peak.theta/balance" not in table and "eccentricity" not in table
+            exceeded |= numbers(table, "peak.theta/alpha" if even else "peak.theta/balance") > 1.0
+        slip = slip_of(limit)
+        if slip is not None:
+            exceeded |= numbers(table, "peak.slip") > slip
+        fraction = exceeded.astype(np.float64)
+        separated = (outcome == "separated") & ~exceeded
+        undecided = (outcome == "undecided") & ~exceeded
+        failed = outcome == "failed"
+        unknown = np.zeros(len(outcome))
+        if "ensemble.samples" in table:
+            # The samples of an ensemble count, not the run in its middle; the probability is nan if none is known.
+            word = limit_word(limit)
+            fraction = numbers(table, f"P({word})")
+            # Tables of earlier versions do not have it.
+            if f"ensemble.unknown({word})" in table:
+                unknown = numbers(table, f"ensemble.unknown({word})") / numbers(table, "ensemble.samples")
+            none = np.isnan(fraction)
+            undecided, separated = none & (outcome == "undecided"), none & (outcome == "separated")
+            failed = none & ~undecided & ~separated
+        decided = ~separated & ~undecided & ~failed
+        places = np.asarray(table["row"]) if is_part else np.arange(self.all, self.all + len(outcome))
+        least = float(np.sum((fraction * (1.0 - unknown))[decided]))
+        self.least += least
+        self.most += least + float(np.sum(unknown[decided]) + np.sum(~decided))
+        self.partly += int(np.sum(unknown[decided] > 0.0))
+        self.all += len(outcome)
+        self.failed += int(failed.sum())
+        self.separated += int(separated.sum())
+        self.undecided += int(undecided.sum())
+        rocked = (outcome == "completed") & (peak > 0.0)
+        if "events.liftoffs" in table:
+            rocked &= np.asarray(table["events.liftoffs"]) > 0
+        peak = np.where(rocked, peak, np.nan)
+        motions, measures = self._numbered(table, places), numbers(table, self.im)
+        rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
+        if keep:
+            self.batches.append(rows)
+        else:
+            self.store.push(places[decided].astype(np.int64), *rows)
+
+    def _begin(self, table: Table) -> None:
+        """Checks the columns, and finds the measure and the limit."""
+        self.im = self.im if self.im in table else _engine.measure_name(self.im)
+        self.unit = table.units.get(self.im, "")
+        slip, limit = slip_of(self.limit), self.limit
+        if limit is None:
+            tied = "peak.theta/balance" in table and "ensemble.samples" not in table
+            limit = "balance" if tied else "overturned"
+        elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
+            limit = limit.lower()
+        elif slip is not None:
+            limit = "slip>" + repr(slip).removesuffix(".0")
+        elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
+            shown = f'"{limit}"' if isinstance(limit, str) else limit
+            expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"'
+            raise ValueError(f"limit = {shown}; {expected}")
+        self.limit = limit
+        searched = [name for name in table if name.startswith("least.")]
+        if searched:
+            expected = "an outcome at one level in each row, as from a sweep with scales or levels"
+            raise ValueError(f"found the least levels of searches, {searched[0]}; expected {expected}")
+        self._is_begun = True
+
+    def _numbered(self, table: Table, places: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+        """Returns the numbers of the ground motions, and takes note of their first rows."""
+        codes = np.zeros(table.rows, dtype=np.int64)
+        words: list[npt.NDArray[Any]] = []
+        for name in ("record", "vertical"):
+            if name in table:
+                known, code = np.unique(np.asarray(table[name]).astype(str), return_inverse=True)
+                codes = codes * len(known) + code
+                words.append(known)
+        if not words:
+            return np.full(table.rows, -1, dtype=np.int64)
+        found, index, inverse = np.unique(codes, return_index=True, return_inverse=True)
+        first = np.full(len(found), np.iinfo(np.int64).max)
+        np.minimum.at(first, inverse, places)
+        of_found = np.full(len(found), -1, dtype=np.int64)
+        # In the order of the rows, for the numbers of a table that is one batch.
+        for number in np.argsort(index, kind="stable").tolist():
+            key = tuple(_record_name(known[code]) for known, code in zip(words, _digits(int(found[number]), words), strict=True))
+            if any(key):
+                motion = of_found[number] = self._motions.setdefault(key, len(self._motions))
+                if motion == len(self.first):
+                    self.first.append(int(first[number]))
+                self.first[motion] = min(self.first[motion], int(first[number]))
+        return np.asarray(of_found[inverse])
+
+
+@dataclasses.dataclass(frozen=True)
+class Files:
+    """A table in files, which is read once for a curve and again for its rows."""
+
+    path: str
+    im: str
+    limit: str | float | None
+    partial: bool
+
+    def cases(self, keep: bool = False) -> Cases:
+        """Reads the cases; with `keep` their rows are arrays, in the order of the files."""
+        cases = Cases(self.im, self.limit)
+        for_each_batch(self.path, [self.im], self.partial, lambda table, is_part: cases.take(table, is_part, keep))
+        return cases
+
+
+def cases_of(table: Any, im: str, limit: str | float | None) -> Cases:
+    """Returns the cases of a table in memory, whose rows are kept."""
+    cases = Cases(im, limit)
+    cases.take(by_name(table), keep=True)
+    return cases
+
+
+def _digits(code: int, words: list[npt.NDArray[Any]]) -> list[int]:
+    """Returns the position of each word in a code of all."""
+    if len(words) == 1:
+        return [code]
+    return list(divmod(code, len(words[1])))
+
+
+def slip_of(limit: object) -> float | None:
+    """Returns the slip [m] of a limit such as "slip:0.1"."""
+    if not isinstance(limit, str) or limit[:5].lower() not in ("slip:", "slip>"):
+        return None
+    try:
+        slip = float(limit[5:])
+    except ValueError:
+        return None
+    return slip if 0.0 < slip < np.inf else None
+
+
+def limit_word(limit: str | float) -> str:
+    """Returns the word of a limit in the columns of tables."""
+    return limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
+
+
+def _record_name(name: Any) -> str:
+    """Returns the name of a record; empty where it is missing, for which pandas has nan, None or NA."""
+    return "" if str(name) in ("nan", "<NA>", "None") else str(name)
+
+
+def _column(table: Table, name: str) -> npt.NDArray[Any]:
+    if name not in table:
+        raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
+    return table[name]
+
+
+def numbers(table: Table, name: str) -> Floats:
+    """Returns a column of numbers."""
+    column = _column(table, name)
+    try:
+        return column.astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"column {name!r} has {column[0]!r}; expected numbers") from None
+
+
+def outcomes_of(table: Table) -> npt.NDArray[Any]:
+    """Returns the outcomes in lower case. An unknown word is an error, since it would count as a standing block."""
+    column = _column(table, "outcome")
+    outcome = np.char.lower(column.astype(str))
+    unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))
+    if unknown.size:
+        words = ", ".join(f'"{word}"' for word in get_args(Outcome))
+        raise ValueError(f"outcome = {column[unknown[0]]!r} in row {unknown[0]}; expected one of {words}")
+    return outcome
