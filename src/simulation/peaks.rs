@@ -4,7 +4,7 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, restraints};
+use crate::block::{Block, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -196,6 +196,27 @@ impl Peaks {
                 self.raise(channel, greatest(most, start, end, duration, |elapsed| inside(channel, i, elapsed)));
             }
         });
+    }
+
+    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
+    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
+    /// part of that, and are zero elsewhere.
+    #[inline(always)]
+    pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
+        let Block { mass, foundation, .. } = *here.block;
+        let Peaks { reaction, horizontal, friction_demand, .. } = *self;
+        let close = |now: &Evaluation| {
+            let [left, right] = now.instant.reaction;
+            let shear = mass * now.instant.horizontal.abs();
+            shear > near * horizontal
+                || shear > near * friction_demand * mass * (left + right)
+                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
+        };
+        if close(here) || close(there) {
+            [here.channels(), there.channels()]
+        } else {
+            [here.cheap_channels(), there.cheap_channels()]
+        }
     }
 
     /// The rate at which a peak rises: with a value that stands at it and grows.

@@ -7,13 +7,13 @@ use crate::numerics::control::LONGEST;
 use crate::simulation::force_peaks::{is_below_peaks, unit};
 use crate::simulation::outputs::strain;
 use crate::simulation::peaks::greater;
-use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
-use crate::simulation::step_end::{Finished, StepEnd, event_time};
-use crate::simulation::step_interior::{Between, StepInterior};
+use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
+use crate::simulation::step_interior::{Between, StepInterior, event_time};
+use crate::simulation::stepping::{Finished, StepEnd};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Event, EventFunction};
+use crate::system::events::EventFunction;
 use crate::system::instant::{Footing, Instant, Pose, Powers, State};
 use crate::system::motion_mode::MotionMode;
 use crate::system::swing::{Bounds, ORDER, Pivoting, Swing};
@@ -139,10 +139,10 @@ impl Simulation {
     pub(super) fn stays_upright(
         &mut self,
         mode: impl MotionMode,
-        piece: &SmoothPiece,
+        input: &StepsInput,
         budget: &mut u64,
     ) -> Result<bool, SimulationError> {
-        let &SmoothPiece { block, excitation, stop, .. } = piece;
+        let &StepsInput { block, excitation, stop, .. } = input;
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
         let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
@@ -154,7 +154,7 @@ impl Simulation {
         };
         let (here, there) = (strain_at(time), strain_at(stop));
         let (Some(here), Some(there)) = (here, there) else { return Ok(false) };
-        self.spend(budget, piece, longest_swing(block.p, 0.0))?;
+        input.spend(budget, time, longest_swing(block.p, 0.0))?;
         self.include_strain(&here);
         self.include_strain(&there);
         self.counts.evaluations += 1;
@@ -172,24 +172,25 @@ impl Simulation {
         self.commit(there, Powers::zeros());
     }
 
-    /// Stays at rest under a pulse, to the end of the piece or until a corner lifts. Returns
-    /// false, having done nothing, where it is unclear whether one does.
+    /// Stays at rest under a pulse, to the end of the piece or until a corner lifts.
+    ///
+    /// Returns `None`, having done nothing, where it is unclear whether one does.
     #[inline(never)]
-    pub(super) fn stays_under_pulse(
+    pub(super) fn stays_under_pulse<'a>(
         &mut self,
         mode: impl MotionMode,
-        piece: &SmoothPiece,
+        input: &StepsInput<'a>,
         budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<bool, SimulationError> {
-        let &SmoothPiece { block, excitation, stop, .. } = piece;
+    ) -> Result<Option<StepsOutcome<'a>>, SimulationError> {
+        let &StepsInput { block, excitation, stop, .. } = input;
         let longest = longest_swing(block.p, excitation.frequency());
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let (upright, begin) = (State::zeros(), self.pose.time);
         let mut here = motion.at(self.pose.time, upright);
+        let stayed = |time: f64| (time > begin).then_some(StepsOutcome::Lasts);
         while self.pose.time < stop {
-            self.spend(budget, piece, longest)?;
             let time = self.pose.time;
+            input.spend(budget, time, longest)?;
             let remaining = stop - time;
             let size = remaining / (remaining / longest).ceil().max(1.0);
             let forces = RestForceSeries::of(block, here.footing, &excitation.series(time), size);
@@ -209,12 +210,12 @@ impl Simulation {
                 [Zero::None, Zero::At(part)] => (part, Some(Corner::Right)),
                 [Zero::At(left), Zero::At(right)] if left <= right => (left, Some(Corner::Left)),
                 [Zero::At(_), Zero::At(right)] => (right, Some(Corner::Right)),
-                [Zero::Unclear, _] | [_, Zero::Unclear] => return Ok(time > begin),
+                [Zero::Unclear, _] | [_, Zero::Unclear] => return Ok(stayed(time)),
             };
             let end = if part == 1.0 && size == remaining { stop } else { time + part * size };
             let there = motion.at(end, upright);
             if !is_pressed_down(&here) || end <= time || (lifts.is_none() && !is_pressed_down(&there)) {
-                return Ok(time > begin);
+                return Ok(stayed(time));
             }
             self.stay(&here, &there);
             let reactions = if part == 1.0 { reactions } else { forces.reactions(part) };
@@ -223,15 +224,14 @@ impl Simulation {
                 this.include_forces(&motion.at(time + place * part * size, upright));
             });
             if let Some(corner) = lifts {
-                self.apply_or_stop(EventFunction::Reaction(corner), &there, piece, observer)?;
-                return Ok(true);
+                return Ok(Some(StepsOutcome::Event(EventFunction::Reaction(corner), there)));
             }
-            if piece.single {
-                return Ok(true);
+            if input.single {
+                break;
             }
             here = there;
         }
-        Ok(true)
+        Ok(Some(StepsOutcome::Lasts))
     }
 
     /// Includes a rotation (rad) about a corner in the peaks.
@@ -245,22 +245,20 @@ impl Simulation {
 
     /// Follows a block that turns about `pivot`, to the end of the piece or to an event.
     #[inline(never)]
-    pub(super) fn swings(
+    pub(super) fn swings<'a>(
         &mut self,
         mode: impl MotionMode,
         pivot: Corner,
-        piece: &SmoothPiece,
-        mut start: StepStart,
+        input: &StepsInput<'a>,
         budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let &SmoothPiece { block, excitation, stop, .. } = piece;
+    ) -> Result<StepsOutcome<'a>, SimulationError> {
+        let &StepsInput { block, excitation, stop, mut begins_piece, .. } = input;
         let longest = longest_swing(block.p, excitation.frequency());
         let (allowed, pivoting) = (allowed_error(block, self.settings.tolerance), Pivoting::of(block, pivot));
         let mut most = longest;
-        let mut known = piece.known_swing;
+        let mut known = if let FirstStep::Swing(swing) = input.first { Some(swing) } else { None };
         loop {
-            self.spend(budget, piece, longest)?;
+            input.spend(budget, self.pose.time, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
             let made;
@@ -271,7 +269,7 @@ impl Simulation {
                     &made
                 }
             };
-            if let Some(place) = piece.swing {
+            if let Some(place) = input.swing {
                 place.set(Some(*swing));
             }
             self.counts.evaluations += 1;
@@ -307,22 +305,26 @@ impl Simulation {
                 }
                 self.commit_swing(end, state, swing.work(part));
             } else {
-                match self.examine(mode, swing, [part, end], state, start.of_piece, piece, observer)? {
+                let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
+                if begins_piece && let Some(function) = self.system.fallen(&here) {
+                    self.counts.steps -= 1;
+                    return Ok(StepsOutcome::Event(function, here));
+                }
+                match self.examine(mode, swing, part, end, &mut here)? {
                     Finished::TooLong(size) => {
                         most = size;
                         continue;
                     }
-                    Finished::Left => return Ok(()),
+                    Finished::Event(function) => return Ok(StepsOutcome::Event(function, here)),
                     Finished::Lasts => {}
                 }
             }
             if let Some(function) = function {
-                let now = self.now(block, excitation);
-                return self.apply_or_stop(function, &now, piece, observer);
+                return Ok(StepsOutcome::Event(function, self.now(block, excitation)));
             }
-            (start.of_piece, most) = (false, longest);
-            if self.pose.time >= stop || piece.single {
-                return Ok(());
+            (begins_piece, most) = (false, longest);
+            if self.pose.time >= stop || input.single {
+                return Ok(StepsOutcome::Lasts);
             }
         }
     }
@@ -338,42 +340,33 @@ impl Simulation {
         }
     }
 
-    /// Looks for events and peaks in a part of a swing by the equations.
+    /// Looks for events and peaks in a part of a swing that ends at `end` (s), by the equations, and goes from `here` to the first event or
+    /// to the end.
     #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "the step that is examined")]
     fn examine(
         &mut self,
         mode: impl MotionMode,
         swing: &Swing,
-        [part, end]: [f64; 2],
-        state: State,
-        begins_piece: bool,
-        piece: &SmoothPiece,
-        observer: &mut dyn FnMut(&Event),
+        part: f64,
+        end: f64,
+        here: &mut Evaluation,
     ) -> Result<Finished, SimulationError> {
-        let &SmoothPiece { block, excitation, .. } = piece;
+        let (time, block, excitation) = (here.time, here.block, here.excitation);
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
-        let mut here = motion.at(self.pose.time, self.pose.state);
-        if begins_piece && let Some(function) = self.system.fallen(&here) {
-            self.counts.steps -= 1;
-            self.apply_or_stop(function, &here, piece, observer)?;
-            return Ok(Finished::Left);
-        }
+        let [theta, theta_dot] = swing.at(part);
+        let state = State::from([theta, theta_dot, 0.0, 0.0]);
         let there = motion.at(end, state);
         self.counts.evaluations += 2;
-        if ![state[0], state[1], there.instant.theta_ddot].iter().all(|x| x.is_finite()) {
-            return Err(SimulationError::NotFinite { time: here.time });
+        if ![theta, theta_dot, there.instant.theta_ddot].iter().all(|x| x.is_finite()) {
+            return Err(SimulationError::NotFinite { time });
         }
-        if end <= here.time && part == 1.0 {
-            let (time, size, tolerance) = (here.time, swing.size, self.settings.tolerance);
+        if end <= time && part == 1.0 {
+            let (size, tolerance) = (swing.size, self.settings.tolerance);
             return Err(SimulationError::StepTooSmall { time, size, tolerance });
         }
-        let step_end = StepEnd {
-            state,
-            work: [swing.work(part), 0.0].into(),
-            longest: longest_swing(block.p, excitation.frequency()),
-        };
-        let inside = StepInterior { motion, between: Between::Swing(here.time, swing), evaluations: 0 };
-        self.finish(piece, &mut here, there, &step_end, inside, observer)
+        let longest = longest_swing(block.p, excitation.frequency());
+        let step_end = StepEnd { state, work: [swing.work(part), 0.0].into(), longest };
+        let inside = StepInterior { motion, between: Between::Swing(time, swing), evaluations: 0 };
+        Ok(self.finish(here, there, &step_end, inside))
     }
 }

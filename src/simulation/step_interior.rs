@@ -4,7 +4,7 @@ use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
 use crate::numerics::roots::{self, Sample};
-use crate::simulation::peaks::{Channel, Channels};
+use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{EventFunction, extended_event_functions, landing, lift_off, quarter_turn, watched};
 use crate::system::instant::{Powers, State};
@@ -156,6 +156,15 @@ fn first_extended_event<L: MotionMode, const N: usize>(
     first
 }
 
+/// The time (s) of an event, `elapsed` seconds after another.
+///
+/// A landing after less than the clock resolves is at the next time of the clock: in the same instant the base or a support that only
+/// pulls there would lift the block again, and again.
+pub(super) fn event_time(function: EventFunction, time: f64, elapsed: f64) -> f64 {
+    let lands = matches!(function, EventFunction::Gap(_));
+    if lands && elapsed > 0.0 { (time + elapsed).max(time.next_up()) } else { time + elapsed }
+}
+
 /// The motion between the ends of a step.
 pub(super) enum Between<'s, const N: usize = 4> {
     /// A dense output that is known.
@@ -270,6 +279,17 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     fn uplift(&mut self, elapsed: f64) -> Channels {
         let Channels { uplift, .. } = self.at_inlined(elapsed).channels_inlined();
         Channels { uplift, ..Channels::default() }
+    }
+
+    /// Includes the peaks of the motion from `here` to `there`, which begins with the step; see [`Peaks::channels_at_ends`].
+    #[inline(always)]
+    pub(super) fn include_in(&mut self, peaks: &mut Peaks, here: &Evaluation, there: &Evaluation, near: f64) {
+        let duration = there.time - here.time;
+        if duration <= 0.0 {
+            return;
+        }
+        let [start, end] = peaks.channels_at_ends(here, there, near);
+        peaks.include_step(&start, &end, duration, |channel, number, elapsed| self.candidate(channel, number, elapsed));
     }
 
     /// The works from the beginning of the step to `elapsed`.

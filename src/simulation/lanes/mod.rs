@@ -14,21 +14,22 @@ mod transposed;
 
 use std::sync::Arc;
 
-use crate::block::{Block, Foundation, Regime};
+use crate::block::{Block, Corner, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
+use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::smooth_piece::{MAX_STEPS, StepStart};
-use crate::simulation::stepping::Limits;
+use crate::simulation::step::{FirstStep, MAX_STEPS, StepsInput, StepsOutcome};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
-use crate::system::events::Event;
+use crate::system::events::{Event, EventFunction};
 use crate::system::forces;
 use crate::system::instant::State;
-use crate::system::motion_mode::Gripping;
+use crate::system::motion_mode::{Gripping, MotionMode};
+use crate::system::swing::Swing;
 use kernel::StepBatch;
 use swings::LaneSwing;
 use transposed::TransposedInputs;
@@ -55,8 +56,6 @@ pub struct Lane {
     longest_under_pulse: f64,
     /// How runs in the present contacts are stepped together, if they are.
     mode: Option<LaneMode>,
-    /// Whether the smooth piece begins at the present time.
-    begins: bool,
     budget: u64,
     /// Limits of a step in each regime without a pulse.
     limits: [Limits; 3],
@@ -64,18 +63,45 @@ pub struct Lane {
     transposed: TransposedInputs,
     /// The longest step (s).
     longest: f64,
-    /// The step that comes next.
+    /// The size of the step that comes next.
     attempt: Attempt,
-    /// Whether a short step would suffice if earlier steps had made no errors.
-    grows: bool,
-    /// Whether a short step has just been ruled out here.
-    short_failed: bool,
-    /// Whether the step that comes next is a shorter attempt of one of order 8 that made too great an error.
-    retries: bool,
-    /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
-    accepted: Option<DenseStep>,
+    next: NextStep,
     /// The swings of a run on the rigid base.
     swing: LaneSwing,
+}
+
+/// The step that comes next from here, as far as earlier ones from here determine it.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
+enum NextStep {
+    /// Any step.
+    Open {
+        /// Whether the smooth piece begins here.
+        begins_piece: bool,
+    },
+    /// A step of order 8, since a short one makes too great an error or may hold an event or a peak.
+    NotShort,
+    /// The [`Lane::attempt`] of order 8, which is shorter than one that made too great an error.
+    Shorter,
+    /// This step of order 8, which a lane has made; it may hold an event or a peak.
+    Made(DenseStep),
+    /// This swing, which a lane has made, and in which something may happen.
+    Swing {
+        made: Box<Swing>,
+        /// Whether the smooth piece begins here.
+        begins_piece: bool,
+    },
+    /// None: the block has turned about this pivot and come down on the other corner, and the impact is to be applied.
+    Landing(Corner),
+}
+
+impl NextStep {
+    fn begins_piece(&self) -> bool {
+        match *self {
+            NextStep::Open { begins_piece } | NextStep::Swing { begins_piece, .. } => begins_piece,
+            NextStep::NotShort | NextStep::Shorter | NextStep::Made(_) | NextStep::Landing(_) => false,
+        }
+    }
 }
 
 /// The way in which runs are stepped together.
@@ -163,6 +189,11 @@ pub enum Next {
     Together(BatchKind),
 }
 
+/// Limits of the steps of a run under a mode, without a pulse.
+fn limits(simulation: &Simulation, mode: impl MotionMode) -> Limits {
+    Limits::of(simulation.block(), simulation.settings.tolerance, mode, 0.0)
+}
+
 impl Lane {
     /// A run that takes no step before [`Lane::send`] has given it a stop.
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
@@ -170,9 +201,9 @@ impl Lane {
         let mode = lane_mode(&simulation);
         let swing = LaneSwing::of(&simulation);
         let limits = [
-            simulation.limits(Gripping::<true, true, false>, 0.0),
-            simulation.limits(Gripping::<true, false, false>, 0.0),
-            simulation.limits(Gripping::<false, true, false>, 0.0),
+            limits(&simulation, Gripping::<true, true, false>),
+            limits(&simulation, Gripping::<true, false, false>),
+            limits(&simulation, Gripping::<false, true, false>),
         ];
         let mut transposed = TransposedInputs::default();
         transposed.read(&simulation, &limits);
@@ -187,16 +218,12 @@ impl Lane {
             without_moment: false,
             wave: None,
             longest_under_pulse: f64::INFINITY,
-            begins: true,
             budget: 0,
             limits,
             transposed,
             longest: f64::INFINITY,
             attempt: Attempt::to_stop(0.0),
-            grows: false,
-            short_failed: false,
-            retries: false,
-            accepted: None,
+            next: NextStep::Open { begins_piece: true },
             swing,
         }
     }
@@ -244,14 +271,14 @@ impl Lane {
             self.wave = wave;
             self.longest_under_pulse = wave.map_or(f64::INFINITY, |wave| LONGEST / wave.frequency());
         }
-        self.begins = true;
+        self.next = NextStep::Open { begins_piece: true };
         counts.evaluations += 1;
     }
 
     /// The next action of the run under the inputs of [`Lane::send`].
     #[inline]
     pub fn next_step(&mut self, inputs: &Inputs) -> Next {
-        if self.is_landing() {
+        if let NextStep::Landing(_) = self.next {
             return Next::Alone;
         }
         let time = self.simulation.pose.time;
@@ -283,16 +310,19 @@ impl Lane {
             return None;
         }
         let control = &self.simulation.control;
-        let short = match self.short_failed || self.retries {
-            true => ShortStepTo::TooFar,
-            false => control.short_step(size, longest),
+        let short = match self.next {
+            NextStep::Open { .. } => control.short_step(size, longest),
+            NextStep::NotShort
+            | NextStep::Shorter
+            | NextStep::Made(_)
+            | NextStep::Swing { .. }
+            | NextStep::Landing(_) => ShortStepTo::TooFar,
         };
         let is_short = short == ShortStepTo::Stop;
         if is_short {
             self.attempt = Attempt::to_stop(size);
-        } else if !self.retries {
-            self.attempt = control.attempt(size, longest, shortest(time, stop));
-            self.grows = short == ShortStepTo::NotYet;
+        } else if !matches!(self.next, NextStep::Shorter) {
+            self.attempt = control.attempt(size, longest, shortest(time, stop)).instead_of(short);
         }
         self.transposed.step = [time, self.end_time(), self.attempt.size, longest];
         Some(BatchKind::Step { regime, short: is_short })
@@ -300,28 +330,34 @@ impl Lane {
 
     /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let landing = self.take_landing();
-        let rests = self.mode.is_none();
-        let attempt = std::mem::take(&mut self.retries).then_some(self.attempt);
-        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swing, budget, .. } = self;
+        let single = self.mode.is_some();
+        let Lane { system, simulation, stop, since, attempt, next, swing, budget, .. } = self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
             true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
             false => swing.excitation,
         };
-        let done = if let Some(function) = landing {
-            simulation.apply_alone(function, block, &excitation, observer)
-        } else {
-            let start = StepStart { of_piece: *begins, short_failed: *short_failed, attempt };
-            (*begins, *short_failed) = (false, false);
-            let known = swing.known.take();
-            let (step, swing) = (accepted.as_ref(), known.as_deref());
-            let done = simulation.single_step(*stop, block, &excitation, !rests, start, step, swing, budget, observer);
-            // A step is large: it is not moved.
-            *accepted = None;
-            done
+        let first = match &*next {
+            NextStep::Open { .. } => FirstStep::Open,
+            NextStep::NotShort => FirstStep::NotShort,
+            NextStep::Shorter => FirstStep::Attempt(*attempt),
+            NextStep::Made(step) => FirstStep::Made(step),
+            NextStep::Swing { made, .. } => FirstStep::Swing(made),
+            NextStep::Landing(_) => FirstStep::Open,
         };
+        let outcome = if let NextStep::Landing(pivot) = *next {
+            Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), simulation.now(block, &excitation)))
+        } else {
+            let input = StepsInput::of_piece(block, &excitation, [*stop; 2]);
+            simulation.steps(&StepsInput { begins_piece: next.begins_piece(), single, first, ..input }, budget)
+        };
+        let done = match outcome {
+            Ok(StepsOutcome::Event(function, now)) => simulation.apply(function, &now, observer).map(|_| ()),
+            Ok(StepsOutcome::Lasts) => Ok(()),
+            Err(error) => Err(error),
+        };
+        self.next = NextStep::Open { begins_piece: false };
         // There may have been an event.
         self.mode = lane_mode(&self.simulation);
         match on_supports {
@@ -363,7 +399,7 @@ impl Lane {
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
         [*theta, *reaction, *horizontal, *uplift] = transposed.peaks;
         [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = transposed.sums;
-        (self.begins, self.short_failed, self.retries) = (false, false, false);
+        self.next = NextStep::Open { begins_piece: false };
         self.budget -= 1;
     }
 
@@ -373,9 +409,6 @@ impl Lane {
         let Lane { simulation, attempt, longest, .. } = self;
         simulation.control.accept(attempt, size_factor(batch.root[lane]), *longest);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
-        if self.grows {
-            simulation.control.grow_short();
-        }
     }
 
     /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
@@ -389,14 +422,14 @@ impl Lane {
         *attempt = simulation.control.reject(attempt, factor);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
         simulation.counts.rejected += 1;
-        self.retries = true;
+        self.next = NextStep::Shorter;
         true
     }
 
     /// Rejects the short step; a step of order 8 follows.
     fn rule_out_short_step(&mut self) {
         self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        self.short_failed = true;
+        self.next = NextStep::NotShort;
     }
 }
 
@@ -416,8 +449,8 @@ fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     for (lane, run) in group.iter_mut().enumerate() {
         if batch.taken >> lane & 1 == 1 {
             run.arrive_by_swing(&batch, lane);
-        } else {
-            run.swing.known = batch.known[lane].take();
+        } else if let Some(made) = batch.known[lane].take() {
+            run.next = NextStep::Swing { made, begins_piece: run.next.begins_piece() };
         }
     }
     batch.taken
@@ -445,7 +478,7 @@ fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]
         run.accept(&batch, lane);
         run.simulation.counts.steps += 1;
         step.end_time = run.end_time();
-        (run.accepted, run.short_failed, run.retries) = (Some(step), true, false);
+        run.next = NextStep::Made(step);
     }
     let ruled_out = if short { batch.failed | batch.eventful } else { rejected };
     batch.taken | ruled_out

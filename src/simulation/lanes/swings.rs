@@ -1,7 +1,7 @@
 //! A swing of several runs on the rigid base, one in each lane: the operations of
 //! [`Simulation`](crate::simulation::Simulation) in their order.
 
-use crate::block::{Block, Corner};
+use crate::block::Block;
 use crate::excitation::Excitation;
 use crate::numerics::Real;
 use crate::numerics::control::is_resolved;
@@ -9,9 +9,8 @@ use crate::numerics::wide::{Array, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{PRESSED, visible};
 use crate::simulation::lanes::force_peaks::{ForcePeaks, SwingSegments};
-use crate::simulation::lanes::{BatchKind, Lane};
+use crate::simulation::lanes::{BatchKind, Lane, NextStep};
 use crate::simulation::rigid_base::{UPRIGHT, allowed_error, longest_swing};
-use crate::system::events::EventFunction;
 use crate::system::instant::State;
 use crate::system::swing::lanes::Swings;
 use crate::system::swing::{Pivoting, Swing};
@@ -31,10 +30,6 @@ pub struct LaneSwing {
     away: f64,
     /// See [`visible`].
     visible: f64,
-    /// The pivot at which the last swing in a lane has ended, where the block comes down on the other corner.
-    landing: Option<Corner>,
-    /// The swing that comes next, if a lane has made it.
-    pub known: Option<Box<Swing>>,
 }
 
 impl LaneSwing {
@@ -46,8 +41,6 @@ impl LaneSwing {
             offset: 0.0,
             away: 0.0,
             visible: visible(simulation.settings.tolerance),
-            landing: None,
-            known: None,
         };
         swing.turn(simulation);
         swing
@@ -224,7 +217,7 @@ impl Lane {
     /// Comes to the end of a swing.
     #[inline]
     pub(super) fn arrive_by_swing(&mut self, batch: &SwingBatch, lane: usize) {
-        let Lane { simulation, swing, begins, budget, .. } = self;
+        let Lane { simulation, next, budget, .. } = self;
         let [end, theta, theta_dot] = [batch.end[0][lane], batch.end[1][lane], batch.end[2][lane]];
         simulation.counts.evaluations += 1 + batch.evaluations[lane] as u64;
         simulation.counts.steps += 1;
@@ -239,8 +232,10 @@ impl Lane {
         if end > simulation.pose.time {
             (simulation.pose.time, simulation.events_in_this_instant) = (end, 0);
         }
-        swing.landing = if batch.lands >> lane & 1 == 1 { simulation.pose.contacts.regime().pivot() } else { None };
-        *begins = false;
+        *next = match simulation.pose.contacts.regime().pivot() {
+            Some(pivot) if batch.lands >> lane & 1 == 1 => NextStep::Landing(pivot),
+            Some(_) | None => NextStep::Open { begins_piece: false },
+        };
         *budget -= 1;
     }
 
@@ -255,17 +250,5 @@ impl Lane {
         let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);
         let last = away * (theta + theta_dot * size) - 0.5 * alpha * p * p * size * size;
         can.then(|| BatchKind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })
-    }
-
-    /// Whether the block has come down in a lane, and its impact is to be applied.
-    #[inline]
-    pub(super) fn is_landing(&self) -> bool {
-        self.swing.landing.is_some()
-    }
-
-    /// The event at the end of the last swing in a lane, which is to be applied.
-    #[inline]
-    pub(super) fn take_landing(&mut self) -> Option<EventFunction> {
-        self.swing.landing.take().map(|pivot| EventFunction::Gap(pivot.other()))
     }
 }
