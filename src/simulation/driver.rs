@@ -67,7 +67,7 @@ impl Simulation {
         simulation.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
         let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
-        simulation.peaks.include(&shown.channels());
+        simulation.peaks.include(&shown.channels_called());
         simulation.peaks.include_pulls(&shown);
         simulation
     }

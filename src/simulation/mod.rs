@@ -7,7 +7,7 @@
 //! | `state` | the data of a run, and views of them |
 //! | `limits`, `step_interior` | a mode → the longest step; a step → the motion and the first event inside |
 //! | `step` | the interface of steps: `StepsInput` → `StepsOutcome` |
-//! | `stepping`, `rigid_base` | steps under one mode, to the first event: Runge–Kutta steps; rest and swings on the rigid base |
+//! | `stepping`, `rest`, `swings` | steps under one mode, to the first event: Runge–Kutta steps; rest and swings on the rigid base |
 //! | `driver` | step → locate the first event → apply it → decide the regime → continue |
 //! | [`exchange`] | the same run, stepped by an importer's solver |
 //! | [`follow`] | a run one step at a time, with derivatives |
@@ -27,12 +27,13 @@ pub mod lanes;
 mod limits;
 pub mod outputs;
 pub mod peaks;
-mod rigid_base;
+mod rest;
 mod settings;
 mod state;
 mod step;
 mod step_interior;
 mod stepping;
+mod swings;
 
 pub use crate::system::beginning::Initial;
 pub use ending::{Ending, Progress, SimulationError};

@@ -213,7 +213,7 @@ impl Peaks {
                 || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
         };
         if close(here) || close(there) {
-            [here.channels(), there.channels()]
+            [here.channels_called(), there.channels_called()]
         } else {
             [here.cheap_channels(), there.cheap_channels()]
         }
@@ -282,7 +282,7 @@ where
 {
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]
-    pub fn channels_inlined(&self) -> Channels<R> {
+    pub fn channels(&self) -> Channels<R> {
         let [left, right] = self.support_heights;
         let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         let x = self.with_rates(self.forcing_rate());
@@ -329,9 +329,9 @@ where
 }
 
 impl Evaluation<'_> {
-    /// [`Evaluation::channels_inlined`], not inlined.
+    /// [`Evaluation::channels`] without inlining.
     #[inline(never)]
-    pub fn channels(&self) -> Channels {
-        self.channels_inlined()
+    pub fn channels_called(&self) -> Channels {
+        self.channels()
     }
 }

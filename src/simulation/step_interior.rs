@@ -145,7 +145,7 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let sample = |elapsed| function.sample(&inside.at(elapsed));
+        let sample = |elapsed| function.sample(&inside.at_called(elapsed));
         let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
@@ -232,19 +232,19 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             | EventFunction::Friction(_)
             | EventFunction::Speed
             | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => function.sample(&self.at(elapsed)),
+            | EventFunction::Restraint(_) => function.sample(&self.at_called(elapsed)),
         }
     }
 
     #[inline(never)]
     fn reaction(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at_inlined(elapsed);
+        let now = self.at(elapsed);
         lift_off::on_support(now.block, &now.instant, corner)
     }
 
     #[inline(never)]
     fn gap(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at_inlined(elapsed);
+        let now = self.at(elapsed);
         landing::gap(&now.instant, now.support_heights, corner)
     }
 
@@ -261,7 +261,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             }
             Channel::Uplift if self.is_on_supports() => self.uplift(elapsed),
             Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
-                self.at(elapsed).channels()
+                self.at_called(elapsed).channels_called()
             }
         };
         channels.candidates()[number].1
@@ -270,14 +270,14 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     /// The channels that are forces or their ratio, and zeros.
     #[inline(never)]
     fn forces(&mut self, elapsed: f64) -> Channels {
-        let Channels { reaction, horizontal, friction_demand, .. } = self.at_inlined(elapsed).channels_inlined();
+        let Channels { reaction, horizontal, friction_demand, .. } = self.at(elapsed).channels();
         Channels { reaction, horizontal, friction_demand, ..Channels::default() }
     }
 
     /// The heights of the corners above their supports, and zeros.
     #[inline(never)]
     fn uplift(&mut self, elapsed: f64) -> Channels {
-        let Channels { uplift, .. } = self.at_inlined(elapsed).channels_inlined();
+        let Channels { uplift, .. } = self.at(elapsed).channels();
         Channels { uplift, ..Channels::default() }
     }
 
@@ -302,12 +302,12 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
-    pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
-        self.at_inlined(elapsed)
+    pub(super) fn at_called(&mut self, elapsed: f64) -> Evaluation<'a> {
+        self.at(elapsed)
     }
 
     #[inline(always)]
-    fn at_inlined(&mut self, elapsed: f64) -> Evaluation<'a> {
+    fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
         let start = match self.between {
             Between::Swing(start, _) => start,
             Between::Known(_) | Between::Within(..) => self.dense().time,

@@ -109,17 +109,14 @@ impl Simulation {
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
-                self.peaks.include(&here.channels());
+                self.peaks.include(&here.channels_called());
                 self.settle_at_rest(input.end);
                 return Ok(StepsOutcome::Lasts);
             }
             input.spend(budget, self.pose.time, limits.longest)?;
             let motion = Motion::<_, N>::under(mode, block, &self.pose, excitation);
-            let short = match std::mem::replace(&mut may_be_short, true) && mode.held().is_none() && !mode.is_extended()
-            {
-                true => self.control.short_step(stop - self.pose.time, limits.longest),
-                false => ShortStepTo::TooFar,
-            };
+            let tries_short = std::mem::replace(&mut may_be_short, true);
+            let short = if tries_short { self.short_step_to(stop, mode, &limits) } else { ShortStepTo::TooFar };
             if short == ShortStepTo::Stop && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(StepsOutcome::Lasts);
             }
@@ -151,6 +148,15 @@ impl Simulation {
                 return Ok(StepsOutcome::Lasts);
             }
         }
+    }
+
+    /// Whether a short step may end at `stop`: of rare modes none does.
+    #[inline(always)]
+    fn short_step_to<const N: usize>(&self, stop: f64, mode: impl MotionMode, limits: &Limits<N>) -> ShortStepTo {
+        if mode.held().is_some() || mode.is_extended() {
+            return ShortStepTo::TooFar;
+        }
+        self.control.short_step(stop - self.pose.time, limits.longest)
     }
 
     /// Takes a short step to `stop` if nothing happens on the way; returns whether it did.
@@ -266,7 +272,7 @@ impl Simulation {
         if let Some(EventCrossing { elapsed, function, .. }) = event
             && elapsed < size
         {
-            there = inside.at(elapsed);
+            there = inside.at_called(elapsed);
             there.time = event_time(function, here.time, elapsed);
             work = inside.work(elapsed);
             if N > 4 {
@@ -281,7 +287,7 @@ impl Simulation {
         }
         if N > 4 {
             self.sums.add(std::array::from_fn(|i| beyond[6 + i]));
-            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at(elapsed));
+            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at_called(elapsed));
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }

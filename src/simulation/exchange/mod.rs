@@ -176,7 +176,7 @@ impl Simulation {
             now = self.apply(function, &now, observer)?;
             offsets = self.offsets(&now);
         }
-        self.peaks.include(&now.channels());
+        self.peaks.include(&now.channels_called());
         let (since, last, foreseen) = (self.pose.time, Some(self.pose), self.foresee(inputs, until));
         self.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
@@ -197,7 +197,7 @@ impl Simulation {
         let (system, excitation) = (Arc::clone(&self.system), self.excitation(inputs));
         let block = &system.block;
         let there = self.now(block, &excitation);
-        let channels = there.channels();
+        let channels = there.channels_called();
         if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
             return;
         }
@@ -227,7 +227,7 @@ impl Simulation {
         let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
         inside.include_in(&mut self.peaks, &here, there, near);
         self.accumulate_slip(&here, there);
-        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
+        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at_called(elapsed));
     }
 
     /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of

@@ -8,31 +8,33 @@
 mod bounds;
 mod force_peaks;
 mod kernel;
+mod next;
 mod pulses;
 mod swings;
 mod transposed;
 
 use std::sync::Arc;
 
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
-use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
+use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::step::{FirstStep, MAX_STEPS, StepsInput, StepsOutcome};
+use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
 use crate::system::events::{Event, EventFunction};
-use crate::system::forces;
 use crate::system::instant::State;
 use crate::system::motion_mode::{Gripping, MotionMode};
-use crate::system::swing::Swing;
 use kernel::StepBatch;
+use next::{LaneMode, NextStep, lane_mode, regime_index};
 use swings::LaneSwing;
 use transposed::TransposedInputs;
+
+pub use next::{BatchKind, Next};
 
 /// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
@@ -68,125 +70,6 @@ pub struct Lane {
     next: NextStep,
     /// The swings of a run on the rigid base.
     swing: LaneSwing,
-}
-
-/// The step that comes next from here, as far as earlier ones from here determine it.
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
-enum NextStep {
-    /// Any step.
-    Open {
-        /// Whether the smooth piece begins here.
-        begins_piece: bool,
-    },
-    /// A step of order 8, since a short one makes too great an error or may hold an event or a peak.
-    NotShort,
-    /// The [`Lane::attempt`] of order 8, which is shorter than one that made too great an error.
-    Shorter,
-    /// This step of order 8, which a lane has made; it may hold an event or a peak.
-    Made(DenseStep),
-    /// This swing, which a lane has made, and in which something may happen.
-    Swing {
-        made: Box<Swing>,
-        /// Whether the smooth piece begins here.
-        begins_piece: bool,
-    },
-    /// None: the block has turned about this pivot and come down on the other corner, and the impact is to be applied.
-    Landing(Corner),
-}
-
-impl NextStep {
-    fn begins_piece(&self) -> bool {
-        match *self {
-            NextStep::Open { begins_piece } | NextStep::Swing { begins_piece, .. } => begins_piece,
-            NextStep::NotShort | NextStep::Shorter | NextStep::Made(_) | NextStep::Landing(_) => false,
-        }
-    }
-}
-
-/// The way in which runs are stepped together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LaneMode {
-    /// By steps on supports, in this regime.
-    Steps(Regime),
-    /// By swings about a corner of the rigid base.
-    Swings,
-}
-
-/// The kind of a step: runs whose next steps are of the same kind are stepped together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BatchKind {
-    /// A step on supports.
-    Step {
-        /// The regime.
-        regime: Regime,
-        /// Whether it is a short step, or one of order 8.
-        short: bool,
-    },
-    /// A swing about either corner of the rigid base.
-    Swing {
-        /// Whether a pulse acts, or only what is linear in time.
-        is_wave: bool,
-        /// Whether it probably ends with a landing, which takes several iterations.
-        lands: bool,
-    },
-}
-
-impl BatchKind {
-    /// The number of kinds.
-    pub const COUNT: usize = 10;
-
-    const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
-
-    /// Its number, from 0.
-    pub fn number(self) -> usize {
-        match self {
-            BatchKind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
-            BatchKind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
-        }
-    }
-
-    /// The kind of a number.
-    pub fn numbered(number: usize) -> BatchKind {
-        match number {
-            0..6 => BatchKind::Step { regime: BatchKind::REGIMES[number % 3], short: number < 3 },
-            _ => BatchKind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
-        }
-    }
-}
-
-/// Returns the index of a regime among those in which blocks are stepped together; `None` in flight.
-fn regime_index(regime: Regime) -> Option<usize> {
-    match regime {
-        Regime::FullContact => Some(0),
-        Regime::TiltingLeft => Some(1),
-        Regime::TiltingRight => Some(2),
-        Regime::Separated => None,
-    }
-}
-
-/// The way in which runs in the present contacts are stepped together; none for other runs.
-fn lane_mode(Simulation { pose, system, .. }: &Simulation) -> Option<LaneMode> {
-    let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-    if !gripping || forces::switch(&system.block) {
-        return None;
-    }
-    let regime = pose.contacts.regime();
-    match system.block.foundation {
-        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
-        Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
-    }
-}
-
-/// The next action of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
-    /// Nothing: it has come to the time that was asked for, or to its end.
-    Arrived,
-    /// A step that it takes alone.
-    Alone,
-    /// A step that it may take together with others of the kind.
-    Together(BatchKind),
 }
 
 /// Limits of the steps of a run under a mode, without a pulse.
@@ -338,19 +221,12 @@ impl Lane {
             true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
             false => swing.excitation,
         };
-        let first = match &*next {
-            NextStep::Open { .. } => FirstStep::Open,
-            NextStep::NotShort => FirstStep::NotShort,
-            NextStep::Shorter => FirstStep::Attempt(*attempt),
-            NextStep::Made(step) => FirstStep::Made(step),
-            NextStep::Swing { made, .. } => FirstStep::Swing(made),
-            NextStep::Landing(_) => FirstStep::Open,
-        };
         let outcome = if let NextStep::Landing(pivot) = *next {
             Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), simulation.now(block, &excitation)))
         } else {
+            let (begins_piece, first) = (next.begins_piece(), next.first_step(*attempt));
             let input = StepsInput::of_piece(block, &excitation, [*stop; 2]);
-            simulation.steps(&StepsInput { begins_piece: next.begins_piece(), single, first, ..input }, budget)
+            simulation.steps(&StepsInput { begins_piece, single, first, ..input }, budget)
         };
         let done = match outcome {
             Ok(StepsOutcome::Event(function, now)) => simulation.apply(function, &now, observer).map(|_| ()),
