@@ -19,7 +19,7 @@ use report::{FragilityReport, MeasureReport, RowCounts, SurfaceReport};
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
+    Assessment, Case, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
     split_heading, sufficiency_of_cases,
 };
 use rocking_studies::intensity::Measure;
@@ -66,15 +66,9 @@ pub struct FragilityCommand {
 
 /// Runs the command.
 pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    options.check(explicit)?;
     let FragilityCommand { im, fit, beside, ida, .. } = options;
-    let FitOptions { link, ci, .. } = fit;
     let plot = options.picture.plot.as_deref();
-    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
-    explicit.refuse_unless(options.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
-    fit.check(explicit)?;
-    for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
-        anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
-    }
     let format = options.picture.format()?;
     let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
     let exports = options.export_files();
@@ -94,51 +88,18 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let (name, table) = fit.table(&options.table, ida.is_none().then_some(&named))?;
     let limit = fit.limit(&table);
     let found = table.cases(limit)?;
-    let blocks = charts::blocks(&table);
-    let column = |name: &str| -> anyhow::Result<Vec<Option<f64>>> {
-        let numbers = table.numbers(name)?;
-        Ok(found.cases.iter().map(|case| numbers[case.row]).collect())
-    };
-    let uncertainty = fit.uncertainty();
-    let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
     let rows = RowCounts::of(&table, &found);
-    let (mut exported, mut warnings) = (Vec::new(), Vec::from_iter(rows.warning()));
-    let mut intervals = None;
+    let data = CurveData { name: &name, table: &table, cases: &found.cases, limit, blocks: charts::blocks(&table) };
+    let (mut measures, mut surface, mut svg, mut exported) = (Vec::new(), None, None, Vec::new());
+    let (mut intervals, mut warnings) = (None, Vec::from_iter(rows.warning()));
     for measure in im {
-        let heading = &table.heading(measure)?;
-        let at = || format!("{name}: {measure}");
-        let values = column(measure)?;
-        let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
-        intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
+        let found = options.assess(&data, measure, format.is_some(), explicit)?;
         // That of missing intervals is the same for all measures.
-        let new = assessment.warnings(heading).into_iter().filter(|warning| !warnings.contains(warning));
-        let new: Vec<String> = new.collect();
+        let new = found.warnings.into_iter().filter(|warning| !warnings.contains(warning)).collect::<Vec<_>>();
         warnings.extend(new);
-        let p_value = |other: &String| {
-            let found = sufficiency_of_cases(&found.cases, &values, &column(other)?, *link);
-            Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
-        };
-        let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
-        if let Some(other) = &options.surface {
-            let found = Surface::new(&found.cases, &values, &column(other)?, *link);
-            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
-            let headings = [heading, &*table.heading(other)?];
-            if format.is_some() {
-                svg = Some(charts::surface(&blocks, &found.data, &found.fit, headings, limit)?);
-            }
-            surface = Some(SurfaceReport::of(headings, &found));
-        } else if format.is_some() {
-            svg = Some(charts::curve(&blocks, &assessment, heading, limit, *ci)?);
-        }
-        if let Some(program) = options.export {
-            let component = options.component(&table, heading, limit, &assessment, explicit).with_context(at)?;
-            warnings.extend(component.crossings());
-            exported = match program {
-                LossProgram::Pelicun => pelicun(&[component], options.block.g)?.to_vec(),
-                LossProgram::OpenQuake => vec![openquake(&[component], options.block.g)?],
-            };
-        }
-        measures.push(MeasureReport::of(heading, &assessment, sufficiency));
+        intervals.get_or_insert(found.intervals);
+        measures.push(found.report);
+        (surface, svg, exported) = (found.surface, found.svg, found.exported);
     }
     let mut pictures: Vec<(Pending, Vec<u8>)> =
         export_files.into_iter().zip(exported.into_iter().map(String::into_bytes)).collect();
@@ -147,15 +108,15 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     }
     if let (Some(file), Some(format)) = (ida_picture, ida_format) {
         let curves = Ida::read(&table, &im[0])?;
-        let svg = charts::ida(&blocks, &curves, &table.heading(&im[0])?)?;
+        let svg = charts::ida(&data.blocks, &curves, &table.heading(&im[0])?)?;
         pictures.push((file, format.encode(&svg)?));
     }
     Pending::write(pictures)?;
     let result = FragilityReport {
         table: name,
         limit: limit.to_string(),
-        link: link.to_string(),
-        confidence: *ci,
+        link: fit.link.to_string(),
+        confidence: fit.ci,
         intervals: intervals.unwrap_or_default(),
         rows,
         measures,
@@ -168,7 +129,96 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     options.report.print("fragility", &written, &warnings, &(result.text() + &written.lines()), &result)
 }
 
+/// The rows from which the curves are made.
+struct CurveData<'a> {
+    /// Name of the table.
+    name: &'a str,
+    table: &'a SweepTable,
+    cases: &'a [Case],
+    limit: Limit,
+    /// The blocks in words, for pictures.
+    blocks: String,
+}
+
+impl CurveData<'_> {
+    /// Returns a column, with a number for each case that has one.
+    fn column(&self, name: &str) -> anyhow::Result<Vec<Option<f64>>> {
+        let numbers = self.table.numbers(name)?;
+        Ok(self.cases.iter().map(|case| numbers[case.row]).collect())
+    }
+}
+
+/// The curve of a measure, and the results made from it.
+struct MeasureResults {
+    report: MeasureReport,
+    surface: Option<SurfaceReport>,
+    /// The picture.
+    svg: Option<String>,
+    /// Contents of the files of the export.
+    exported: Vec<String>,
+    /// The method of the intervals in words.
+    intervals: String,
+    warnings: Vec<String>,
+}
+
 impl FragilityCommand {
+    /// Refuses options without an effect, and several measures where one is expected.
+    fn check(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
+        explicit.refuse_unless(self.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
+        self.fit.check(explicit)?;
+        let count = self.im.len();
+        for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
+            anyhow::ensure!(count == 1, "--{option} with {count} measures; expected one --im");
+        }
+        Ok(())
+    }
+
+    /// Fits the curve of a measure, and makes its picture and its export where they are asked for.
+    fn assess(
+        &self,
+        data: &CurveData,
+        measure: &str,
+        is_drawn: bool,
+        explicit: &ExplicitOptions,
+    ) -> anyhow::Result<MeasureResults> {
+        let &CurveData { name, table, cases, limit, ref blocks } = data;
+        let FitOptions { link, ci, .. } = self.fit;
+        let heading = &table.heading(measure)?;
+        let at = || format!("{name}: {measure}");
+        let (values, uncertainty) = (data.column(measure)?, self.fit.uncertainty());
+        let assessment = Assessment::new(cases, &values, link, ci, uncertainty).with_context(at)?;
+        let mut warnings = assessment.warnings(heading);
+        let p_value = |other: &String| {
+            let found = sufficiency_of_cases(cases, &values, &data.column(other)?, link);
+            Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
+        };
+        let sufficiency = self.beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
+        let (mut surface, mut svg, mut exported) = (None, None, Vec::new());
+        if let Some(other) = &self.surface {
+            let found = Surface::new(cases, &values, &data.column(other)?, link);
+            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
+            let headings = [heading, &*table.heading(other)?];
+            if is_drawn {
+                svg = Some(charts::surface(blocks, &found.data, &found.fit, headings, limit)?);
+            }
+            surface = Some(SurfaceReport::of(headings, &found));
+        } else if is_drawn {
+            svg = Some(charts::curve(blocks, &assessment, heading, limit, ci)?);
+        }
+        if let Some(program) = self.export {
+            let component = self.component(table, heading, limit, &assessment, explicit).with_context(at)?;
+            warnings.extend(component.crossings());
+            exported = match program {
+                LossProgram::Pelicun => pelicun(&[component], self.block.g)?.to_vec(),
+                LossProgram::OpenQuake => vec![openquake(&[component], self.block.g)?],
+            };
+        }
+        let report = MeasureReport::of(heading, &assessment, sufficiency);
+        let intervals = uncertainty.words(assessment.independence);
+        Ok(MeasureResults { report, surface, svg, exported, intervals, warnings })
+    }
+
     /// Returns the files of the export.
     fn export_files(&self) -> Vec<PathBuf> {
         match (self.export, &self.export_to) {

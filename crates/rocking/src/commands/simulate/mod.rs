@@ -19,8 +19,8 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use rocking_block::block::Foundation;
 use rocking_block::block::restraints::TieState;
+use rocking_block::block::{Block, Foundation};
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_charts::picture::PictureFormat;
 use rocking_gradients::Parameters;
@@ -227,6 +227,36 @@ fn prospect(run: &Run, history: &History) -> &'static str {
     }
 }
 
+/// Says how far a block went past its balance, or how it leans at the end, if it does either.
+fn balance(block: &Block, history: &History) -> Option<String> {
+    let (tilted, rest) = (history.ends_tilted(block), history.lean.end / block.alpha);
+    if history.end != End::Overturned && history.lean.passed_balance() {
+        let (over, back) = (history.lean.over_balance, if tilted { " and ends tilted" } else { "" });
+        return Some(format!(
+            "the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"
+        ));
+    }
+    tilted.then(|| format!("the block ends tilted: θ/α = {rest:.4}"))
+}
+
+/// Writes the energies at the end.
+fn energy(block: &Block, history: &History) -> String {
+    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
+    let largest = history.greatest_energy();
+    let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
+    let mut taken = String::new();
+    if block.friction > 0.0 {
+        taken += &format!(", friction {:.1} J", energies.friction);
+    }
+    if !block.ties().is_empty() {
+        taken += &format!(", ties {:.1} J", energies.restraints.ties);
+    }
+    format!(
+        "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
+        energies.input, energies.dashpots, energies.impacts
+    )
+}
+
 /// Writes the summary as text.
 fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, f64)>, with_events: bool) -> String {
     let block = &run.block;
@@ -240,16 +270,6 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
         Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
         None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
     };
-    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
-    let largest = history.greatest_energy();
-    let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
-    let mut taken = String::new();
-    if block.friction > 0.0 {
-        taken += &format!(", friction {:.1} J", energies.friction);
-    }
-    if !block.ties().is_empty() {
-        taken += &format!(", ties {:.1} J", energies.restraints.ties);
-    }
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
     line("excitation", excitation.into());
@@ -265,15 +285,8 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
             peaks.horizontal / weight
         ),
     );
-    if history.end != End::Overturned && history.lean.passed_balance() {
-        let back = if history.ends_tilted(block) { " and ends tilted" } else { "" };
-        let (over, rest) = (history.lean.over_balance, history.lean.end / block.alpha);
-        line(
-            "balance",
-            format!("the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"),
-        );
-    } else if history.ends_tilted(block) {
-        line("balance", format!("the block ends tilted: θ/α = {:.4}", history.lean.end / block.alpha));
+    if let Some(balance) = balance(block, history) {
+        line("balance", balance);
     }
     if block.friction > 0.0 {
         let (peak, slip) = (1e3 * peaks.slip, history.slip);
@@ -299,13 +312,7 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
         "events",
         format!("{} impacts, {} lift-offs{so_far}{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
     );
-    line(
-        "energy",
-        format!(
-            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
-            energies.input, energies.dashpots, energies.impacts
-        ),
-    );
+    line("energy", energy(block, history));
     line("steps", format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations));
     if with_events {
         for event in events {
