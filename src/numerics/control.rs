@@ -72,12 +72,19 @@ pub struct Attempt {
     /// Whether it ends at the stop.
     pub last: bool,
     grow: bool,
+    /// Whether a short step would have suited but for rejected ones, so that longer ones are tried later.
+    grow_short: bool,
 }
 
 impl Attempt {
     /// Returns a step of `size` that ends at the stop.
     pub fn to_stop(size: f64) -> Attempt {
-        Attempt { size, last: true, grow: true }
+        Attempt { size, last: true, grow: true, grow_short: false }
+    }
+
+    /// Returns the attempt after this answer about a short step.
+    pub fn instead_of(self, short: ShortStepTo) -> Attempt {
+        Attempt { grow_short: short == ShortStepTo::NotYet, ..self }
     }
 }
 
@@ -86,7 +93,7 @@ impl Attempt {
 pub enum ShortStepTo {
     /// A short step ends at the stop.
     Stop,
-    /// The stop is near enough, but shorter steps were rejected; see [`StepControl::grow_short`].
+    /// The stop is near enough, but shorter steps were rejected.
     NotYet,
     /// The stop is too far away.
     TooFar,
@@ -113,12 +120,6 @@ impl StepControl {
         }
     }
 
-    /// Raises the size up to which short steps are tried.
-    #[inline]
-    pub fn grow_short(&mut self) {
-        self.short_size *= SHORT_GROWTH;
-    }
-
     /// Records a rejected short step of `size`; `factor` is the [`short_factor`] of its error.
     #[inline]
     pub fn reject_short(&mut self, size: f64, factor: f64) {
@@ -129,19 +130,22 @@ impl StepControl {
     /// and `longest`, so that no tiny step is left before the stop.
     pub fn attempt(&self, remaining: f64, longest: f64, shortest: f64) -> Attempt {
         let steps = (remaining / self.size.min(longest).max(shortest)).ceil().max(1.0);
-        Attempt { size: remaining / steps, last: steps == 1.0, grow: true }
+        Attempt { size: remaining / steps, last: steps == 1.0, grow: true, grow_short: false }
     }
 
     /// Records an accepted step; `factor` is the [`size_factor`] of its error.
     pub fn accept(&mut self, attempt: &Attempt, factor: f64, longest: f64) {
         let proposal = if attempt.grow { attempt.size * factor } else { attempt.size * factor.min(1.0) };
         self.size = if factor < 1.0 { proposal } else { self.size.min(longest).max(proposal) };
+        if attempt.grow_short {
+            self.short_size *= SHORT_GROWTH;
+        }
     }
 
     /// Records a rejected step and returns the next attempt, after which the size does not grow.
     pub fn reject(&mut self, attempt: &Attempt, factor: f64) -> Attempt {
         self.size = attempt.size * factor;
-        Attempt { size: self.size, last: false, grow: false }
+        Attempt { size: self.size, last: false, grow: false, ..*attempt }
     }
 
     /// Sets the size of the next step, regardless of earlier errors.

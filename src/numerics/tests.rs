@@ -200,7 +200,8 @@ fn short_steps_are_tried_where_they_may_succeed() {
         assert_eq!(tried(&control, part * near * (1.0 + 1e-9)), ShortStepTo::NotYet);
         let mut waits = 0;
         while tried(&control, near) == ShortStepTo::NotYet {
-            control.grow_short();
+            let longer = control.attempt(near, longest, 0.0).instead_of(ShortStepTo::NotYet);
+            control.accept(&longer, 1.0, longest);
             waits += 1;
         }
         assert_eq!(f64::from(waits), (-f64::ln(part) / f64::ln(1.1)).ceil());

@@ -3,11 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints;
-use crate::excitation::{Excitation, Forcing, Inputs};
-use crate::simulation::Simulation;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::EventKind;
-use crate::system::forces::{self, energy};
+use crate::system::forces;
 
 /// Energy sums since the start, per unit mass (m²/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -123,16 +121,13 @@ pub(super) fn powers(now: &Evaluation) -> [f64; WORKS] {
     forces::joined::<_, 2, { forces::DISSIPATIVE }, WORKS>(powers, now.dissipated()).map(|power| power * now.block.mass)
 }
 
-impl Simulation {
-    /// Energies and their sums now (J).
-    pub fn energies(&self) -> Energies {
-        let (block, excitation) = (self.block(), Excitation::none());
-        let now = self.now(block, &excitation);
-        let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.instant);
-        let EnergySums { initial, input, dashpots, friction, restraints, impacts, constraint } = self.sums;
+impl EnergySums {
+    /// The energies (J) of a block of this mass (kg), from its kinetic and potential energy per unit mass (m²/s²).
+    pub(super) fn energies(&self, (kinetic, potential): (f64, f64), mass: f64) -> Energies {
+        let &EnergySums { initial, input, dashpots, friction, restraints, impacts, constraint } = self;
         let [kinetic, potential, initial, input, dashpots, friction, impacts, constraint] =
-            [kinetic, potential, initial, input, dashpots, friction, impacts, constraint].map(|part| part * block.mass);
-        let restraints = restraints.map(|part| part * block.mass);
+            [kinetic, potential, initial, input, dashpots, friction, impacts, constraint].map(|part| part * mass);
+        let restraints = restraints.map(|part| part * mass);
         let total = kinetic + potential;
         Energies {
             total,
@@ -146,18 +141,5 @@ impl Simulation {
             constraint,
             residual: restraints.added_to(total - initial - input + dashpots + friction) + impacts,
         }
-    }
-
-    /// Rates at which the energies and their sums change now (W).
-    pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
-        if self.is_frozen() {
-            return Energies::default();
-        }
-        self.shown(inputs, |now| {
-            let block = now.block;
-            let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
-            let [kinetic, potential] = [kinetic.eps, potential.eps].map(|part| part * block.mass);
-            Energies::changing(kinetic, potential, powers(now))
-        })
     }
 }

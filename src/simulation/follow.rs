@@ -5,19 +5,18 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use crate::block::{Block, Foundation, Regime};
-use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::excitation::{Excitation, Inputs};
 use crate::numerics::State;
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
 use crate::numerics::gradient::{MultiDual, SoaDuals};
 use crate::numerics::repeat::{self, StateRate, StepForm};
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::numerics::wide::{DirectionsTask, Number, Packed, with_directions};
-use crate::simulation::smooth_piece::SmoothPiece;
-use crate::simulation::smooth_piece::{MAX_STEPS, StepStart};
-use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
-use crate::system::System;
+use crate::simulation::SimulationError;
+use crate::simulation::state::{Pending, Simulation};
+use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Event, EventFunction};
+use crate::system::events::EventFunction;
 use crate::system::instant::{Footing, Pose};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
 use crate::system::swing::Swing;
@@ -103,11 +102,19 @@ impl Steps {
             return Ok(None);
         }
         let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &simulation.system.block);
-        let start = StepStart { of_piece: std::mem::take(&mut self.begins), short_failed: false, attempt: None };
         let (system, swing) = (Arc::clone(&simulation.system), Cell::new(None));
-        let piece = SmoothPiece::new(&system.block, &excitation, time, [self.stop; 2], AtEvent::Stop);
-        let piece = SmoothPiece { single: true, swing: Some(&swing), ..piece };
-        simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
+        let input = StepsInput {
+            begins_piece: std::mem::take(&mut self.begins),
+            single: true,
+            swing: Some(&swing),
+            ..StepsInput::of_piece(&system.block, &excitation, [self.stop; 2])
+        };
+        let reached = match simulation.steps(&input, &mut self.budget) {
+            Ok(StepsOutcome::Event(function, _)) => Some(function),
+            Ok(StepsOutcome::Lasts) => None,
+            Err(error) => return Err(error),
+        };
+        simulation.pending = reached.map(|function| Pending { function, piece: time });
         let evaluations = simulation.counts.evaluations - counts.evaluations;
         if simulation.pose.time == time {
             self.kind = StepKind::Stayed;
@@ -120,68 +127,36 @@ impl Steps {
         } else {
             self.kind = StepKind::Step;
         }
-        let fall = simulation.pending.map(|Pending { function, .. }| simulation.fall(function, &excitation));
-        Ok(Some((&self.kind, fall)))
+        let event = reached.map(|function| reached_event(simulation, function, &excitation));
+        Ok(Some((&self.kind, event)))
     }
 }
 
-impl Simulation {
-    /// Lets time pass to `until` (s) if the block is held; only steps take any other block there.
-    pub fn wait(&mut self, until: f64) {
-        if self.is_frozen() {
-            self.pose.time = until;
-        }
+/// The event that a function of a run has reached now.
+fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &Excitation) -> ReachedEvent {
+    // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
+    const DEPTH: f64 = 1e4;
+    // Part of the fastest period over which the rate is compared.
+    const NEAR: f64 = 1e-4;
+    let Simulation { system, pose, .. } = simulation;
+    let block = &system.block;
+    let rate = |pose: &Pose| {
+        let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
+        (function.sample(&now).rate, now)
+    };
+    let (first, now) = rate(pose);
+    let duration = NEAR / block.omega_v.max(block.p);
+    let x = &now.instant;
+    let mut later = *pose;
+    later.time += duration;
+    later.state = later.state + now.rate.state * duration;
+    if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut later.footing {
+        (*u, *u_dot) = (*u + x.u_dot * duration, *u_dot + x.u_ddot * duration);
     }
-
-    /// Applies the event at which a step has ended, as [`Simulation::settle`] does, and returns the rates right after it, if there is one.
-    pub fn settle_with_rates(
-        &mut self,
-        inputs: &Inputs,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<Option<Rates>, SimulationError> {
-        self.apply_pending(inputs, observer, Rates::of)
-    }
-
-    /// The event that this function has reached now.
-    fn fall(&self, function: EventFunction, excitation: &Excitation) -> ReachedEvent {
-        // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
-        const DEPTH: f64 = 1e4;
-        // Part of the fastest period over which the rate is compared.
-        const NEAR: f64 = 1e-4;
-        let block = &self.system.block;
-        let rate = |pose: &Pose| {
-            let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
-            (function.sample(&now).rate, now)
-        };
-        let (first, now) = rate(&self.pose);
-        let duration = NEAR / block.omega_v.max(block.p);
-        let x = &now.instant;
-        let mut later = self.pose;
-        later.time += duration;
-        later.state = later.state + now.rate.state * duration;
-        if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut later.footing {
-            (*u, *u_dot) = (*u + x.u_dot * duration, *u_dot + x.u_ddot * duration);
-        }
-        let curvature = (rate(&later).0 - first) / duration;
-        // It falls as `first t + curvature t²/2`.
-        let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * function.rounding(block);
-        ReachedEvent { function, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
-    }
-
-    /// The block now.
-    pub fn pose(&self) -> &Pose {
-        &self.pose
-    }
-
-    /// The block and the rules by which it moves.
-    pub fn system(&self) -> &System {
-        &self.system
-    }
-
-    /// The pulse.
-    pub fn pulse(&self) -> &Pulse {
-        &self.pulse
-    }
+    let curvature = (rate(&later).0 - first) / duration;
+    // It falls as `first t + curvature t²/2`.
+    let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * function.rounding(block);
+    ReachedEvent { function, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
 }
 
 /// The numbers of states under modes that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.

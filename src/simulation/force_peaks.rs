@@ -1,30 +1,17 @@
-//! A swing, or a step at rest on the rigid base → the peaks of N, H and the friction demand in it, and the lift-off of the corner.
+//! Forces over a part of a step on the rigid base → the peaks of N, H and the friction demand in it: one search for a run and for lanes.
 
-use crate::block::Block;
-use crate::excitation::Excitation;
 use crate::numerics::Real;
-use crate::numerics::bernstein::{DEGREE, Pair, Zero};
-use crate::simulation::Simulation;
+use crate::numerics::bernstein::{DEGREE, Pair, Row};
+use crate::numerics::scalar::greatest;
 use crate::simulation::outputs::{MAX_FRICTION_DEMAND, Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
-use crate::system::swing::{Bounds, Pivoting, Swing};
 
 /// The least reaction, as a part of the weight, above which a corner is pressed on in spite of the series' error.
 pub(super) const PRESSED: f64 = 1e-6;
 
 /// A limit of the search for a peak of the friction demand, which takes two or three rounds.
-pub(super) const MAX_ROUNDS: u32 = 8;
-
-/// Whether bounds show that the corner is pressed on all the time, and that no force exceeds its peak.
-#[inline]
-pub(super) fn is_below_peaks(bounds: &Bounds, block: &Block, peaks: &Peaks) -> bool {
-    let [least, most] = bounds.reaction;
-    least > PRESSED * block.gravity
-        && most * block.mass < peaks.reaction
-        && bounds.horizontal * block.mass < peaks.horizontal
-        && bounds.horizontal < peaks.friction_demand * least
-}
+const MAX_ROUNDS: u32 = 8;
 
 /// The least part of a peak that a force must reach to be searched for.
 pub(super) fn visible(tolerance: f64) -> f64 {
@@ -35,121 +22,268 @@ pub(super) fn visible(tolerance: f64) -> f64 {
 
 /// The friction demand of N/M and H/M (m/s²).
 #[inline(always)]
-pub(super) fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
+fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
     T::select_less(h.abs(), n * MAX_FRICTION_DEMAND, h.abs() / n, T::from(MAX_FRICTION_DEMAND))
 }
 
-/// The linear combination of two polynomials that is one of them.
-pub(super) fn unit(i: usize) -> [f64; 2] {
-    if i == 0 { [1.0, 0.0] } else { [0.0, 1.0] }
+/// The linear combinations of two polynomials that are one of them.
+pub(super) const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+/// Some of the runs in lanes, or whether it is a single run.
+pub(super) trait Runs<R>: Copy {
+    /// The runs in which one number is less than another.
+    fn less(one: R, other: R) -> Self;
+    /// The runs in both.
+    fn and(self, other: Self) -> Self;
+    /// The runs in either.
+    fn or(self, other: Self) -> Self;
+    /// These runs without the others.
+    fn except(self, other: Self) -> Self;
+    /// Whether there is one.
+    fn any(self) -> bool;
+    /// One number in these runs, the other elsewhere.
+    fn choose(self, one: R, other: R) -> R;
 }
 
-impl Simulation {
-    /// Includes the forces of an instant in the peaks.
+impl Runs<f64> for bool {
+    #[inline(always)]
+    fn less(one: f64, other: f64) -> bool {
+        one < other
+    }
+
+    #[inline(always)]
+    fn and(self, other: bool) -> bool {
+        self && other
+    }
+
+    #[inline(always)]
+    fn or(self, other: bool) -> bool {
+        self || other
+    }
+
+    #[inline(always)]
+    fn except(self, other: bool) -> bool {
+        self && !other
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+
+    #[inline(always)]
+    fn choose(self, one: f64, other: f64) -> f64 {
+        if self { one } else { other }
+    }
+}
+
+/// The greatest values of combinations of two polynomials.
+pub(super) struct HighestIn<R, S> {
+    /// Their places.
+    pub(super) place: R,
+    /// The runs in which they exceed the given numbers and the values at both ends.
+    pub(super) exceeds: S,
+    /// The runs in which this is known.
+    pub(super) known: S,
+}
+
+/// Two forces per mass (m/s²) over a part of a step, as polynomials on [0, 1].
+pub(super) trait ForcePair {
+    type Number: Real;
+    type Runs: Runs<Self::Number>;
+
+    /// See [`Pair::coefficients`].
+    fn coefficients(&self) -> &Row<[Self::Number; 2]>;
+
+    /// See [`Pair::at`].
+    fn at(&self, place: Self::Number) -> [Self::Number; 2];
+
+    /// See [`Pair::highest`].
+    fn highest(
+        &self,
+        runs: Self::Runs,
+        combination: [Self::Number; 2],
+        most: Self::Number,
+    ) -> HighestIn<Self::Number, Self::Runs>;
+}
+
+impl ForcePair for Pair {
+    type Number = f64;
+    type Runs = bool;
+
+    #[inline(always)]
+    fn coefficients(&self) -> &Row<[f64; 2]> {
+        self.coefficients()
+    }
+
+    #[inline(always)]
+    fn at(&self, place: f64) -> [f64; 2] {
+        self.at(place)
+    }
+
+    #[inline(always)]
+    fn highest(&self, run: bool, combination: [f64; 2], most: f64) -> HighestIn<f64, bool> {
+        let place = if run { self.highest(combination, most) } else { None };
+        HighestIn { place: place.unwrap_or(0.0), exceeds: place.is_some(), known: run }
+    }
+}
+
+/// A part of a step on which forces are searched for peaks.
+pub(super) trait ForceSegment {
+    type Pair: ForcePair;
+
+    /// Includes the forces at a place in some runs, by the equations of motion.
+    fn include_at(&self, peaks: &mut ForcePeaks<NumberOf<Self>>, runs: RunsOf<Self>, place: NumberOf<Self>);
+}
+
+/// The number of a segment.
+pub(super) type NumberOf<G> = <<G as ForceSegment>::Pair as ForcePair>::Number;
+
+/// The runs of a segment.
+pub(super) type RunsOf<G> = <<G as ForceSegment>::Pair as ForcePair>::Runs;
+
+/// Peaks of N (N), H (N) and the friction demand (1).
+#[derive(Clone, Copy)]
+pub(super) struct ForcePeaks<R> {
+    pub(super) reaction: R,
+    pub(super) horizontal: R,
+    pub(super) friction_demand: R,
+    /// The number of evaluations of the equations of motion.
+    pub(super) evaluations: R,
+}
+
+impl<R: Real> ForcePeaks<R> {
+    /// The runs in which bounds of N/M and |H|/M (m/s²) show that the corner is pressed on all the time, and that no force exceeds its peak.
+    #[inline(always)]
+    pub(super) fn are_above<S: Runs<R>>(&self, [least, most]: [R; 2], horizontal: R, [mass, gravity]: [R; 2]) -> S {
+        S::less(gravity * PRESSED, least)
+            .and(S::less(most * mass, self.reaction))
+            .and(S::less(horizontal * mass, self.horizontal))
+            .and(S::less(horizontal, self.friction_demand * least))
+    }
+
+    /// Includes N/M and H/M (m/s²) in some runs.
+    #[inline(always)]
+    pub(super) fn include<S: Runs<R>>(&mut self, runs: S, mass: R, [n, h]: [R; 2]) {
+        self.reaction = runs.choose(greatest(self.reaction, mass * n), self.reaction);
+        self.horizontal = runs.choose(greatest(self.horizontal, mass * h.abs()), self.horizontal);
+        let demand = friction_demand([n, h]);
+        self.friction_demand = runs.choose(greatest(self.friction_demand, demand), self.friction_demand);
+    }
+
+    /// Includes the forces on a segment of some runs, in those `with_end` also the forces at its end. Returns the runs in which all peaks are
+    /// known.
+    #[inline(always)]
+    pub(super) fn raise<G: ForceSegment>(
+        &mut self,
+        runs: RunsOf<G>,
+        segment: &G,
+        forces: &G::Pair,
+        [mass, visible]: [R; 2],
+        with_end: RunsOf<G>,
+    ) -> RunsOf<G>
+    where
+        G::Pair: ForcePair<Number = R>,
+    {
+        let coefficients = forces.coefficients();
+        self.include(runs, mass, coefficients[0]);
+        let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
+        let mut exceeds = runs.except(runs);
+        let mut exceeds_at_end = exceeds;
+        for &[n, h] in coefficients {
+            exceeds_at_end = <RunsOf<G>>::less(most, n)
+                .or(<RunsOf<G>>::less(steepest, h.abs()))
+                .or(<RunsOf<G>>::less(demand * n, h.abs()));
+            exceeds = exceeds.or(exceeds_at_end);
+        }
+        let exceeds = exceeds.and(runs);
+        if !exceeds.any() {
+            return runs;
+        }
+        segment.include_at(self, exceeds.and(exceeds_at_end).and(with_end), R::from(1.0));
+        let n = [R::from(1.0), R::from(0.0)];
+        runs.except(exceeds.except(self.search(exceeds, segment, &[(forces, n)], forces, [mass, visible])))
+    }
+
+    /// Includes the forces at the places in some runs at which one of the `reactions`/M, H/M or the friction demand exceeds its peak and its
+    /// values at both ends. `resultant` is the sum of the reactions, and H/M. Returns the runs in which all of these places are known.
+    #[inline(always)]
+    pub(super) fn search<G: ForceSegment>(
+        &mut self,
+        runs: RunsOf<G>,
+        segment: &G,
+        reactions: &[(&G::Pair, [R; 2])],
+        resultant: &G::Pair,
+        [mass, visible]: [R; 2],
+    ) -> RunsOf<G>
+    where
+        G::Pair: ForcePair<Number = R>,
+    {
+        let (zero, one, per_mass) = (R::from(0.0), R::from(1.0), visible / mass);
+        let mut searched = runs;
+        for (pair, reaction) in reactions {
+            let HighestIn { place, exceeds, known } = pair.highest(searched, *reaction, per_mass * self.reaction);
+            searched = searched.and(known);
+            segment.include_at(self, exceeds, place);
+        }
+        // The end may not have been included.
+        let at_end = friction_demand(resultant.coefficients()[DEGREE]);
+        for side in [one, -one] {
+            let HighestIn { place, exceeds, known } =
+                resultant.highest(searched, [zero, side], per_mass * self.horizontal);
+            searched = searched.and(known);
+            segment.include_at(self, exceeds, place);
+            // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
+            let mut demand = greatest(self.friction_demand, at_end);
+            let (mut steepest, mut rising, mut found) = (zero, searched, searched.except(searched));
+            for _ in 0..MAX_ROUNDS {
+                let HighestIn { place, exceeds, known } = resultant.highest(rising, [-visible * demand, side], zero);
+                searched = searched.except(rising.except(known));
+                rising = exceeds;
+                if !rising.any() {
+                    break;
+                }
+                found = found.or(rising);
+                steepest = rising.choose(place, steepest);
+                demand = rising.choose(friction_demand(resultant.at(place)), demand);
+            }
+            segment.include_at(self, found, steepest);
+        }
+        searched
+    }
+}
+
+impl ForcePeaks<f64> {
+    /// Includes the forces of an instant.
     pub(super) fn include_forces(&mut self, now: &Evaluation) {
         self.include_strain(&strain(now.block, now.regime, &now.instant, [0.0; 2]));
     }
 
+    /// Includes the forces of a block.
     #[inline]
     pub(super) fn include_strain(&mut self, strain: &Strain<f64>) {
         let &Strain { reaction: [left, right], horizontal, friction_demand, .. } = strain;
-        let Peaks { reaction, horizontal: shear, friction_demand: demand, .. } = &mut self.peaks;
-        *reaction = greater(greater(*reaction, left), right);
-        *shear = greater(*shear, horizontal.abs());
-        *demand = greater(*demand, friction_demand);
+        self.reaction = greater(greater(self.reaction, left), right);
+        self.horizontal = greater(self.horizontal, horizontal.abs());
+        self.friction_demand = greater(self.friction_demand, friction_demand);
     }
+}
 
-    /// Includes N/M and H/M (m/s²) in the peaks.
+impl Peaks {
+    /// The peaks of forces.
     #[inline]
-    fn include_reaction(&mut self, [n, h]: [f64; 2]) {
-        let mass = self.system.block.mass;
-        let Peaks { reaction, horizontal, friction_demand: demand, .. } = &mut self.peaks;
-        *reaction = greater(*reaction, mass * n);
-        *horizontal = greater(*horizontal, mass * h.abs());
-        *demand = greater(*demand, friction_demand([n, h]));
+    pub(super) fn of_forces(&self) -> ForcePeaks<f64> {
+        let Peaks { reaction, horizontal, friction_demand, .. } = *self;
+        ForcePeaks { reaction, horizontal, friction_demand, evaluations: 0.0 }
     }
 
-    /// Includes N, H and the friction demand up to a part of a swing in the peaks. Returns the part at which the corner lifts if that comes
-    /// before.
-    ///
-    /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
-    #[inline(never)]
-    pub(super) fn accumulate_forces(
-        &mut self,
-        excitation: &Excitation,
-        pivoting: &Pivoting,
-        swing: &Swing,
-        mut part: f64,
-        next_is_swing: bool,
-    ) -> Zero {
-        let (time, pressed) = (self.pose.time, PRESSED * pivoting.gravity);
-        let forces_at = |part: f64| pivoting.forces(swing.at(part), &excitation.at(time + part * swing.size));
-        let mut lift_off = Zero::None;
-        let mut forces = swing.forces(part, pivoting.gravity);
-        if !forces.coefficients().iter().all(|&[n, _]| n > pressed) {
-            if forces.coefficients()[0][0] <= pressed {
-                return Zero::Unclear;
-            }
-            match forces.combined(unit(0)).zero_of(|place| forces_at(place * part)[0]) {
-                Zero::None => {}
-                Zero::At(place) => {
-                    part *= place;
-                    lift_off = Zero::At(part);
-                    forces = swing.forces(part, pivoting.gravity);
-                }
-                Zero::Unclear => return Zero::Unclear,
-            }
-        }
-        let coefficients = forces.coefficients();
-        self.include_reaction(coefficients[0]);
-        let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let mass = self.system.block.mass;
-        let (most, steepest) = (reaction / mass, horizontal / mass);
-        let is_below = |&[n, h]: &[f64; 2]| n <= most && h.abs() <= steepest.min(friction_demand * n);
-        if coefficients.iter().all(is_below) {
-            return lift_off;
-        }
-        if (lift_off != Zero::None || !next_is_swing) && !is_below(&coefficients[DEGREE]) {
-            self.counts.evaluations += 1;
-            self.include_reaction(forces_at(part));
-        }
-        self.search_peaks(&[(&forces, unit(0))], &forces, |this, place| {
-            this.counts.evaluations += 1;
-            this.include_reaction(forces_at(place * part));
-        });
-        lift_off
-    }
-
-    /// Finds the places at which one of the `reactions`/M, H/M or the friction demand exceeds its peak and its values at both ends, and
-    /// passes them to `include`, which raises the peaks. `resultant` is the sum of the reactions, and H/M.
-    pub(super) fn search_peaks(
-        &mut self,
-        reactions: &[(&Pair, [f64; 2])],
-        resultant: &Pair,
-        include: impl Fn(&mut Simulation, f64),
-    ) {
-        let visible = visible(self.settings.tolerance);
-        let per_mass = visible / self.system.block.mass;
-        for (pair, reaction) in reactions {
-            if let Some(place) = pair.highest(*reaction, per_mass * self.peaks.reaction) {
-                include(self, place);
-            }
-        }
-        // The end may not have been included.
-        let at_end = friction_demand(resultant.coefficients()[DEGREE]);
-        for side in [1.0, -1.0] {
-            if let Some(place) = resultant.highest([0.0, side], per_mass * self.peaks.horizontal) {
-                include(self, place);
-            }
-            // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
-            let (mut demand, mut steepest) = (greater(self.peaks.friction_demand, at_end), None);
-            for _ in 0..MAX_ROUNDS {
-                let Some(place) = resultant.highest([-visible * demand, side], 0.0) else { break };
-                (demand, steepest) = (friction_demand(resultant.at(place)), Some(place));
-            }
-            if let Some(place) = steepest {
-                include(self, place);
-            }
-        }
+    /// Raises the peaks of forces, and returns the number of evaluations of the equations of motion.
+    #[inline]
+    pub(super) fn raise_forces(&mut self, raise: impl FnOnce(&mut ForcePeaks<f64>)) -> u64 {
+        let mut forces = self.of_forces();
+        raise(&mut forces);
+        let ForcePeaks { reaction, horizontal, friction_demand, evaluations } = forces;
+        (self.reaction, self.horizontal, self.friction_demand) = (reaction, horizontal, friction_demand);
+        evaluations as u64
     }
 }

@@ -4,10 +4,11 @@ use crate::block::{Block, Foundation, Regime};
 use crate::excitation::Excitation;
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::gradient::DirectionalDual;
+use crate::simulation::Energies;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};
-use crate::simulation::{Energies, Initial, Simulation};
 use crate::system::System;
+use crate::system::beginning::Initial;
 use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::forces::energy;
@@ -37,13 +38,13 @@ pub struct InitialDerivatives {
     pub peaks: Peaks,
 }
 
-impl Simulation {
-    /// Derivatives of the beginning in the direction of `start`, whose values are those from which this block has begun.
+impl Start {
+    /// Derivatives of the beginning in this direction, of a block that moves by the rules of `system`, or `is_frozen`.
     ///
     /// The regimes are those through which the block goes: where one of them begins or ends, the derivative is that of the
     /// side on which the block is.
-    pub fn initial_sensitivity(&self, Start { block, initial, excitation, time }: &Start) -> InitialDerivatives {
-        let System { flies, slowest, .. } = *self.system;
+    pub(super) fn derivatives(&self, &System { flies, slowest, .. }: &System, is_frozen: bool) -> InitialDerivatives {
+        let Start { block, initial, excitation, time } = self;
         let system = System { block: *block, flies, slowest };
         let at = |pose: &Pose<DirectionalDual>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
         let pose = system.beginning(initial, *time, excitation);
@@ -62,7 +63,7 @@ impl Simulation {
             plastic: seen.restraints.map(|restraint| of_size(restraint.plastic)),
             ..channels(&seen).peak_sensitivity()
         };
-        let seen = if self.is_frozen() { seen.without_motion() } else { seen };
+        let seen = if is_frozen { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);
         let energies = Energies { total: kinetic + potential, kinetic, potential, ..Energies::default() };

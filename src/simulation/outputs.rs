@@ -1,14 +1,13 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
-use crate::block::restraints::{self, ObservedRestraint, States};
+use crate::block::restraints::{self, ObservedRestraint};
 use crate::block::{Block, Corner, Regime};
-use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
+use crate::excitation::Forcing;
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Scalar};
-use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::instant;
-use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::evaluation::Evaluation;
 use crate::system::forces;
 use crate::system::instant::Instant;
 
@@ -243,93 +242,5 @@ impl Evaluation<'_> {
         let x = instant(self.block, self.regime, state, footing, forcing);
         let support_heights = self.support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         observe(self.block, self.regime, &x, support_heights, forcing)
-    }
-}
-
-impl Simulation {
-    /// Whether the run has ended and the block is held: nothing moves, and no support bears it.
-    pub fn is_frozen(&self) -> bool {
-        match self.ending {
-            None => false,
-            Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
-            Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
-        }
-    }
-
-    /// The states of the restraints.
-    pub fn restraints(&self) -> States {
-        self.pose.restraints
-    }
-
-    /// The plastic elongations of the restraints (m), by their numbers, positive for longer ones.
-    pub fn plastic_elongations(&self) -> [f64; restraints::MAX] {
-        self.now(self.block(), &Excitation::none()).plastic_elongations()
-    }
-
-    /// The energy that a restraint with this number has lost by yielding since the start (J), up to the last step: its yield force times the
-    /// path of its plastic elongation.
-    pub fn plastic_work(&self, number: usize) -> f64 {
-        self.plastic_paths[number] * restraints::yield_force(self.block(), number)
-    }
-
-    /// Includes the plastic elongations of a step.
-    pub(super) fn accumulate_plastic(&mut self, here: &Evaluation, there: &Evaluation) {
-        if here.forcing.restraints.plastic.is_some() {
-            let [before, after] = [here, there].map(Evaluation::plastic_elongations);
-            for ((path, before), after) in self.plastic_paths.iter_mut().zip(before).zip(after) {
-                *path += (after - before).abs();
-            }
-            self.peaks.include_plastic(&after);
-        }
-    }
-
-    /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has
-    /// lifted. The next step counts that event.
-    pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
-        let seen = self.shown(inputs, |now| now.observe());
-        if self.is_frozen() { seen.frozen() } else { seen }
-    }
-
-    /// Whether the foot slides right after these inputs have begun to act. The next step counts the event.
-    pub fn slides_under(&self, inputs: &Inputs) -> bool {
-        let slides = |now: &Evaluation| !now.footing.grips() && now.regime != Regime::Separated;
-        !self.is_frozen() && self.shown(inputs, slides)
-    }
-
-    /// [`Simulation::observe`] with the exact rates of change along the motion in the dual parts.
-    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
-        let seen = self.shown(inputs, |now| now.observe_rates());
-        if self.is_frozen() { seen.frozen() } else { seen }
-    }
-
-    /// [`Simulation::observe`] with exact derivatives in the dual parts, in the direction whose components are the values of
-    /// `direction` and `time`. State and regime are kept.
-    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
-        let time = if self.ending.is_some() { 0.0 } else { time };
-        let direction = self.direction(direction, time);
-        let seen = self.shown(inputs, |now| now.observe_direction(direction, time));
-        if self.is_frozen() { seen.frozen() } else { seen }
-    }
-
-    /// The change of the forcing in the direction of these inputs, and of time by the pulse.
-    pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
-        let block = self.block();
-        let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
-        let pulse = Excitation::from_time(self.piece_time(), &Inputs::default(), &self.pulse, block);
-        Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
-    }
-
-    /// Passes the block right after these inputs have begun to act to `inspect`.
-    pub(super) fn shown<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
-        let (Simulation { system, pose, .. }, block) = (self, self.block());
-        let excitation = self.excitation(inputs);
-        let mut now = self.now(block, &excitation);
-        if let Some((_, ended)) = self.ending {
-            // Under a block that is held the supports are, too.
-            now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
-        } else if let Some(released) = system.released(pose, &now) {
-            now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
-        }
-        inspect(&now)
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, restraints};
+use crate::block::{Block, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -208,6 +208,27 @@ impl Peaks {
         });
     }
 
+    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
+    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
+    /// part of that, and are zero elsewhere.
+    #[inline(always)]
+    pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
+        let Block { mass, foundation, .. } = *here.block;
+        let Peaks { reaction, horizontal, friction_demand, .. } = *self;
+        let close = |now: &Evaluation| {
+            let [left, right] = now.instant.reaction;
+            let shear = mass * now.instant.horizontal.abs();
+            shear > near * horizontal
+                || shear > near * friction_demand * mass * (left + right)
+                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
+        };
+        if close(here) || close(there) {
+            [here.channels_called(), there.channels_called()]
+        } else {
+            [here.cheap_channels(), there.cheap_channels()]
+        }
+    }
+
     /// The rate at which a peak rises: with a value that stands at it and grows.
     pub fn rate(&self, channel: Channel, now: &Channels) -> f64 {
         // The value at the step's last instant and the observed one are the same number up to rounding.
@@ -271,7 +292,7 @@ where
 {
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]
-    pub fn channels_inlined(&self) -> Channels<R> {
+    pub fn channels(&self) -> Channels<R> {
         let [left, right] = self.support_heights;
         let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         let x = self.with_rates(self.forcing_rate());
@@ -318,9 +339,9 @@ where
 }
 
 impl Evaluation<'_> {
-    /// [`Evaluation::channels_inlined`], not inlined.
+    /// [`Evaluation::channels`] without inlining.
     #[inline(never)]
-    pub fn channels(&self) -> Channels {
-        self.channels_inlined()
+    pub fn channels_called(&self) -> Channels {
+        self.channels()
     }
 }

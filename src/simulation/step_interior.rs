@@ -4,7 +4,7 @@ use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
 use crate::numerics::roots::{self, Sample};
-use crate::simulation::peaks::{Channel, Channels};
+use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{EventFunction, extended_event_functions, landing, lift_off, quarter_turn, watched};
 use crate::system::instant::{Powers, State};
@@ -145,7 +145,7 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let sample = |elapsed| function.sample(&inside.at(elapsed));
+        let sample = |elapsed| function.sample(&inside.at_called(elapsed));
         let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
@@ -154,6 +154,15 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         }
     }
     first
+}
+
+/// The time (s) of an event, `elapsed` seconds after another.
+///
+/// A landing after less than the clock resolves is at the next time of the clock: in the same instant the base or a support that only
+/// pulls there would lift the block again, and again.
+pub(super) fn event_time(function: EventFunction, time: f64, elapsed: f64) -> f64 {
+    let lands = matches!(function, EventFunction::Gap(_));
+    if lands && elapsed > 0.0 { (time + elapsed).max(time.next_up()) } else { time + elapsed }
 }
 
 /// The motion between the ends of a step.
@@ -223,19 +232,19 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             | EventFunction::Friction(_)
             | EventFunction::Speed
             | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => function.sample(&self.at(elapsed)),
+            | EventFunction::Restraint(_) => function.sample(&self.at_called(elapsed)),
         }
     }
 
     #[inline(never)]
     fn reaction(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at_inlined(elapsed);
+        let now = self.at(elapsed);
         lift_off::on_support(now.block, &now.instant, corner)
     }
 
     #[inline(never)]
     fn gap(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at_inlined(elapsed);
+        let now = self.at(elapsed);
         landing::gap(&now.instant, now.support_heights, corner)
     }
 
@@ -252,7 +261,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             }
             Channel::Uplift if self.is_on_supports() => self.uplift(elapsed),
             Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
-                self.at(elapsed).channels()
+                self.at_called(elapsed).channels_called()
             }
         };
         channels.candidates()[number].1
@@ -261,15 +270,26 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     /// The channels that are forces or their ratio, and zeros.
     #[inline(never)]
     fn forces(&mut self, elapsed: f64) -> Channels {
-        let Channels { reaction, horizontal, friction_demand, .. } = self.at_inlined(elapsed).channels_inlined();
+        let Channels { reaction, horizontal, friction_demand, .. } = self.at(elapsed).channels();
         Channels { reaction, horizontal, friction_demand, ..Channels::default() }
     }
 
     /// The heights of the corners above their supports, and zeros.
     #[inline(never)]
     fn uplift(&mut self, elapsed: f64) -> Channels {
-        let Channels { uplift, .. } = self.at_inlined(elapsed).channels_inlined();
+        let Channels { uplift, .. } = self.at(elapsed).channels();
         Channels { uplift, ..Channels::default() }
+    }
+
+    /// Includes the peaks of the motion from `here` to `there`, which begins with the step; see [`Peaks::channels_at_ends`].
+    #[inline(always)]
+    pub(super) fn include_in(&mut self, peaks: &mut Peaks, here: &Evaluation, there: &Evaluation, near: f64) {
+        let duration = there.time - here.time;
+        if duration <= 0.0 {
+            return;
+        }
+        let [start, end] = peaks.channels_at_ends(here, there, near);
+        peaks.include_step(&start, &end, duration, |channel, number, elapsed| self.candidate(channel, number, elapsed));
     }
 
     /// The works from the beginning of the step to `elapsed`.
@@ -282,12 +302,12 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
-    pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
-        self.at_inlined(elapsed)
+    pub(super) fn at_called(&mut self, elapsed: f64) -> Evaluation<'a> {
+        self.at(elapsed)
     }
 
     #[inline(always)]
-    fn at_inlined(&mut self, elapsed: f64) -> Evaluation<'a> {
+    fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
         let start = match self.between {
             Between::Swing(start, _) => start,
             Between::Known(_) | Between::Within(..) => self.dense().time,

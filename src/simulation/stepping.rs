@@ -1,119 +1,131 @@
 //! Steps of a smooth piece of the excitation → the first event in each, peaks and energy sums.
 
-use crate::block::{Block, Foundation, Regime, restraints};
-use crate::numerics::control::{
-    Attempt, LONGEST, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor,
-};
+use crate::block::{Foundation, Regime};
+use crate::numerics::control::{Attempt, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor};
 use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
-use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
-use crate::simulation::step_end::{Finished, StepEnd};
-use crate::simulation::step_interior::{Between, MAX_TURN, SMALL_TURN, StepInterior, may_hold_event, turn_in_flight};
-use crate::simulation::{Pending, Simulation, SimulationError};
+use crate::simulation::limits::Limits;
+use crate::simulation::peaks::greater;
+use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
+use crate::simulation::step_interior::{
+    Between, EventCrossing, MAX_TURN, SMALL_TURN, StepInterior, event_time, first_event, may_hold_event, turn_in_flight,
+};
+use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::{DAMPED, EXTENDED, Evaluation, Motion};
-use crate::system::events::{Event, EventFunction};
+use crate::system::events::EventFunction;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
 
-/// Limits of a step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits<const N: usize = 4> {
-    /// Reciprocals of the errors that a step may make in each component of the state.
-    pub(super) weights: State<f64, N>,
-    /// The reciprocal of the error that a step may make in each of the works.
-    pub(super) work_weight: f64,
+/// The end of a step without events.
+pub(super) struct StepEnd<const N: usize> {
+    /// The state there.
+    pub(super) state: State<f64, N>,
+    /// The works on the way, per unit mass.
+    pub(super) work: Powers,
     /// The longest step (s).
     pub(super) longest: f64,
-    /// The part of the error of other steps that a short step may make.
-    pub(super) short_fraction: f64,
 }
 
-/// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
-/// of the error of others, in the motion and in the works, unless the tolerance is loose.
-const SHORT_FRACTION: f64 = 0.1;
+/// The result of a step.
+pub(super) enum Finished {
+    /// Nothing: a function that begins at zero rises unseen within it. A step of this size (s) is to be tried.
+    TooLong(f64),
+    /// The event function has reached zero.
+    Event(EventFunction),
+    /// The block has come to the end of the step.
+    Lasts,
+}
 
-/// The smallest loose tolerance: from it on a short step may make the whole error.
-const LOOSE: f64 = 1e-6;
+/// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
+const SHORTENED: f64 = 0.125;
+
+/// The part of the longest step below which such a rise is taken for none: the fall is placed at the end of the step.
+const SHORTEST_RISE: f64 = 1e-10;
+
+/// The part of a step that the clock resolves where a shorter one is tried.
+const MIN_SHORTENED: f64 = 1e-2;
 
 impl Simulation {
-    /// Steps under the present mode to the end of the piece, or of the mode. The first one is `accepted`, if that is already known.
+    /// Steps under the present mode to the end of the piece or of the mode, or to the first event.
     #[inline(always)]
-    pub(super) fn steps(
+    pub(super) fn steps<'a>(
         &mut self,
-        piece: &SmoothPiece,
-        start: StepStart,
-        accepted: Option<&DenseStep>,
+        input: &StepsInput<'a>,
         budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let mode = AnyMode::of(piece.block, &self.pose);
+    ) -> Result<StepsOutcome<'a>, SimulationError> {
+        let mode = AnyMode::of(input.block, &self.pose);
         match mode.extended() {
-            Some(mode) if piece.block.restraints.has_dampers() => {
-                self.steps_under::<DAMPED>(mode, piece, start, None, budget, observer)
+            Some(mode) if input.block.restraints.has_dampers() => self.steps_under::<DAMPED>(mode, input, None, budget),
+            Some(mode) => self.steps_under::<EXTENDED>(mode, input, None, budget),
+            None => {
+                let made = if let FirstStep::Made(step) = input.first { Some(step) } else { None };
+                dispatch_mode!(mode, mode => self.steps_under::<4>(mode, input, made, budget))
             }
-            Some(mode) => self.steps_under::<EXTENDED>(mode, piece, start, None, budget, observer),
-            None => dispatch_mode!(mode, mode => self.steps_under::<4>(mode, piece, start, accepted, budget, observer)),
         }
     }
 
-    /// Steps under a mode that integrates N quantities.
+    /// Steps under a mode that integrates N quantities. The first step is `made`, if a lane has taken it.
     #[inline(never)]
-    fn steps_under<const N: usize>(
+    fn steps_under<'a, const N: usize>(
         &mut self,
         mode: impl MotionMode,
-        piece: &SmoothPiece,
-        start: StepStart,
-        mut accepted: Option<&DenseStep<N>>,
+        input: &StepsInput<'a>,
+        mut made: Option<&DenseStep<N>>,
         budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let &SmoothPiece { block, excitation, stop, .. } = piece;
+    ) -> Result<StepsOutcome<'a>, SimulationError> {
+        let &StepsInput { block, excitation, stop, .. } = input;
         if let Some(pivot) = mode.pivot()
             && excitation.has_series()
         {
-            return self.swings(mode, pivot, piece, start, budget, observer);
+            return self.swings(mode, pivot, input, budget);
         }
         let steady = excitation.is_constant();
-        if mode.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(mode, piece, budget)? {
-            return Ok(());
+        if mode.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(mode, input, budget)? {
+            return Ok(StepsOutcome::Lasts);
         }
         // After an event the block is evaluated once more, which is not counted, rather than copied.
         let start_of = |pose: &Pose| Motion::<_, 4>::under(mode, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
         // Reactions of supports do not jump with the excitation.
         let may_have_fallen = mode.foundation() == Foundation::Rigid || mode.has_friction();
-        if start.of_piece
+        if input.begins_piece
             && may_have_fallen
             && let Some(function) = self.system.fallen(&here)
         {
-            return self.apply_or_stop(function, &here, piece, observer);
+            return Ok(StepsOutcome::Event(function, here));
         }
         if mode.is_at_rest()
             && !excitation.is_linear()
             && excitation.has_series()
-            && self.stays_under_pulse(mode, piece, budget, observer)?
+            && let Some(outcome) = self.stays_under_pulse(mode, input, budget)?
         {
-            return Ok(());
+            return Ok(outcome);
         }
-        let limits = self.limits(mode, excitation.frequency());
-        let (mut short_failed, mut attempt) = (start.short_failed, start.attempt);
+        let limits = Limits::of(block, self.settings.tolerance, mode, excitation.frequency());
+        let (mut may_be_short, mut attempt) = match input.first {
+            FirstStep::Open | FirstStep::Swing(_) => (true, None),
+            FirstStep::NotShort | FirstStep::Made(_) => (false, None),
+            FirstStep::Attempt(attempt) => (false, Some(attempt)),
+        };
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
-                self.peaks.include(&here.channels());
-                self.settle_at_rest(piece.end);
-                return Ok(());
+                self.peaks.include(&here.channels_called());
+                self.settle_at_rest(input.end);
+                return Ok(StepsOutcome::Lasts);
             }
-            self.spend(budget, piece, limits.longest)?;
+            input.spend(budget, self.pose.time, limits.longest)?;
             let motion = Motion::<_, N>::under(mode, block, &self.pose, excitation);
-            if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
-                return Ok(());
+            let tries_short = std::mem::replace(&mut may_be_short, true);
+            let short = if tries_short { self.short_step_to(stop, mode, &limits) } else { ShortStepTo::TooFar };
+            if short == ShortStepTo::Stop && self.short_step(stop, &motion, &here, &limits) {
+                return Ok(StepsOutcome::Lasts);
             }
             let own;
-            let step = match accepted.take() {
+            let step = match made.take() {
                 Some(step) => step,
                 None => {
-                    own = self.accepted_step(stop, &motion, &here, &limits, attempt.take())?;
+                    own = self.accepted_step(stop, &motion, &here, &limits, attempt.take(), short)?;
                     &own
                 }
             };
@@ -124,57 +136,31 @@ impl Simulation {
             }
             let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
             let inside = StepInterior { motion, between: Between::Within(step, end_rate), evaluations: 0 };
-            match self.finish(piece, &mut here, there, &end, inside, observer)? {
+            match self.finish(&mut here, there, &end, inside) {
                 Finished::TooLong(size) => {
                     self.control.restart(size);
-                    short_failed = true;
+                    may_be_short = false;
                     continue;
                 }
-                Finished::Left => return Ok(()),
+                Finished::Event(function) => return Ok(StepsOutcome::Event(function, here)),
                 Finished::Lasts => {}
             }
-            if self.pose.time >= stop || piece.single {
-                return Ok(());
+            if self.pose.time >= stop || input.single {
+                return Ok(StepsOutcome::Lasts);
             }
         }
     }
 
-    /// Applies an event, or leaves it pending if the motion stops there.
-    pub(super) fn apply_or_stop(
-        &mut self,
-        function: EventFunction,
-        now: &Evaluation,
-        piece: &SmoothPiece,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        if self.stops(piece.at_event, function, now) {
-            self.pending = Some(Pending { function, piece: piece.since });
-            return Ok(());
+    /// Whether a short step may end at `stop`: of rare modes none does.
+    #[inline(always)]
+    fn short_step_to<const N: usize>(&self, stop: f64, mode: impl MotionMode, limits: &Limits<N>) -> ShortStepTo {
+        if mode.held().is_some() || mode.is_extended() {
+            return ShortStepTo::TooFar;
         }
-        self.apply(function, now, observer).map(|_| ())
+        self.control.short_step(stop - self.pose.time, limits.longest)
     }
 
-    /// Ends the motion of a block at rest under an excitation that does not change; motion below round-off is dropped.
-    fn settle_at_rest(&mut self, stop: f64) {
-        self.pose.time = stop;
-        self.pose.state[1] = 0.0;
-        self.pose.state[3] = 0.0;
-        self.events_in_this_instant = 0;
-    }
-
-    /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
-    #[inline]
-    pub(super) fn commit(&mut self, there: &Evaluation, work: Powers) {
-        self.sums.input += work[0];
-        self.sums.dashpots += work[1];
-        if there.time > self.pose.time {
-            self.events_in_this_instant = 0;
-        }
-        let Evaluation { time, state, footing, .. } = *there;
-        self.pose = Pose { time, state, footing, ..self.pose };
-    }
-
-    /// Takes a short step to `stop` if that is near enough and nothing happens on the way; returns whether it did.
+    /// Takes a short step to `stop` if nothing happens on the way; returns whether it did.
     #[inline(always)]
     fn short_step<'a, L: MotionMode, const N: usize>(
         &mut self,
@@ -184,17 +170,6 @@ impl Simulation {
         limits: &Limits<N>,
     ) -> bool {
         let size = stop - self.pose.time;
-        if motion.mode().held().is_some() || L::EXTENDED {
-            return false;
-        }
-        match self.control.short_step(size, limits.longest) {
-            ShortStepTo::TooFar => return false,
-            ShortStepTo::NotYet => {
-                self.control.grow_short();
-                return false;
-            }
-            ShortStepTo::Stop => {}
-        }
         let step = ShortStep::attempt(here.time, size, motion.state_of(here), motion.rate_of(here), motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
@@ -211,7 +186,7 @@ impl Simulation {
         if may_hold_event(motion.mode(), here, &there) {
             return false;
         }
-        let [start, end] = self.channels_at_ends(here, &there, near_a_peak(size, limits.longest));
+        let [start, end] = self.peaks.channels_at_ends(here, &there, near_a_peak(size, limits.longest));
         if self.peaks.may_rise_inside(&start, &end, size) {
             return false;
         }
@@ -237,11 +212,13 @@ impl Simulation {
         here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits<N>,
         attempt: Option<Attempt>,
+        short: ShortStepTo,
     ) -> Result<DenseStep<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let time = here.time;
         let shortest = shortest(time, stop);
-        let mut attempt = attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest));
+        let mut attempt =
+            attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest).instead_of(short));
         loop {
             let mut step = DenseStep::attempt(time, attempt.size, start, first, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
@@ -272,49 +249,100 @@ impl Simulation {
         }
     }
 
-    /// Limits of a step.
-    ///
-    /// An error counts as an equivalent velocity: a displacement times the circular frequency of its motion, a vertical one
-    /// divided by R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
-    /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
-    /// is at most a third of the shortest period, so that it holds at most one extremum.
+    /// Goes from `here` to the end of a step, or to the first event inside, with the peaks on the way.
     #[inline(always)]
-    pub(super) fn limits<const N: usize>(&self, mode: impl MotionMode, pulse_frequency: f64) -> Limits<N> {
-        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = self.system.block;
-        const OF_WEIGHT: f64 = 10.0;
-        // A block whose foot slides turns about its centre of mass, and friction adds to the moment.
-        let arm = b + eccentricity.abs() + if mode.grips() { 0.0 } else { friction * h };
-        let turning = if mode.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
-        let (rocking, vertical) = match (mode.foundation(), mode.regime()) {
-            (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
-            (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
-            (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
-        };
-        // The greatest rate at which damped motion dies away.
-        let decay = match (mode.foundation(), mode.regime()) {
-            (Foundation::Rigid, _) | (_, Regime::Separated) => 0.0,
-            (_, Regime::FullContact) => 2.0 * xi_v * omega_v * turning.max(1.0),
-            (_, Regime::TiltingLeft | Regime::TiltingRight) => xi_v * omega_v * (1.0 + turning),
-        };
-        let allowed = 1.0 / (self.settings.tolerance * alpha * p);
-        let most = match mode.foundation() {
-            Foundation::Rigid => r0 * alpha * p,
-            // The reaction of one support changes by ω_v ẇ/2 or ξ_v ω_v ẇ, whichever is more, per mass.
-            Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / (omega_v * (2.0 * xi_v).max(1.0))),
-        };
-        let upright = 1.0 / (self.settings.tolerance * most);
-        let across = 1.0 / (self.settings.tolerance * r0 * alpha * p);
-        // The energy of a block that rocks with the velocity of the other weights.
-        let work_weight = allowed / ((i0 + r0 * r0) * alpha * p);
-        let of_motion = [rocking * allowed, allowed, vertical * upright, upright, p * across, across];
-        let weights = State::from(std::array::from_fn(|i| *of_motion.get(i).unwrap_or(&work_weight)));
-        let restrained = if mode.is_extended() { restraints::fastest(&self.system.block) } else { 0.0 };
-        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(restrained);
-        Limits {
-            weights,
-            work_weight,
-            longest,
-            short_fraction: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_FRACTION },
+    pub(super) fn finish<'a, L: MotionMode, const N: usize>(
+        &mut self,
+        here: &mut Evaluation<'a>,
+        mut there: Evaluation<'a>,
+        end: &StepEnd<N>,
+        mut inside: StepInterior<'_, 'a, L, N>,
+    ) -> Finished {
+        let (mode, size) = (inside.motion.mode(), there.time - here.time);
+        let mut event = first_event(here, &there, end.longest, &mut inside);
+        if let Some(EventCrossing { rise_unseen: true, elapsed, .. }) = &mut event {
+            if size > SHORTEST_RISE * end.longest && self.pose.time + MIN_SHORTENED * size > self.pose.time {
+                self.counts.evaluations += inside.evaluations;
+                self.counts.steps -= 1;
+                self.counts.rejected += 1;
+                return Finished::TooLong(SHORTENED * size);
+            }
+            *elapsed = size;
         }
+        let (mut beyond, mut work) = (end.state, end.work);
+        if let Some(EventCrossing { elapsed, function, .. }) = event
+            && elapsed < size
+        {
+            there = inside.at_called(elapsed);
+            there.time = event_time(function, here.time, elapsed);
+            work = inside.work(elapsed);
+            if N > 4 {
+                beyond = inside.state(elapsed);
+            }
+        }
+        let elapsed = event.map_or(size, |fall| fall.elapsed);
+        inside.include_in(&mut self.peaks, here, &there, near_a_peak(elapsed, end.longest));
+        self.counts.evaluations += inside.evaluations;
+        if !mode.grips() {
+            self.accumulate_slip(here, &there);
+        }
+        if N > 4 {
+            self.sums.add(std::array::from_fn(|i| *beyond.0.get(6 + i).unwrap_or(&0.0)));
+            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at_called(elapsed));
+            self.accumulate_plastic(here, &there);
+        } else {
+            work[0] += here.footing.free_work(&there.footing);
+        }
+        self.commit(&there, work);
+        if mode.held().is_some() {
+            // The corner lifts and lands so often that only the energy tells.
+            let dissipated: f64 = beyond.0.iter().skip(6).sum();
+            let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
+            self.sums.constraint += made;
+            self.sums.impacts -= made;
+        }
+        *here = there;
+        event.map_or(Finished::Lasts, |crossing| Finished::Event(crossing.function))
+    }
+
+    /// Includes the plastic elongations of a step.
+    pub(super) fn accumulate_plastic(&mut self, here: &Evaluation, there: &Evaluation) {
+        if here.forcing.restraints.plastic.is_some() {
+            let [before, after] = [here, there].map(Evaluation::plastic_elongations);
+            for ((path, before), after) in self.plastic_paths.iter_mut().zip(before).zip(after) {
+                *path += (after - before).abs();
+            }
+            self.peaks.include_plastic(&after);
+        }
+    }
+
+    /// Includes the slip of the foot in a step.
+    pub(super) fn accumulate_slip(&mut self, here: &Evaluation, there: &Evaluation) {
+        if self.slides() {
+            let path = there.foot_place() - here.foot_place();
+            self.slip.now += path;
+            self.slip.total += path.abs();
+            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
+        }
+    }
+
+    /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
+    #[inline]
+    pub(super) fn commit(&mut self, there: &Evaluation, work: Powers) {
+        self.sums.input += work[0];
+        self.sums.dashpots += work[1];
+        if there.time > self.pose.time {
+            self.events_in_this_instant = 0;
+        }
+        let Evaluation { time, state, footing, .. } = *there;
+        self.pose = Pose { time, state, footing, ..self.pose };
+    }
+
+    /// Ends the motion of a block at rest under an excitation that does not change; motion below round-off is dropped.
+    fn settle_at_rest(&mut self, stop: f64) {
+        self.pose.time = stop;
+        self.pose.state[1] = 0.0;
+        self.pose.state[3] = 0.0;
+        self.events_in_this_instant = 0;
     }
 }

@@ -1,4 +1,9 @@
 //! A pose → the equations of motion at any time while its contacts last, and the quantities that follow from them at one instant.
+//!
+//! # Inlining
+//! Functions between a step and the equations are inlined, so that a mode of its own type leaves out what it does not have, a caller what it
+//! does not read, and vectors stay vectors. A function whose name ends in `_called` is the one copy of another that is never inlined: for rare
+//! modes, or where each further copy would cost more code than time. Nothing else distinguishes the two.
 
 use crate::block::restraints::States;
 use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime};
@@ -8,7 +13,6 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Real, Scalar};
 use crate::numerics::{Equations, Rate, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
-
 use crate::system::forces::{self, energy};
 use crate::system::instant::{Footing, Held, Instant, Pose};
 use crate::system::motion_mode::{AnyMode, MotionMode};
@@ -77,7 +81,7 @@ impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
         Motion::under(AnyMode::of(block, pose), block, pose, excitation)
     }
 
-    /// Evaluates [`Motion::at`] without inlining: with derivatives, each inlined copy would take long to compile.
+    /// Evaluates [`Motion::at`]: with derivatives, each inlined copy would take long to compile.
     #[inline(never)]
     pub fn at_called(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
         self.at(time, state)
@@ -254,19 +258,19 @@ fn first_four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
 impl<L: MotionMode, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
     #[inline(always)]
     fn rate(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        if L::STATIC { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
+        if L::STATIC { self.rate_here(time, state) } else { self.rate_called(time, state) }
     }
 }
 
 impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
-    /// Returns the rate without inlining, since a copy in each stage would make the steps of rare modes too large.
+    /// Returns the rate: a copy in each stage would make the steps of rare modes too large.
     #[inline(never)]
     fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        self.rate_inlined(time, state)
+        self.rate_here(time, state)
     }
 
     #[inline(always)]
-    fn rate_inlined(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
+    fn rate_here(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         // A constant condition, so that the other branch is not compiled.
         if const { N > 4 } {
             return self.rate_extended(time, state);

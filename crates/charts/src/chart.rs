@@ -26,6 +26,9 @@ pub const MAX_ROTATION: f64 = 1.5;
 /// [`Chart::balance`] of a block whose centre of mass is above the middle of its base.
 pub const EVEN_BALANCE: [f64; 2] = [-1.0, 1.0];
 
+/// Axes on which a chart is drawn.
+type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
 /// A curve, as segments without gaps.
 pub struct Curve {
     /// Style of the line.
@@ -171,16 +174,7 @@ impl Chart<'_> {
             mesh.disable_y_mesh().y_labels(0);
         }
         mesh.draw()?;
-        if let Some(band) = &self.band {
-            let corners = [(x.start, band.start), (x.end, band.end)];
-            chart.draw_series(std::iter::once(Rectangle::new(corners, SHADE.filled())))?;
-        }
-        for area in &self.areas {
-            let lower = area.iter().map(|(x, low, _)| (*x, *low));
-            let upper = area.iter().rev().map(|(x, _, high)| (*x, *high));
-            let corners: Vec<(f64, f64)> = lower.chain(upper).collect();
-            chart.draw_series(std::iter::once(Polygon::new(corners, SHADE.filled())))?;
-        }
+        self.draw_shades(&mut chart)?;
         let at = |x: f64, y: f64| chart.backend_coord(&(x, y));
         for Tile { x, y, grey: level } in &self.tiles {
             fill(root, [at(x.start, y.start), at(x.end, y.end)].map(pixel_corner), grey(*level))?;
@@ -188,36 +182,11 @@ impl Chart<'_> {
         if y.start < 0.0 {
             line(root, [at(x.start, 0.0), at(x.end, 0.0)], 20)?;
         }
-        for level in self.balance.into_iter().flatten().filter(|level| y.contains(level)) {
-            let right = at(x.end, level);
-            LineStyle::LEVEL.draw(root, &[at(x.start, level), right])?;
-            let is_even = self.balance == Some(EVEN_BALANCE);
-            let (name, anchor, aside) = match (level < 0.0, is_even) {
-                (true, true) => ("θ = −α", VPos::Top, 60),
-                (false, true) => ("|θ| = α", VPos::Bottom, -60),
-                (true, false) => ("θ = −α_L", VPos::Top, 60),
-                (false, false) => ("θ = α_R", VPos::Bottom, -60),
-            };
-            root.draw_text(
-                &formula(name),
-                &anchored(0.8 * TEXT, HPos::Right, anchor),
-                (right.0 - 100, right.1 + aside),
-            )?;
-        }
+        self.draw_balance(root, at)?;
         for (style, x) in &self.verticals {
             style.draw(root, &[at(*x, y.start), at(*x, y.end)])?;
         }
-        for curve in &self.curves {
-            for segment in &curve.segments {
-                for part in clipped(segment, y) {
-                    let points: Vec<Position> = part.iter().map(|point| chart.backend_coord(point)).collect();
-                    curve.style.draw(root, &points)?;
-                }
-                if let (true, Some(end)) = (curve.ends, segment.last().filter(|end| y.contains(&end.1))) {
-                    Mark::Cross.draw(root, chart.backend_coord(end))?;
-                }
-            }
-        }
+        self.draw_curves(root, at)?;
         for (mark, point) in &self.marks {
             mark.draw(root, chart.backend_coord(point))?;
         }
@@ -236,6 +205,60 @@ impl Chart<'_> {
         for (i, bar) in self.bars.iter().enumerate() {
             let top = under.get_base_pixel().1 + 180 + (BAR[0] * i as u32) as i32;
             bar.draw(root, (left + EDGE as i32, top), |x| at(x, y.start).0)?;
+        }
+        Ok(())
+    }
+
+    /// Shades the band and the areas.
+    fn draw_shades(&self, chart: &mut Axes<'_, '_>) -> Drawn {
+        if let Some(band) = &self.band {
+            let corners = [(self.x.1.start, band.start), (self.x.1.end, band.end)];
+            chart.draw_series(std::iter::once(Rectangle::new(corners, SHADE.filled())))?;
+        }
+        for area in &self.areas {
+            let lower = area.iter().map(|(x, low, _)| (*x, *low));
+            let upper = area.iter().rev().map(|(x, _, high)| (*x, *high));
+            let corners: Vec<(f64, f64)> = lower.chain(upper).collect();
+            chart.draw_series(std::iter::once(Polygon::new(corners, SHADE.filled())))?;
+        }
+        Ok(())
+    }
+
+    /// Draws the rotations of balance with their names; `at` converts a point of the chart.
+    fn draw_balance(&self, root: &Area, at: impl Fn(f64, f64) -> Position) -> Drawn {
+        let (x, y) = (&self.x.1, &self.y.1);
+        for level in self.balance.into_iter().flatten().filter(|level| y.contains(level)) {
+            let right = at(x.end, level);
+            LineStyle::LEVEL.draw(root, &[at(x.start, level), right])?;
+            let is_even = self.balance == Some(EVEN_BALANCE);
+            let (name, anchor, aside) = match (level < 0.0, is_even) {
+                (true, true) => ("θ = −α", VPos::Top, 60),
+                (false, true) => ("|θ| = α", VPos::Bottom, -60),
+                (true, false) => ("θ = −α_L", VPos::Top, 60),
+                (false, false) => ("θ = α_R", VPos::Bottom, -60),
+            };
+            root.draw_text(
+                &formula(name),
+                &anchored(0.8 * TEXT, HPos::Right, anchor),
+                (right.0 - 100, right.1 + aside),
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Draws the curves within the ordinates; `at` converts a point of the chart.
+    fn draw_curves(&self, root: &Area, at: impl Fn(f64, f64) -> Position) -> Drawn {
+        let y = &self.y.1;
+        for curve in &self.curves {
+            for segment in &curve.segments {
+                for part in clipped(segment, y) {
+                    let points: Vec<Position> = part.iter().map(|&(x, y)| at(x, y)).collect();
+                    curve.style.draw(root, &points)?;
+                }
+                if let (true, Some(&(x, end))) = (curve.ends, segment.last().filter(|end| y.contains(&end.1))) {
+                    Mark::Cross.draw(root, at(x, end))?;
+                }
+            }
         }
         Ok(())
     }

@@ -32,12 +32,9 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
             acceleration + 1
         ));
     }
-    let time_unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
     let is_date = time.is_some() && time == layout.dates;
-    if let Some(unit) = time_unit.filter(|_| !is_date)
-        && !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
-    {
-        return Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"));
+    if !is_date {
+        check_seconds(source, &layout, time)?;
     }
 
     let mut axis = TimeAxis::new();
@@ -98,6 +95,17 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
         ));
     }
     Ok(raw)
+}
+
+/// Checks that the heading of the time column names no unit other than seconds.
+fn check_seconds(source: &FileText<'_>, layout: &Layout<'_>, time: Option<usize>) -> Result<(), RecordError> {
+    let unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
+    match unit {
+        Some(unit) if !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds") => {
+            Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"))
+        }
+        Some(_) | None => Ok(()),
+    }
 }
 
 /// Passes every row of a delimited file to `visit` with its line number, beginning at line `first`.

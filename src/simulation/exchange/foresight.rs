@@ -1,12 +1,8 @@
 //! A motion that is stepped from outside → its next event, if that comes soon.
 
-use serde::{Deserialize, Serialize};
-
 use crate::excitation::Inputs;
-use crate::simulation::peaks::Peaks;
-use crate::simulation::{Pending, Simulation};
-use crate::system::events::EventFunction;
-use crate::system::instant::Pose;
+use crate::simulation::exchange::piece::Foreseen;
+use crate::simulation::state::{Pending, Simulation};
 
 /// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
 ///
@@ -17,33 +13,8 @@ const FORESIGHT: f64 = 0.05;
 /// The tolerance of steps to a foreseen event.
 const TOLERANCE_AHEAD: f64 = 1e-12;
 
-/// The next event, where it follows so soon on the last one that an importer's solver need not resolve the motion in between: ever
-/// shorter impacts of rocking that dies out, or bounces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Foreseen {
-    /// The block right before the event.
-    pub pose: Pose,
-    /// The event function that reaches zero.
-    pub function: EventFunction,
-    /// The greatest values until then.
-    pub peaks: Peaks,
-    /// The inputs that lead there.
-    pub inputs: Inputs,
-}
-
-impl Foreseen {
-    /// Whether all numbers are finite, and no peak is negative.
-    pub(super) fn is_valid(&self) -> bool {
-        self.pose.is_finite() && self.peaks.is_valid() && self.inputs.is_finite()
-    }
-}
-
 impl Simulation {
-    /// The event function of the next event, if it is known.
-    pub(in crate::simulation) fn foreseen_surface(&self) -> Option<EventFunction> {
-        self.foreseen().map(|foreseen| foreseen.function)
-    }
-
+    /// The next event, if it is known.
     pub(super) fn foreseen(&self) -> Option<Foreseen> {
         self.piece.and_then(|piece| piece.foreseen)
     }

@@ -5,10 +5,9 @@
 //! may be any functions of time.
 
 mod foresight;
+pub(super) mod piece;
 
 use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
 use crate::excitation::{Excitation, Inputs};
@@ -26,7 +25,7 @@ use crate::system::forces::energy;
 use crate::system::instant::Pose;
 use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::motion_mode::{AnyMode, MotionMode};
-use foresight::Foreseen;
+use piece::{ExchangePiece, Foreseen};
 
 pub use crate::system::events::INDICATORS;
 
@@ -49,33 +48,6 @@ const NO_RATE: f64 = 1e3;
 
 /// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
-
-/// The present smooth piece of a motion that is stepped from outside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct ExchangePiece {
-    /// Beginning of the piece (s); at its end the excitation is still that of the piece.
-    since: f64,
-    /// Rounding that is added to each indicator: a function that is zero at the beginning has not fallen through it.
-    offsets: [f64; INDICATORS],
-    /// The block at the end of the last completed step, or right after the last event.
-    last: Option<Pose>,
-    /// The next event, if it is known.
-    foreseen: Option<Foreseen>,
-}
-
-impl ExchangePiece {
-    /// The block at the end of the last completed step, or right after the last event.
-    pub(super) fn last(&self) -> Option<Pose> {
-        self.last
-    }
-
-    /// Whether all numbers are finite.
-    pub(super) fn is_finite(&self) -> bool {
-        let last = self.last.is_none_or(|pose| pose.is_finite());
-        let foreseen = self.foreseen.is_none_or(|foreseen| foreseen.is_valid());
-        last && foreseen && self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
-    }
-}
 
 impl Simulation {
     /// Lets the block be stepped from outside from here on.
@@ -204,7 +176,7 @@ impl Simulation {
             now = self.apply(function, &now, observer)?;
             offsets = self.offsets(&now);
         }
-        self.peaks.include(&now.channels());
+        self.peaks.include(&now.channels_called());
         let (since, last, foreseen) = (self.pose.time, Some(self.pose), self.foresee(inputs, until));
         self.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
@@ -225,7 +197,7 @@ impl Simulation {
         let (system, excitation) = (Arc::clone(&self.system), self.excitation(inputs));
         let block = &system.block;
         let there = self.now(block, &excitation);
-        let channels = there.channels();
+        let channels = there.channels_called();
         if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
             return;
         }
@@ -253,9 +225,9 @@ impl Simulation {
         // An importer may step as far as it wants: the rates of all channels are compared.
         let near = 0.0;
         let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
-        self.update_peaks(&here, there, near, &mut inside);
+        inside.include_in(&mut self.peaks, &here, there, near);
         self.accumulate_slip(&here, there);
-        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
+        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at_called(elapsed));
         self.accumulate_plastic(&here, there);
     }
 

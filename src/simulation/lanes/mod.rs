@@ -8,6 +8,7 @@
 mod bounds;
 mod force_peaks;
 mod kernel;
+mod next;
 mod pulses;
 mod swings;
 mod transposed;
@@ -17,21 +18,23 @@ use std::sync::Arc;
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
-use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
+use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
+use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::smooth_piece::{MAX_STEPS, StepStart};
-use crate::simulation::stepping::Limits;
+use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
-use crate::system::events::Event;
-use crate::system::forces;
+use crate::system::events::{Event, EventFunction};
 use crate::system::instant::State;
-use crate::system::motion_mode::Gripping;
+use crate::system::motion_mode::{Gripping, MotionMode};
 use kernel::StepBatch;
+use next::{LaneMode, NextStep, lane_mode, regime_index};
 use swings::LaneSwing;
 use transposed::TransposedInputs;
+
+pub use next::{BatchKind, Next};
 
 /// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
@@ -55,8 +58,6 @@ pub struct Lane {
     longest_under_pulse: f64,
     /// How runs in the present contacts are stepped together, if they are.
     mode: Option<LaneMode>,
-    /// Whether the smooth piece begins at the present time.
-    begins: bool,
     budget: u64,
     /// Limits of a step in each regime without a pulse.
     limits: [Limits; 3],
@@ -64,103 +65,16 @@ pub struct Lane {
     transposed: TransposedInputs,
     /// The longest step (s).
     longest: f64,
-    /// The step that comes next.
+    /// The size of the step that comes next.
     attempt: Attempt,
-    /// Whether a short step would suffice if earlier steps had made no errors.
-    grows: bool,
-    /// Whether a short step has just been ruled out here.
-    short_failed: bool,
-    /// Whether the step that comes next is a shorter attempt of one of order 8 that made too great an error.
-    retries: bool,
-    /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
-    accepted: Option<DenseStep>,
+    next: NextStep,
     /// The swings of a run on the rigid base.
     swing: LaneSwing,
 }
 
-/// The way in which runs are stepped together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LaneMode {
-    /// By steps on supports, in this regime.
-    Steps(Regime),
-    /// By swings about a corner of the rigid base.
-    Swings,
-}
-
-/// The kind of a step: runs whose next steps are of the same kind are stepped together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BatchKind {
-    /// A step on supports.
-    Step {
-        /// The regime.
-        regime: Regime,
-        /// Whether it is a short step, or one of order 8.
-        short: bool,
-    },
-    /// A swing about either corner of the rigid base.
-    Swing {
-        /// Whether a pulse acts, or only what is linear in time.
-        is_wave: bool,
-        /// Whether it probably ends with a landing, which takes several iterations.
-        lands: bool,
-    },
-}
-
-impl BatchKind {
-    /// The number of kinds.
-    pub const COUNT: usize = 10;
-
-    const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
-
-    /// Its number, from 0.
-    pub fn number(self) -> usize {
-        match self {
-            BatchKind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
-            BatchKind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
-        }
-    }
-
-    /// The kind of a number.
-    pub fn numbered(number: usize) -> BatchKind {
-        match number {
-            0..6 => BatchKind::Step { regime: BatchKind::REGIMES[number % 3], short: number < 3 },
-            _ => BatchKind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
-        }
-    }
-}
-
-/// Returns the index of a regime among those in which blocks are stepped together; `None` in flight.
-fn regime_index(regime: Regime) -> Option<usize> {
-    match regime {
-        Regime::FullContact => Some(0),
-        Regime::TiltingLeft => Some(1),
-        Regime::TiltingRight => Some(2),
-        Regime::Separated => None,
-    }
-}
-
-/// The way in which runs in the present contacts are stepped together; none for other runs.
-fn lane_mode(Simulation { pose, system, .. }: &Simulation) -> Option<LaneMode> {
-    let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-    if !gripping || forces::switch(&system.block) {
-        return None;
-    }
-    let regime = pose.contacts.regime();
-    match system.block.foundation {
-        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
-        Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
-    }
-}
-
-/// The next action of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
-    /// Nothing: it has come to the time that was asked for, or to its end.
-    Arrived,
-    /// A step that it takes alone.
-    Alone,
-    /// A step that it may take together with others of the kind.
-    Together(BatchKind),
+/// Limits of the steps of a run under a mode, without a pulse.
+fn limits(simulation: &Simulation, mode: impl MotionMode) -> Limits {
+    Limits::of(simulation.block(), simulation.settings.tolerance, mode, 0.0)
 }
 
 impl Lane {
@@ -170,9 +84,9 @@ impl Lane {
         let mode = lane_mode(&simulation);
         let swing = LaneSwing::of(&simulation);
         let limits = [
-            simulation.limits(Gripping::<true, true, false>, 0.0),
-            simulation.limits(Gripping::<true, false, false>, 0.0),
-            simulation.limits(Gripping::<false, true, false>, 0.0),
+            limits(&simulation, Gripping::<true, true, false>),
+            limits(&simulation, Gripping::<true, false, false>),
+            limits(&simulation, Gripping::<false, true, false>),
         ];
         let mut transposed = TransposedInputs::default();
         transposed.read(&simulation, &limits);
@@ -187,16 +101,12 @@ impl Lane {
             without_moment: false,
             wave: None,
             longest_under_pulse: f64::INFINITY,
-            begins: true,
             budget: 0,
             limits,
             transposed,
             longest: f64::INFINITY,
             attempt: Attempt::to_stop(0.0),
-            grows: false,
-            short_failed: false,
-            retries: false,
-            accepted: None,
+            next: NextStep::Open { begins_piece: true },
             swing,
         }
     }
@@ -244,14 +154,14 @@ impl Lane {
             self.wave = wave;
             self.longest_under_pulse = wave.map_or(f64::INFINITY, |wave| LONGEST / wave.frequency());
         }
-        self.begins = true;
+        self.next = NextStep::Open { begins_piece: true };
         counts.evaluations += 1;
     }
 
     /// The next action of the run under the inputs of [`Lane::send`].
     #[inline]
     pub fn next_step(&mut self, inputs: &Inputs) -> Next {
-        if self.is_landing() {
+        if let NextStep::Landing(_) = self.next {
             return Next::Alone;
         }
         let time = self.simulation.pose.time;
@@ -283,16 +193,19 @@ impl Lane {
             return None;
         }
         let control = &self.simulation.control;
-        let short = match self.short_failed || self.retries {
-            true => ShortStepTo::TooFar,
-            false => control.short_step(size, longest),
+        let short = match self.next {
+            NextStep::Open { .. } => control.short_step(size, longest),
+            NextStep::NotShort
+            | NextStep::Shorter
+            | NextStep::Made(_)
+            | NextStep::Swing { .. }
+            | NextStep::Landing(_) => ShortStepTo::TooFar,
         };
         let is_short = short == ShortStepTo::Stop;
         if is_short {
             self.attempt = Attempt::to_stop(size);
-        } else if !self.retries {
-            self.attempt = control.attempt(size, longest, shortest(time, stop));
-            self.grows = short == ShortStepTo::NotYet;
+        } else if !matches!(self.next, NextStep::Shorter) {
+            self.attempt = control.attempt(size, longest, shortest(time, stop)).instead_of(short);
         }
         self.transposed.step = [time, self.end_time(), self.attempt.size, longest];
         Some(BatchKind::Step { regime, short: is_short })
@@ -300,28 +213,27 @@ impl Lane {
 
     /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let landing = self.take_landing();
-        let rests = self.mode.is_none();
-        let attempt = std::mem::take(&mut self.retries).then_some(self.attempt);
-        let Lane { system, simulation, stop, since, begins, short_failed, accepted, swing, budget, .. } = self;
+        let single = self.mode.is_some();
+        let Lane { system, simulation, stop, since, attempt, next, swing, budget, .. } = self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
             true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
             false => swing.excitation,
         };
-        let done = if let Some(function) = landing {
-            simulation.apply_alone(function, block, &excitation, observer)
+        let outcome = if let NextStep::Landing(pivot) = *next {
+            Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), simulation.now(block, &excitation)))
         } else {
-            let start = StepStart { of_piece: *begins, short_failed: *short_failed, attempt };
-            (*begins, *short_failed) = (false, false);
-            let known = swing.known.take();
-            let (step, swing) = (accepted.as_ref(), known.as_deref());
-            let done = simulation.single_step(*stop, block, &excitation, !rests, start, step, swing, budget, observer);
-            // A step is large: it is not moved.
-            *accepted = None;
-            done
+            let (begins_piece, first) = (next.begins_piece(), next.first_step(*attempt));
+            let input = StepsInput::of_piece(block, &excitation, [*stop; 2]);
+            simulation.steps(&StepsInput { begins_piece, single, first, ..input }, budget)
         };
+        let done = match outcome {
+            Ok(StepsOutcome::Event(function, now)) => simulation.apply(function, &now, observer).map(|_| ()),
+            Ok(StepsOutcome::Lasts) => Ok(()),
+            Err(error) => Err(error),
+        };
+        self.next = NextStep::Open { begins_piece: false };
         // There may have been an event.
         self.mode = lane_mode(&self.simulation);
         match on_supports {
@@ -363,7 +275,7 @@ impl Lane {
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
         [*theta, *reaction, *horizontal, *uplift] = transposed.peaks;
         [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = transposed.sums;
-        (self.begins, self.short_failed, self.retries) = (false, false, false);
+        self.next = NextStep::Open { begins_piece: false };
         self.budget -= 1;
     }
 
@@ -373,9 +285,6 @@ impl Lane {
         let Lane { simulation, attempt, longest, .. } = self;
         simulation.control.accept(attempt, size_factor(batch.root[lane]), *longest);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
-        if self.grows {
-            simulation.control.grow_short();
-        }
     }
 
     /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
@@ -389,14 +298,14 @@ impl Lane {
         *attempt = simulation.control.reject(attempt, factor);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
         simulation.counts.rejected += 1;
-        self.retries = true;
+        self.next = NextStep::Shorter;
         true
     }
 
     /// Rejects the short step; a step of order 8 follows.
     fn rule_out_short_step(&mut self) {
         self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        self.short_failed = true;
+        self.next = NextStep::NotShort;
     }
 }
 
@@ -416,8 +325,8 @@ fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     for (lane, run) in group.iter_mut().enumerate() {
         if batch.taken >> lane & 1 == 1 {
             run.arrive_by_swing(&batch, lane);
-        } else {
-            run.swing.known = batch.known[lane].take();
+        } else if let Some(made) = batch.known[lane].take() {
+            run.next = NextStep::Swing { made, begins_piece: run.next.begins_piece() };
         }
     }
     batch.taken
@@ -445,7 +354,7 @@ fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]
         run.accept(&batch, lane);
         run.simulation.counts.steps += 1;
         step.end_time = run.end_time();
-        (run.accepted, run.short_failed, run.retries) = (Some(step), true, false);
+        run.next = NextStep::Made(step);
     }
     let ruled_out = if short { batch.failed | batch.eventful } else { rejected };
     batch.taken | ruled_out

@@ -1,19 +1,18 @@
 //! A swing of several runs on the rigid base, one in each lane: the operations of
 //! [`Simulation`](crate::simulation::Simulation) in their order.
 
-use crate::block::{Block, Corner};
+use crate::block::Block;
 use crate::excitation::Excitation;
 use crate::numerics::Real;
 use crate::numerics::control::is_resolved;
-use crate::numerics::wide::{Array, MAX_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
-use crate::simulation::force_peaks::{PRESSED, visible};
-use crate::simulation::lanes::force_peaks::{ForcePeaks, SwingSegments};
-use crate::simulation::lanes::{BatchKind, Lane};
-use crate::simulation::rigid_base::{UPRIGHT, allowed_error, longest_swing};
-use crate::system::events::EventFunction;
+use crate::simulation::force_peaks::{ForcePeaks, PRESSED, visible};
+use crate::simulation::lanes::force_peaks::SwingSegments;
+use crate::simulation::lanes::{BatchKind, Lane, NextStep};
+use crate::simulation::swings::{UPRIGHT, allowed_error, longest_swing};
 use crate::system::instant::State;
-use crate::system::swing::lanes::Swings;
+use crate::system::swing::lanes::{LaneBounds, Swings};
 use crate::system::swing::{Pivoting, Swing};
 
 /// What a run on the rigid base needs for a swing in a lane.
@@ -31,10 +30,6 @@ pub struct LaneSwing {
     away: f64,
     /// See [`visible`].
     visible: f64,
-    /// The pivot at which the last swing in a lane has ended, where the block comes down on the other corner.
-    landing: Option<Corner>,
-    /// The swing that comes next, if a lane has made it.
-    pub known: Option<Box<Swing>>,
 }
 
 impl LaneSwing {
@@ -46,8 +41,6 @@ impl LaneSwing {
             offset: 0.0,
             away: 0.0,
             visible: visible(simulation.settings.tolerance),
-            landing: None,
-            known: None,
         };
         swing.turn(simulation);
         swing
@@ -140,19 +133,7 @@ impl Task for GroupSwing<'_> {
         let bounds = swings.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
-        let mut lands = bounds.is_certain.and(bounds.last.less(zero));
-        let mut part = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
-        let mut is_decided = bounds.is_certain;
-        let others = zero.less(swings.size()).except(is_decided);
-        if others.any() {
-            let (stays, comes_down, after) = swings.first_landing(others, pivoting.away);
-            is_decided = is_decided.or(stays).or(comes_down);
-            (lands, part) = (lands.or(comes_down), after.in_lanes(comes_down, part));
-        }
-        let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
-        if turned.any() {
-            is_decided = is_decided.except(turned.except(swings.stays_upright(pivoting.away)));
-        }
+        let Ends { lands, part, is_decided } = Ends::of(&swings, &bounds, pivoting.away);
         let size = swings.size();
         let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
         let end_time = (time + part * size).in_lanes(ends_before, stop);
@@ -162,19 +143,7 @@ impl Task for GroupSwing<'_> {
         let usual = is_decided.and(advances).and(is_finite);
 
         let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
-        let may_turn = usual.except(bounds.is_greatest_at_end.or(bounds.theta.less(peak_theta)));
-        let (mut taken, mut highest) = (usual, zero);
-        if may_turn.any() {
-            let turns_back = may_turn.and(bounds.turns_back);
-            highest = swings.top(turns_back, pivoting.away, part, peak_theta);
-            let others = may_turn.except(turns_back);
-            if others.any() {
-                let (top, known) = swings.highest(others, pivoting.away, part, peak_theta);
-                highest = top.in_lanes(others, highest);
-                taken = taken.except(others.except(known));
-            }
-        }
-
+        let (highest, mut taken) = highest_rotation(usual, &swings, &bounds, pivoting.away, part, peak_theta);
         let mass: Wide<V> = self.each(|lane| lane.block().mass);
         let mut peaks = ForcePeaks {
             reaction: self.each(|lane| lane.simulation.peaks.reaction),
@@ -182,19 +151,20 @@ impl Task for GroupSwing<'_> {
             friction_demand: self.each(|lane| lane.simulation.peaks.friction_demand),
             evaluations: zero,
         };
-        let [least, greatest] = bounds.reaction;
-        let is_below = (pivoting.gravity * PRESSED)
-            .less(least)
-            .and((greatest * mass).less(peaks.reaction))
-            .and((bounds.horizontal * mass).less(peaks.horizontal))
-            .and(bounds.horizontal.less(peaks.friction_demand * least));
-        let others = taken.except(is_below);
+        let others = taken.except(peaks.are_above(bounds.reaction, bounds.horizontal, [mass, pivoting.gravity]));
         if others.any() {
             let segments =
                 SwingSegments { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, part };
+            let (forces, pressed) = (swings.forces(part, pivoting.gravity), pivoting.gravity * PRESSED);
+            let mut holds = others;
+            for &[n, _] in forces.coefficients() {
+                holds = holds.and(pressed.less(n));
+            }
             let visible = self.each(|lane| lane.swing.visible);
-            let holds = peaks.raise(others, &segments, ends_before.except(lands), visible);
-            taken = taken.except(others.except(holds));
+            // The next swing begins with the forces at the end.
+            let with_end = holds.except(ends_before.except(lands));
+            let known = peaks.raise(holds, &segments, &forces, [mass, visible], with_end);
+            taken = taken.except(others.except(known));
         }
 
         let runs = ((1_u64 << self.count) - 1) as u32;
@@ -220,11 +190,67 @@ impl Task for GroupSwing<'_> {
     }
 }
 
+/// The ends of swings, as far as the rotation decides them.
+struct Ends<V: Simd> {
+    /// The lanes in which the block comes down.
+    lands: Lanes<V>,
+    /// The part of the swing up to there; 1 elsewhere.
+    part: Wide<V>,
+    /// The lanes in which this is clear, and the block stays upright.
+    is_decided: Lanes<V>,
+}
+
+impl<V: Simd> Ends<V> {
+    #[inline(always)]
+    fn of(swings: &Swings<V>, bounds: &LaneBounds<V>, away: Wide<V>) -> Ends<V> {
+        let zero = Wide::default();
+        let mut lands = bounds.is_certain.and(bounds.last.less(zero));
+        let mut part = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
+        let mut is_decided = bounds.is_certain;
+        let others = zero.less(swings.size()).except(is_decided);
+        if others.any() {
+            let (stays, comes_down, after) = swings.first_landing(others, away);
+            is_decided = is_decided.or(stays).or(comes_down);
+            (lands, part) = (lands.or(comes_down), after.in_lanes(comes_down, part));
+        }
+        let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
+        if turned.any() {
+            is_decided = is_decided.except(turned.except(swings.stays_upright(away)));
+        }
+        Ends { lands, part, is_decided }
+    }
+}
+
+/// Returns the greatest rotations (rad) inside the swings of some lanes, up to a part, that exceed their `peak`, or zeros; and the lanes in
+/// which this is known.
+#[inline(always)]
+fn highest_rotation<V: Simd>(
+    lanes: Lanes<V>,
+    swings: &Swings<V>,
+    bounds: &LaneBounds<V>,
+    away: Wide<V>,
+    part: Wide<V>,
+    peak: Wide<V>,
+) -> (Wide<V>, Lanes<V>) {
+    let may_turn = lanes.except(bounds.is_greatest_at_end.or(bounds.theta.less(peak)));
+    if !may_turn.any() {
+        return (Wide::default(), lanes);
+    }
+    let turns_back = may_turn.and(bounds.turns_back);
+    let highest = swings.top(turns_back, away, part, peak);
+    let others = may_turn.except(turns_back);
+    if !others.any() {
+        return (highest, lanes);
+    }
+    let (top, known) = swings.highest(others, away, part, peak);
+    (top.in_lanes(others, highest), lanes.except(others.except(known)))
+}
+
 impl Lane {
     /// Comes to the end of a swing.
     #[inline]
     pub(super) fn arrive_by_swing(&mut self, batch: &SwingBatch, lane: usize) {
-        let Lane { simulation, swing, begins, budget, .. } = self;
+        let Lane { simulation, next, budget, .. } = self;
         let [end, theta, theta_dot] = [batch.end[0][lane], batch.end[1][lane], batch.end[2][lane]];
         simulation.counts.evaluations += 1 + batch.evaluations[lane] as u64;
         simulation.counts.steps += 1;
@@ -239,8 +265,10 @@ impl Lane {
         if end > simulation.pose.time {
             (simulation.pose.time, simulation.events_in_this_instant) = (end, 0);
         }
-        swing.landing = if batch.lands >> lane & 1 == 1 { simulation.pose.contacts.regime().pivot() } else { None };
-        *begins = false;
+        *next = match simulation.pose.contacts.regime().pivot() {
+            Some(pivot) if batch.lands >> lane & 1 == 1 => NextStep::Landing(pivot),
+            Some(_) | None => NextStep::Open { begins_piece: false },
+        };
         *budget -= 1;
     }
 
@@ -255,17 +283,5 @@ impl Lane {
         let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);
         let last = away * (theta + theta_dot * size) - 0.5 * alpha * p * p * size * size;
         can.then(|| BatchKind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })
-    }
-
-    /// Whether the block has come down in a lane, and its impact is to be applied.
-    #[inline]
-    pub(super) fn is_landing(&self) -> bool {
-        self.swing.landing.is_some()
-    }
-
-    /// The event at the end of the last swing in a lane, which is to be applied.
-    #[inline]
-    pub(super) fn take_landing(&mut self) -> Option<EventFunction> {
-        self.swing.landing.take().map(|pivot| EventFunction::Gap(pivot.other()))
     }
 }

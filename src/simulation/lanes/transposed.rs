@@ -5,7 +5,7 @@ use crate::excitation::Ramp;
 use crate::numerics::wide::Four;
 use crate::simulation::Simulation;
 use crate::simulation::lanes::regime_index;
-use crate::simulation::stepping::Limits;
+use crate::simulation::limits::Limits;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 

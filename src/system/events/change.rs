@@ -1,4 +1,6 @@
-//! A change of the pose in progress, with its counters and the regimes passed.
+//! A change of the pose in progress, with the regimes passed.
+
+use std::ops::{Add, AddAssign};
 
 use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::Excitation;
@@ -10,8 +12,9 @@ use crate::system::events::placement::Placement;
 use crate::system::instant::Footing;
 use crate::system::instant::Pose;
 
-/// Counters and sums of a transition.
+/// Counts and sums of a transition, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[must_use = "the caller adds them to its own"]
 pub struct TransitionCounts {
     /// Landings to which the impact map (or e, on the rigid base) was applied.
     pub impacts: u32,
@@ -21,6 +24,47 @@ pub struct TransitionCounts {
     pub constraint: f64,
     /// Evaluations of the equations of motion.
     pub evaluations: u64,
+}
+
+impl TransitionCounts {
+    /// Those of a part in which nothing is counted.
+    pub(super) const NONE: TransitionCounts =
+        TransitionCounts { impacts: 0, liftoffs: 0, constraint: 0.0, evaluations: 0 };
+
+    /// One evaluation of the equations of motion.
+    pub(super) const EVALUATION: TransitionCounts = TransitionCounts { evaluations: 1, ..TransitionCounts::NONE };
+
+    /// A corner that lifts.
+    pub(super) const LIFTOFF: TransitionCounts = TransitionCounts { liftoffs: 1, ..TransitionCounts::NONE };
+
+    /// Returns the counts of this many landings.
+    pub(super) fn impacts(impacts: u32) -> TransitionCounts {
+        TransitionCounts { impacts, ..TransitionCounts::NONE }
+    }
+
+    /// Returns the energy per unit mass (m²/s²) that a change of the horizontal constraint adds.
+    pub(super) fn constraint(constraint: f64) -> TransitionCounts {
+        TransitionCounts { constraint, ..TransitionCounts::NONE }
+    }
+}
+
+impl Add for TransitionCounts {
+    type Output = TransitionCounts;
+
+    fn add(self, other: TransitionCounts) -> TransitionCounts {
+        TransitionCounts {
+            impacts: self.impacts + other.impacts,
+            liftoffs: self.liftoffs + other.liftoffs,
+            constraint: self.constraint + other.constraint,
+            evaluations: self.evaluations + other.evaluations,
+        }
+    }
+}
+
+impl AddAssign for TransitionCounts {
+    fn add_assign(&mut self, other: TransitionCounts) {
+        *self = *self + other;
+    }
 }
 
 /// The regimes through which a pose passes in one instant. After the first one corners only leave: both touch, then one, then none.
@@ -68,12 +112,12 @@ pub(super) enum Release {
     Held,
 }
 
-/// A change of the pose in progress.
+/// A change of the pose in progress. Its methods return their [counts](TransitionCounts); a copy tries a change out.
+#[derive(Clone, Copy)]
 pub struct PoseUpdate<'a, T = f64> {
     pub(super) system: &'a System<T>,
     excitation: &'a Excitation<T>,
     pub pose: Pose<T>,
-    pub counts: TransitionCounts,
     pub path: Path,
     /// Whether a corner has landed on its support in this instant.
     pub(super) landed: bool,
@@ -81,14 +125,7 @@ pub struct PoseUpdate<'a, T = f64> {
 
 impl<'a, T: Elementary> PoseUpdate<'a, T> {
     pub fn begin(system: &'a System<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> PoseUpdate<'a, T> {
-        PoseUpdate {
-            system,
-            excitation,
-            pose: *pose,
-            counts: TransitionCounts::default(),
-            path: Path::default(),
-            landed: false,
-        }
+        PoseUpdate { system, excitation, pose: *pose, path: Path::default(), landed: false }
     }
 
     pub(super) fn regime(&self) -> Regime {
@@ -96,8 +133,7 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
     }
 
     /// Evaluates the block in the present pose.
-    pub(super) fn now(&mut self) -> Evaluation<'a, T> {
-        self.counts.evaluations += 1;
+    pub(super) fn now(&self) -> Evaluation<'a, T> {
         Motion::from_pose(&self.system.block, &self.pose, self.excitation).at_called(self.pose.time, self.pose.state)
     }
 
@@ -109,17 +145,18 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
     }
 
     /// Takes the state of a placement whose velocities suit a gripping foot, and lets it grip.
-    pub(super) fn hold(&mut self, placement: &Placement<T>) {
+    pub(super) fn hold(&mut self, placement: &Placement<T>) -> TransitionCounts {
         self.path.push(self.regime());
-        self.grip_here(placement);
+        self.grip_here(placement)
     }
 
     /// Lets the foot grip at its present position.
-    pub(super) fn grip_here(&mut self, placement: &Placement<T>) {
+    pub(super) fn grip_here(&mut self, placement: &Placement<T>) -> TransitionCounts {
         self.pose.footing = Footing::Grips { offset: T::from(0.0) };
         self.pose.state = placement.state(self.regime()).into();
         let offset = placement.u - self.now().instant.u;
         self.pose.footing = Footing::Grips { offset };
+        TransitionCounts::EVALUATION
     }
 
     /// Returns the height of the support under a lifted corner (m), and its rate (m/s).

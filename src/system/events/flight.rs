@@ -6,7 +6,7 @@ use crate::block::{Contact, Corner, Foot, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, greatest};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::PoseUpdate;
+use crate::system::events::change::{PoseUpdate, TransitionCounts};
 use crate::system::events::landing::{self, without_gain};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
@@ -16,37 +16,34 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Lands `corner` on its support from flight, or while the other corner slides.
-    pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation<T>) {
+    pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
         let (other, placement) = (corner.other(), Placement::of(&now.instant));
         if self.is_level(other, now) {
             match self.land_on_both(now) {
-                Ok(()) => return,
+                Ok(counts) => return counts,
                 Err(impulses) if impulses[corner.index()].value() < 0.0 => return self.land_alone(other, placement),
                 Err(_) => {}
             }
         }
-        self.land_alone(corner, placement);
+        self.land_alone(corner, placement)
     }
 
     /// Lands both corners at once from flight, or returns the impulses if one of them would have to pull.
-    pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<(), [T; 2]> {
-        let (before, mut both) = (self.pose.contacts, Placement::of(&now.instant));
+    pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<TransitionCounts, [T; 2]> {
+        let (mut landed, mut both) = (*self, Placement::of(&now.instant));
         let rates = Corner::BOTH.map(|corner| {
             let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
-            self.set_down(corner, &mut both);
+            landed.set_down(corner, &mut both);
             self.rate_after_landing(rate, support)
         });
         let (impulses, velocities) = impact::landing_on_both(&self.system.block, both.theta, both.velocities, rates);
         if impulses.iter().any(|impulse| impulse.value() < 0.0) {
-            self.pose.contacts = before;
             return Err(impulses);
         }
-        self.counts.impacts += 2;
         both.velocities = velocities;
         both.corners = [(both.corners[0].0, rates[0]), (both.corners[1].0, rates[1])];
-        self.stand(&mut both);
-        self.settle(Regime::FullContact, both);
-        Ok(())
+        *self = landed;
+        Ok(TransitionCounts::impacts(2) + self.stand(&mut both) + self.settle(Regime::FullContact, both))
     }
 
     /// Whether, in flight, the gap under this corner is closed to round-off and closing.
@@ -56,13 +53,13 @@ where
         now.regime == Regime::Separated && closed
     }
 
-    fn land_alone(&mut self, corner: Corner, mut placement: Placement<T>) {
+    fn land_alone(&mut self, corner: Corner, mut placement: Placement<T>) -> TransitionCounts {
         let block = &self.system.block;
         let (i, before, regime) = (corner.index(), placement.velocities, self.regime());
         let support = self.support(corner).rate;
         self.set_down(corner, &mut placement);
         let rate = placement.corners[i].1;
-        self.counts.impacts += u32::from(rate.value() < 0.0);
+        let mut counts = TransitionCounts::impacts(u32::from(rate.value() < 0.0));
         let mut after = self.rate_after_landing(rate, support);
         let flying = regime == Regime::Separated;
         if flying {
@@ -83,10 +80,10 @@ where
         placement.corners[i].1 = after;
         let mut before = regime;
         if flying {
-            self.hold(&placement);
+            counts += self.hold(&placement);
             before = self.regime();
         }
-        self.settle(before, placement);
+        counts + self.settle(before, placement)
     }
 
     /// Returns the vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
@@ -95,7 +92,7 @@ where
     }
 
     /// Lands `corner` on the rigid base from flight, or while the other one slides.
-    pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) {
+    pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
         let other = corner.other();
         let placement = Placement::of(&now.instant);
         if !self.is_level(other, now) {
@@ -105,21 +102,20 @@ where
         let rates = Corner::BOTH.map(|corner| self.rebound(placement.corners[corner.index()].1));
         let (impulses, velocities) = impact::landing_on_both(block, placement.theta, placement.velocities, rates);
         if impulses[corner.index()].value() < 0.0 {
-            self.land_on_corner(other, placement);
+            self.land_on_corner(other, placement)
         } else if impulses[other.index()].value() < 0.0
             || velocities.kinetic(block).value() > placement.velocities.kinetic(block).value()
         {
-            self.land_on_corner(corner, placement);
+            self.land_on_corner(corner, placement)
         } else {
-            self.counts.impacts += 2;
-            self.touch_down(placement, velocities, rates.map(Some));
+            TransitionCounts::impacts(2) + self.touch_down(placement, velocities, rates.map(Some))
         }
     }
 
     /// Lands `corner` alone: it stops horizontally and rebounds with ε times its vertical rate.
     ///
     /// The rebound is at most what the energy allows, and at least the rate with which the horizontal stop alone throws the corner up.
-    fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) {
+    fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) -> TransitionCounts {
         let block = &self.system.block;
         let before = placement.velocities;
         let zero = T::from(0.0);
@@ -146,12 +142,14 @@ where
             let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
             rate = self.rest_if_slow(thrown, zero);
         }
-        self.counts.impacts += 1;
-        // The other corner, which slid, lifts.
-        self.counts.liftoffs += u32::from(self.pose.contacts.touches(corner.other()));
+        let mut counts = TransitionCounts::impacts(1);
+        if self.pose.contacts.touches(corner.other()) {
+            // The other corner, which slid, lifts.
+            counts += TransitionCounts::LIFTOFF;
+        }
         let mut rates = [None; 2];
         rates[corner.index()] = Some(rate);
-        self.touch_down(placement, land(rate), rates);
+        counts + self.touch_down(placement, land(rate), rates)
     }
 
     /// Returns the vertical rate of a corner after its landing on the rigid base (m/s), upwards.
@@ -161,7 +159,13 @@ where
     }
 
     /// Completes a landing on the rigid base: corners with a rate have landed, those with a rate of zero stand.
-    pub(super) fn touch_down(&mut self, mut placement: Placement<T>, velocities: Velocities<T>, rates: [Option<T>; 2]) {
+    pub(super) fn touch_down(
+        &mut self,
+        mut placement: Placement<T>,
+        velocities: Velocities<T>,
+        rates: [Option<T>; 2],
+    ) -> TransitionCounts {
+        let mut counts = TransitionCounts::NONE;
         placement.set_velocities(&self.system.block, velocities);
         for (corner, rate) in Corner::BOTH.into_iter().zip(rates) {
             let stands = rate.is_some_and(|rate| rate.value() == 0.0);
@@ -172,17 +176,17 @@ where
             }
             if let Some(rate) = rate {
                 placement.corners[corner.index()] = (T::from(0.0), rate);
-                self.counts.liftoffs += u32::from(!stands);
+                counts += if stands { TransitionCounts::NONE } else { TransitionCounts::LIFTOFF };
             }
         }
         match self.regime() {
             Regime::Separated => self.continue_from(&placement),
             Regime::FullContact => {
                 placement.theta = T::from(0.0);
-                self.stand(&mut placement);
+                counts += self.stand(&mut placement);
             }
-            Regime::TiltingLeft | Regime::TiltingRight => self.stand(&mut placement),
+            Regime::TiltingLeft | Regime::TiltingRight => counts += self.stand(&mut placement),
         }
-        self.settle_on_rigid_base();
+        counts + self.settle_on_rigid_base().1
     }
 }

@@ -5,7 +5,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
 use crate::system::events::event::EventKind;
 use crate::system::events::grip;
 use crate::system::events::placement::Placement;
@@ -74,10 +74,10 @@ where
     /// Decides whether the foot grips or slides, and to which side: it grips if it is at rest and `|H| ≤ μ N` holds it.
     ///
     /// Does nothing without a limit of friction.
-    pub(super) fn apply_friction(&mut self, placement: &mut Placement<T>) {
+    pub(super) fn apply_friction(&mut self, placement: &mut Placement<T>) -> TransitionCounts {
         let block = &self.system.block;
         if block.friction.value() == 0.0 || self.regime() == Regime::Separated {
-            return;
+            return TransitionCounts::NONE;
         }
         let foot = self.regime().foot().unwrap_or(Foot::Middle);
         let height = impact::height_over(block, foot, placement.theta);
@@ -85,10 +85,10 @@ where
         let speed = velocities.u_dot - height * velocities.theta_dot;
         if speed.value().abs() > speed_rounding(block) {
             self.slide(placement, speed.value().signum());
-            return;
+            return TransitionCounts::NONE;
         }
         velocities.u_dot = height * velocities.theta_dot;
-        self.grip_here(placement);
+        let counts = self.grip_here(placement) + TransitionCounts::EVALUATION;
         let now = self.now();
         let rounding = margin_rounding(block);
         for push in Corner::BOTH {
@@ -97,22 +97,29 @@ where
             if value < -rounding || (value <= rounding && rate < 0.0) {
                 // H pushes the block to a side, and the foot slides to the other one.
                 self.slide(placement, push.sign());
-                return;
+                break;
             }
         }
+        counts
     }
 
     /// Applies friction to the present motion.
-    pub(super) fn apply_friction_here(&mut self) {
-        if self.system.block.friction.value() > 0.0 {
-            let now = self.now();
-            self.apply_friction(&mut Placement::of(&now.instant));
+    pub(super) fn apply_friction_here(&mut self) -> TransitionCounts {
+        if self.system.block.friction.value() == 0.0 {
+            return TransitionCounts::NONE;
         }
+        let now = self.now();
+        TransitionCounts::EVALUATION + self.apply_friction(&mut Placement::of(&now.instant))
     }
 
     /// Lets a gripping foot that is pushed from a side slide, or a sliding foot that has stopped grip or turn back.
-    pub(super) fn slide_or_grip(&mut self, pushed_from: Option<Corner>, now: &Evaluation<T>) -> EventKind {
+    pub(super) fn slide_or_grip(
+        &mut self,
+        pushed_from: Option<Corner>,
+        now: &Evaluation<T>,
+    ) -> (EventKind, TransitionCounts) {
         self.pose.contacts.let_bear();
+        let mut counts = TransitionCounts::NONE;
         let mut placement = Placement::of(&now.instant);
         match pushed_from {
             Some(push) => self.slide(&placement, push.sign()),
@@ -120,34 +127,36 @@ where
                 let foot = now.regime.foot().unwrap_or(Foot::Middle);
                 let height = impact::height_over(now.block, foot, placement.theta);
                 placement.velocities.u_dot = height * placement.velocities.theta_dot;
-                self.apply_friction(&mut placement);
+                counts += self.apply_friction(&mut placement);
             }
         }
         if now.block.foundation == Foundation::Rigid {
-            self.settle_under_friction();
+            counts += self.settle_under_friction().1;
         }
-        if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }
+        (if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }, counts)
     }
 
     /// Lets the block stand on its present contacts; its foot grips as far as friction allows.
-    pub(super) fn stand(&mut self, placement: &mut Placement<T>) {
+    pub(super) fn stand(&mut self, placement: &mut Placement<T>) -> TransitionCounts {
         if self.system.block.friction.value() > 0.0 {
             self.place(placement);
-            self.apply_friction(placement);
+            self.apply_friction(placement)
         } else {
-            self.hold(placement);
+            self.hold(placement)
         }
     }
 
     /// Keeps the horizontal position of a gripping block where it matters: with restraints, friction or an eccentric centre of mass.
-    pub(super) fn place_foot(&mut self, placement: &Placement<T>) {
+    pub(super) fn place_foot(&mut self, placement: &Placement<T>) -> TransitionCounts {
         if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
-            self.grip_here(placement);
+            self.grip_here(placement)
+        } else {
+            TransitionCounts::NONE
         }
     }
 
     /// Takes horizontal position and velocity of a gripping foot at the beginning.
-    pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement<T>) {
+    pub(in crate::system) fn grip_at_start(&self, placement: &mut Placement<T>) {
         if self.system.block.is_extended() && self.regime() != Regime::Separated {
             let now = self.now();
             (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);

@@ -9,7 +9,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, least};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
@@ -73,26 +73,23 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Lets the sliding foot grip.
-    pub(super) fn grip_from(&mut self, mut placement: Placement<T>) {
+    pub(super) fn grip_from(&mut self, mut placement: Placement<T>) -> TransitionCounts {
         let before = self.regime();
         match self.system.block.foundation {
-            Foundation::Viscoelastic => {
-                self.grip(&mut placement);
-                self.settle(before, placement);
-            }
+            Foundation::Viscoelastic => self.grip(&mut placement) + self.settle(before, placement),
             Foundation::Rigid => self.grip_rigid_base(placement),
         }
     }
 
     /// Stops the foot on supports by a horizontal impulse.
-    pub(super) fn grip(&mut self, placement: &mut Placement<T>) {
+    pub(super) fn grip(&mut self, placement: &mut Placement<T>) -> TransitionCounts {
         let block = &self.system.block;
         let velocities = impact::grip(block, self.regime(), placement.theta, placement.velocities);
         placement.set_velocities(block, velocities);
-        self.hold(placement);
+        self.hold(placement)
     }
 
-    fn grip_rigid_base(&mut self, placement: Placement<T>) {
+    fn grip_rigid_base(&mut self, placement: Placement<T>) -> TransitionCounts {
         let zero = T::from(0.0);
         let (velocities, rates) = match self.regime().pivot() {
             Some(corner) => {
@@ -102,6 +99,6 @@ where
             }
             None => (Velocities { u_dot: zero, v_dot: zero, theta_dot: zero }, [Some(zero); 2]),
         };
-        self.touch_down(placement, velocities, rates);
+        self.touch_down(placement, velocities, rates)
     }
 }

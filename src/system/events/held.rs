@@ -9,7 +9,7 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, Release};
+use crate::system::events::change::{PoseUpdate, Release, TransitionCounts};
 use crate::system::events::friction;
 use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
@@ -47,35 +47,33 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Holds `corner` on its support at this height (m).
-    pub(super) fn hold_corner(&mut self, corner: Corner, height: T) {
+    pub(super) fn hold_corner(&mut self, corner: Corner, height: T) -> TransitionCounts {
         let creep = self.creep_from(corner, height);
         self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Follows));
-        if let Footing::Slides { .. } = self.pose.footing
-            && standing_slide(&self.now()).value.value() < -friction::speed_rounding(&self.system.block)
-        {
+        let Footing::Slides { .. } = self.pose.footing else { return TransitionCounts::NONE };
+        if standing_slide(&self.now()).value.value() < -friction::speed_rounding(&self.system.block) {
             self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Opposes));
         }
+        TransitionCounts::EVALUATION
     }
 
     /// Lifts the held corner since the standing one has stopped, which no longer presses it back; that one grips, or slides on.
-    pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) {
-        let mut placement = Placement::of(&now.instant);
-        placement.hold_pivot(now.block, held.corner.other());
-        self.take_off(held.corner, &placement);
-        self.settle(Regime::FullContact, placement);
+    pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) -> TransitionCounts {
+        let placement = Placement::of(&now.instant).with_pivot_held(now.block, held.corner.other());
+        self.take_off(held.corner, &placement) + self.settle(Regime::FullContact, placement)
     }
 
     /// Handles two corners without load, so that nothing holds the block horizontally. The paper's analysis ends here.
-    pub(super) fn lose_support(&mut self, x: &Instant<T>) -> Release {
-        let placement = Placement::of(x);
+    pub(super) fn lose_support(&mut self, x: &Instant<T>) -> (Release, TransitionCounts) {
+        let (placement, mut counts) = (Placement::of(x), TransitionCounts::NONE);
         if self.system.flies && self.system.block.friction.value() == 0.0 {
             self.release(x);
         } else {
             for corner in Corner::BOTH {
-                self.take_off(corner, &placement);
+                counts += self.take_off(corner, &placement);
             }
         }
-        self.settle(Regime::FullContact, placement);
-        if self.regime() == Regime::FullContact { Release::Slides } else { Release::Lifts }
+        counts += self.settle(Regime::FullContact, placement);
+        (if self.regime() == Regime::FullContact { Release::Slides } else { Release::Lifts }, counts)
     }
 }

@@ -6,7 +6,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, ROUNDING};
+use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
@@ -38,8 +38,8 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Applies the impact map, if the corner comes down, and holds the middle of the base.
-    pub(super) fn land(&mut self, corner: Corner, now: &Evaluation<T>) {
-        let block = &self.system.block;
+    pub(super) fn land(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
+        let (block, mut counts) = (&self.system.block, TransitionCounts::NONE);
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
         self.set_down(corner, &mut placement);
@@ -49,21 +49,23 @@ where
             placement.set_velocities(block, Velocities { v_dot, theta_dot, ..before });
             // The map gives ε times the rate before only to round-off.
             placement.corners[corner.index()].1 = block.epsilon * rate;
-            self.counts.impacts += 1;
-            self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate).value();
+            let loss = impact::landing_loss(block, corner, placement.theta, rate).value();
+            counts += TransitionCounts::impacts(1) + TransitionCounts::constraint(loss);
         }
         placement.velocities.u_dot =
             impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
-        self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
-        self.settle(regime, placement);
+        let gained = placement.velocities.kinetic(block) - before.kinetic(block);
+        counts + TransitionCounts::constraint(gained.value()) + self.settle(regime, placement)
     }
 
     /// Lands `corner` with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after it.
-    pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation<T>) {
-        if self.is_level(corner.other(), now) && self.land_on_both(now).is_ok() {
-            return;
+    pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
+        if self.is_level(corner.other(), now)
+            && let Ok(counts) = self.land_on_both(now)
+        {
+            return counts;
         }
-        let block = &self.system.block;
+        let (block, mut counts) = (&self.system.block, TransitionCounts::NONE);
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
         let support = self.support(corner).rate;
@@ -77,9 +79,9 @@ where
             let (rate, velocities) = without_gain(block, before, after, land);
             placement.set_velocities(block, velocities);
             placement.corners[i].1 = rate;
-            self.counts.impacts += 1;
+            counts += TransitionCounts::impacts(1);
         }
-        self.settle(regime, placement);
+        counts + self.settle(regime, placement)
     }
 
     /// Returns a corner's rate after a landing (m/s), or that of its support if the corner would leave it hardly faster.

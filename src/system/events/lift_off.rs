@@ -8,7 +8,7 @@ use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, ROUNDING, Release};
+use crate::system::events::change::{PoseUpdate, ROUNDING, Release, TransitionCounts};
 use crate::system::events::friction;
 use crate::system::events::placement::Placement;
 use crate::system::forces::support;
@@ -89,14 +89,19 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Handles a reaction of `corner` that fell through zero, or, if it `was_held`, a corner that would no longer be pressed on.
-    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Release {
+    pub(super) fn lift_off(
+        &mut self,
+        corner: Corner,
+        was_held: bool,
+        now: &Evaluation<T>,
+    ) -> (Release, TransitionCounts) {
         match self.system.block.foundation {
             Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
             Foundation::Rigid => self.leave_rigid_base(corner, now),
         }
     }
 
-    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Release {
+    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> (Release, TransitionCounts) {
         let x = &now.instant;
         let opens = self.lets_go(corner, x.corner_dot[corner.index()], now);
         match self.regime() {
@@ -107,22 +112,19 @@ where
                     return self.lose_support(x);
                 }
                 if !opens && !was_held {
-                    self.hold_corner(corner, x.corner[corner.index()]);
-                    return Release::Held;
+                    return (Release::Held, self.hold_corner(corner, x.corner[corner.index()]));
                 }
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
                 if !opens && self.system.block.friction.value() == 0.0 =>
             {
                 self.release(x);
-                return Release::Slides;
+                return (Release::Slides, TransitionCounts::NONE);
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => {}
         }
         let (before, placement) = (self.regime(), Placement::of(x));
-        self.take_off(corner, &placement);
-        self.settle(before, placement);
-        Release::Lifts
+        (Release::Lifts, self.take_off(corner, &placement) + self.settle(before, placement))
     }
 
     /// Whether the gap under `corner`, which no longer bears anything, would open.
@@ -135,35 +137,36 @@ where
     }
 
     /// Lifts `corner` off its support, which creeps back from now on.
-    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement<T>) {
+    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement<T>) -> TransitionCounts {
         self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, placement.corners[corner.index()].0)));
-        self.counts.liftoffs += 1;
+        TransitionCounts::LIFTOFF
     }
 
     /// Lets `corner` leave the rigid base, and then the other one if it would have to be pulled.
-    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> Release {
-        let first = self.let_go(corner, now);
-        match self.settle_on_rigid_base() {
+    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
+        let (first, of_first) = self.let_go(corner, now);
+        let (last, of_others) = self.settle_on_rigid_base();
+        let release = match last {
             Some(Release::Lifts) => Release::Lifts,
             Some(Release::Slides | Release::Held) | None => first,
-        }
+        };
+        (release, of_first + of_others)
     }
 
     /// Lifts `corner` off the rigid base, or lets it slide if it is the last one and would be pressed on without a horizontal hold.
     ///
     /// The paper's analysis ends when the last corner bears nothing.
-    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> Release {
+    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
         let holds = self.pose.footing.grips() && self.system.block.friction.value() == 0.0;
         if last && self.system.flies && holds && acceleration_if_let_go(now, corner).value() < 0.0 {
             self.release(x);
-            return Release::Slides;
+            return (Release::Slides, TransitionCounts::NONE);
         }
         self.lift(corner);
-        self.counts.liftoffs += 1;
         self.continue_from(&Placement::of(x));
-        Release::Lifts
+        (Release::Lifts, TransitionCounts::LIFTOFF)
     }
 
     /// Marks `corner` as lifted off the rigid base.

@@ -242,47 +242,52 @@ where
     /// Returns the transition of a pose at `now`, when an event function has reached zero.
     pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, function: EventFunction) -> Transition<T> {
         let mut change = PoseUpdate::begin(self, pose, now.excitation);
-        let event = match function {
+        let (event, counts) = match function {
             EventFunction::Reaction(corner) | EventFunction::Held(corner) => {
-                match change.lift_off(corner, matches!(function, EventFunction::Held(_)), now) {
+                let (release, counts) = change.lift_off(corner, matches!(function, EventFunction::Held(_)), now);
+                let event = match release {
                     Release::Lifts => Some(EventKind::LiftOff(corner)),
                     Release::Slides => Some(EventKind::Slip),
                     Release::Held => None,
-                }
+                };
+                (event, counts)
             }
             EventFunction::Gap(corner) => {
-                match (self.block.foundation, pose.footing.grips()) {
+                let counts = match (self.block.foundation, pose.footing.grips()) {
                     (Foundation::Viscoelastic, _) if self.block.friction.value() > 0.0 => {
                         change.land_with_friction(corner, now)
                     }
                     (Foundation::Rigid, _) if self.block.friction.value() > 0.0 && now.regime != Regime::Separated => {
-                        change.change_pivot(corner, now);
+                        change.change_pivot(corner, now)
                     }
                     (Foundation::Viscoelastic, true) => change.land(corner, now),
                     (Foundation::Viscoelastic, false) => change.land_freely(corner, now),
                     (Foundation::Rigid, true) => change.change_pivot(corner, now),
                     (Foundation::Rigid, false) => change.land_on_rigid_base(corner, now),
-                }
-                Some(EventKind::Landing(corner))
+                };
+                (Some(EventKind::Landing(corner)), counts)
             }
-            EventFunction::Slide => {
-                change.grip_from(Placement::of(&now.instant));
-                Some(EventKind::Grip)
-            }
+            EventFunction::Slide => (Some(EventKind::Grip), change.grip_from(Placement::of(&now.instant))),
             EventFunction::Unloaded(_) => {
                 change.pose.contacts.let_bear();
-                None
+                (None, TransitionCounts::NONE)
             }
-            EventFunction::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
-            EventFunction::Speed => Some(change.slide_or_grip(None, now)),
-            EventFunction::StandingSlide => now.held.map(|held| {
-                change.stop_standing_corner(&held, now);
-                EventKind::LiftOff(held.corner)
-            }),
-            EventFunction::Restraint(function) => change.switch(function, now),
-            EventFunction::QuarterTurn => Some(EventKind::Overturning),
+            EventFunction::Friction(push) => {
+                let (event, counts) = change.slide_or_grip(Some(push), now);
+                (Some(event), counts)
+            }
+            EventFunction::Speed => {
+                let (event, counts) = change.slide_or_grip(None, now);
+                (Some(event), counts)
+            }
+            EventFunction::StandingSlide => match now.held {
+                Some(held) => (Some(EventKind::LiftOff(held.corner)), change.stop_standing_corner(&held, now)),
+                None => (None, TransitionCounts::NONE),
+            },
+            EventFunction::Restraint(function) => (change.switch(function, now), TransitionCounts::NONE),
+            EventFunction::QuarterTurn => (Some(EventKind::Overturning), TransitionCounts::NONE),
         };
-        let PoseUpdate { pose, counts, path, .. } = change;
+        let PoseUpdate { pose, path, .. } = change;
         Transition { pose, event, counts, path }
     }
 

@@ -4,7 +4,7 @@ use crate::block::{Contacts, Corner};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, greatest, least};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::PoseUpdate;
+use crate::system::events::change::{PoseUpdate, TransitionCounts};
 use crate::system::events::landing::without_gain;
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
@@ -15,22 +15,22 @@ where
     Dual<T>: CombinesWith<T>,
 {
     /// Changes the pivot to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
-    pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation<T>) {
+    pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
         let block = &self.system.block;
         let theta_dot = greatest(block.restitution_of(corner), T::from(0.0)) * now.state[1];
         let zero = T::from(0.0);
-        self.counts.impacts += 1;
+        let mut counts = TransitionCounts::impacts(1);
         self.pose.contacts = Contacts::FULL;
         if block.friction.value() > 0.0 {
-            self.change_pivot_with_friction(corner, theta_dot, now);
+            counts += self.change_pivot_with_friction(corner, theta_dot, now);
         } else if theta_dot.value().abs() < self.system.slowest * block.p.value() {
             self.pose.state = State::zeros();
         } else {
             self.lift(corner.other());
             self.pose.state = State::from([zero, theta_dot, zero, zero]);
-            self.counts.liftoffs += 1;
+            counts += TransitionCounts::LIFTOFF;
         }
-        self.settle_on_rigid_base();
+        counts + self.settle_on_rigid_base().1
     }
 
     /// Changes the pivot with friction.
@@ -38,7 +38,7 @@ where
     /// e determines the vertical rates after the impact and thus the vertical impulse; a horizontal impulse within its limit slows the new
     /// pivot. e is reduced if a sliding block would gain energy. The last impact of a block that grips stands for all further ones, and stops
     /// the foot.
-    fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: T, now: &Evaluation<T>) {
+    fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: T, now: &Evaluation<T>) -> TransitionCounts {
         let block = &self.system.block;
         let zero = T::from(0.0);
         let mut placement = Placement { theta: zero, v: zero, ..Placement::of(&now.instant) };
@@ -58,10 +58,10 @@ where
             placement.corners[corner.index()].0 = zero;
         }
         placement.corners[corner.index()].1 = zero;
-        if !ends {
-            self.lift(corner.other());
-            self.counts.liftoffs += 1;
+        if ends {
+            return self.stand(&mut placement);
         }
-        self.stand(&mut placement);
+        self.lift(corner.other());
+        TransitionCounts::LIFTOFF + self.stand(&mut placement)
     }
 }

@@ -54,8 +54,9 @@ impl<T: Elementary> Placement<T> {
         }
     }
 
-    /// Moves the horizontal constraint from the middle of the base to the `pivot`, after the other corner has left full contact.
-    pub fn hold_pivot(&mut self, block: &Block<T>, pivot: Corner) {
+    /// Returns the placement with the horizontal constraint at the `pivot`, not the middle of the base: the other corner has left full contact.
+    pub fn with_pivot_held(mut self, block: &Block<T>, pivot: Corner) -> Placement<T> {
         self.velocities.u_dot = impact::height_over(block, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
+        self
     }
 }

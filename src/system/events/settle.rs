@@ -5,7 +5,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::{PoseUpdate, Release};
+use crate::system::events::change::{PoseUpdate, Release, TransitionCounts};
 use crate::system::events::friction;
 use crate::system::events::grip::{self, pressure_if_gripped};
 use crate::system::events::lift_off;
@@ -21,29 +21,44 @@ where
     /// Decides the regime: drops touching corners one by one while a support would have to pull, now or within round-off of time.
     ///
     /// `before` is the previous regime.
-    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) {
+    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) -> TransitionCounts {
+        let mut counts = TransitionCounts::NONE;
         let block = &self.system.block;
         // Two events closer than this differ by round-off. On a clock far from zero they may be at one time, and yet apart.
         let resolution = 4.0 * f64::EPSILON / block.omega_v.value().max(block.p.value());
         loop {
             self.pose.contacts.let_bear();
             let regime = self.regime();
-            if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips())
-                && !(self.landed && block.is_extended() && self.keep_momentum(pivot, &mut placement))
-            {
-                self.hold_pivot(pivot, &mut placement);
+            if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
+                let kept = if self.landed && block.is_extended() {
+                    let (kept, of_trial) = self.with_momentum(pivot, &placement);
+                    counts += of_trial;
+                    kept
+                } else {
+                    None
+                };
+                placement = match kept {
+                    Some(kept) => kept,
+                    None => {
+                        let held = placement.with_pivot_held(block, pivot);
+                        let gained = held.velocities.kinetic(block) - placement.velocities.kinetic(block);
+                        counts += TransitionCounts::constraint(gained.value());
+                        held
+                    }
+                };
             }
             before = regime;
             if regime == Regime::Separated && !matches!(self.pose.footing, Footing::Free { .. }) {
                 self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
             }
             self.place(&placement);
-            self.apply_friction(&mut placement);
-            self.place_foot(&placement);
+            counts += self.apply_friction(&mut placement);
+            counts += self.place_foot(&placement);
+            counts += TransitionCounts::EVALUATION;
             let mut now = self.now();
             let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction.value() == 0.0;
             if slides && pressure_if_gripped(block, regime, &now.instant).value() > grip::rounding(block) {
-                self.grip(&mut placement);
+                counts += self.grip(&mut placement) + TransitionCounts::EVALUATION;
                 now = self.now();
             }
             (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
@@ -60,66 +75,56 @@ where
                     Some(Release::Lifts) | None => {}
                     Some(Release::Held) => {
                         self.pose.contacts.let_bear();
-                        self.hold_corner(corner, height);
+                        counts += self.hold_corner(corner, height);
                     }
                     Some(Release::Slides) => self.release(&now.instant),
                 }
             }
             let Some((corner, _)) = leaving else { break };
-            self.take_off(corner, &placement);
+            counts += self.take_off(corner, &placement);
         }
         if self.landed {
-            self.rejoin_supports();
+            counts += self.rejoin_supports();
         }
+        counts
     }
 
     /// Lowers or raises the supports of corners that landed and lifted in this instant to the corners.
     ///
     /// Such a corner keeps its height, and the clock may be off the landing by its resolution, in which supports creep.
-    fn rejoin_supports(&mut self) {
+    fn rejoin_supports(&mut self) -> TransitionCounts {
         let leaves_now = |contact: Contact<T>| matches!(contact, Contact::Lifted(creep) if creep.since.value() == self.pose.time.value());
         let leaving = Corner::each(|corner| leaves_now(self.pose.contacts.of(corner)));
-        if leaving.contains(&true) {
-            let x = self.now().instant;
-            for corner in Corner::BOTH.into_iter().filter(|corner| leaving[corner.index()]) {
-                self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, x.corner[corner.index()])));
-            }
+        if !leaving.contains(&true) {
+            return TransitionCounts::NONE;
         }
+        let x = self.now().instant;
+        for corner in Corner::BOTH.into_iter().filter(|corner| leaving[corner.index()]) {
+            self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, x.corner[corner.index()])));
+        }
+        TransitionCounts::EVALUATION
     }
 
-    /// Applies [`Placement::hold_pivot`] and accounts for its energy.
-    fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement<T>) {
-        let block = &self.system.block;
-        let before = placement.velocities;
-        placement.hold_pivot(block, pivot);
-        self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
-    }
-
-    /// Handles a corner that landed and lifted in the same instant: an impulse stops the `pivot`, or with friction it slides.
+    /// Returns the placement after a corner landed and lifted in the same instant: an impulse stops the `pivot`, or with friction it slides.
     ///
-    /// Returns false and changes nothing if the gap of that corner would close again at once.
-    fn keep_momentum(&mut self, pivot: Corner, placement: &mut Placement<T>) -> bool {
+    /// `None` if the gap of that corner would close again at once.
+    fn with_momentum(&self, pivot: Corner, before: &Placement<T>) -> (Option<Placement<T>>, TransitionCounts) {
         let (block, i) = (&self.system.block, pivot.other().index());
-        let mut after = *placement;
+        let mut after = *before;
         if block.friction.value() == 0.0 {
             after.set_velocities(block, impact::grip(block, Regime::on(pivot), after.theta, after.velocities));
         }
-        let (pose, path) = (self.pose, self.path);
-        self.place(&after);
-        self.apply_friction(&mut after);
-        self.place_foot(&after);
-        let now = self.now();
-        (self.pose, self.path) = (pose, path);
+        let mut trial = *self;
+        trial.place(&after);
+        let counts = trial.apply_friction(&mut after) + trial.place_foot(&after) + TransitionCounts::EVALUATION;
+        let now = trial.now();
         let support = self.support(pivot.other()).rate;
         let rate = (after.corners[i].1 - support).value();
         let opens = match rate.abs() > friction::speed_rounding(block) {
             true => rate > 0.0,
             false => (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0,
         };
-        if opens {
-            *placement = after;
-        }
-        opens
+        (opens.then_some(after), counts)
     }
 
     /// Returns whether and how a touching corner with the reaction `n` per mass (m/s²) and the rate `corner_dot` (m/s) leaves its support.
@@ -151,23 +156,22 @@ where
     }
 
     /// Lets corners leave the rigid base that it would have to pull, and returns how the last of them left.
-    pub(super) fn settle_on_rigid_base(&mut self) -> Option<Release> {
-        self.apply_friction_here();
-        self.settle_under_friction()
+    pub(super) fn settle_on_rigid_base(&mut self) -> (Option<Release>, TransitionCounts) {
+        let before = self.apply_friction_here();
+        let (last, counts) = self.settle_under_friction();
+        (last, before + counts)
     }
 
     /// Settles the block on the rigid base after friction has been applied.
-    pub(super) fn settle_under_friction(&mut self) -> Option<Release> {
-        let mut leaving = None;
+    pub(super) fn settle_under_friction(&mut self) -> (Option<Release>, TransitionCounts) {
+        let (mut last, mut counts) = (None, TransitionCounts::NONE);
         loop {
+            counts += TransitionCounts::EVALUATION;
             let now = self.now();
-            match self.system.leaving_rigid_base(&now) {
-                Some(corner) => {
-                    leaving = Some(self.let_go(corner, &now));
-                    self.apply_friction_here();
-                }
-                None => return leaving,
-            }
+            let Some(corner) = self.system.leaving_rigid_base(&now) else { return (last, counts) };
+            let (release, of_corner) = self.let_go(corner, &now);
+            last = Some(release);
+            counts += of_corner + self.apply_friction_here();
         }
     }
 }

@@ -168,6 +168,7 @@ impl Draw {
 /// Numbers from 0 to 1 that determine a draw.
 const NUMBERS: usize = 160;
 
+#[expect(clippy::too_many_lines, reason = "a draw of all variables, in one order")]
 fn strategy() -> impl Strategy<Value = Draw> {
     prop::collection::vec(0.0..1.0_f64, NUMBERS).prop_map(|numbers| {
         let mut numbers = numbers.into_iter();

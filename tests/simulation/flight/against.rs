@@ -145,6 +145,7 @@ fn block([alpha, p, eta, xi_v, epsilon, gamma]: [f64; 6]) -> Block {
 const STILL: Ramp = Ramp { value: 0.0, rate: 0.0 };
 
 /// Flights that exercise every rule.
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn flights() -> Vec<(&'static str, Flight)> {
     let thrown = |numbers, thrown, pulse, until| Flight {
         block: block(numbers),

@@ -153,95 +153,99 @@ struct SearchOptions {
 /// Runs the command.
 pub fn run(options: &SearchCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     match &options.target {
-        Target::Damping(damping) => {
-            let Damping { rate, from, to, resolution, .. } = **damping;
-            damping.search.check_table(&[])?;
-            check("rate", rate, |_| true, "a finite number")?;
-            let scan = damping.search.scan(from, to, resolution)?;
-            let shape = damping.block.shape(Foundation::Viscoelastic, explicit)?;
-            let eta = damping.block.eta;
-            let block_with = |xi_v| damping.block.tied(shape, Supports::Viscoelastic(Ratios { eta, xi_v }));
-            damping.block.check_mass(&block_with(from)?, explicit)?;
-            let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
-            damping.search.search(
-                "xi_v",
-                "",
-                &scan,
-                |progress| Ok(search::damping_against_separation(block_with, rate, settings, &scan, width, progress)?),
-                OutcomeMap::damping_against_separation,
-                |found, threshold, shown| {
-                    let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
-                    let but = if overturned { ", but overturning in a range above" } else { "" };
-                    let to = shown(to);
-                    match threshold {
-                        Threshold::At(0.0) => format!("none needed: no separation from xi_v = 0 to {to}{but}"),
-                        Threshold::At(least) => format!("no separation from xi_v = {} to {to}{but}", shown(least)),
-                        Threshold::AtMost(least) => format!(
-                            "no separation from xi_v = {} to {to}{but}: the least damping is at most this value; \
-                             expected a smaller --from",
-                            shown(least)
-                        ),
-                        Threshold::Above(_) => {
-                            format!("separation even at xi_v = {to}; expected a larger --to")
-                        }
-                    }
-                },
-            )
-        }
-        Target::Overturning(overturning) => {
-            let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = **overturning;
-            let rigid = foundation == Foundation::Rigid;
-            explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
-            explicit.refuse_unless(
-                rigid,
-                &["restitution-factor"],
-                "on viscoelastic supports; expected --foundation rigid",
-            )?;
-            explicit.refuse_unless(
-                !explicit.has("record"),
-                &["pulse", "period", "phase", "cycles"],
-                "with --record",
-            )?;
-            overturning.search.check_table(&overturning.accelerograms.files().named())?;
-            let eta = overturning.block.eta;
-            let supports = match foundation {
-                Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta, xi_v }),
-                Foundation::Rigid => Supports::Rigid { restitution_factor },
-            };
-            let block = overturning.block.tied(overturning.block.shape(foundation, explicit)?, supports)?;
-            overturning.block.check_mass(&block, explicit)?;
-            warn(doubts::of_blocks([block]));
-            let (shaking, name, unit) = overturning.shaking(block.gravity)?;
-            let [least, greatest] = search::usual_strengths(&block, &shaking);
-            let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(greatest));
-            let scan = overturning.search.scan(from, to, resolution)?;
-            let settings = Settings { on_separation: overturning.on_separation, ..overturning.search.settings()? };
-            let width = overturning.search.processor.width();
-            overturning.search.search(
-                name,
-                unit,
-                &scan,
-                |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
-                OutcomeMap::overturning,
-                |_, threshold, shown| match threshold {
-                    Threshold::At(least) => format!("first overturning at {name} = {}{unit}", shown(least)),
-                    Threshold::AtMost(least) if least == from => format!(
-                        "first overturning at {name} = {}{unit} at most, where the range begins; expected a smaller --from",
+        Target::Damping(damping) => damping.run(explicit),
+        Target::Overturning(overturning) => overturning.run(explicit),
+    }
+}
+
+impl Damping {
+    /// Searches for the smallest damping.
+    fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        let Damping { rate, from, to, resolution, .. } = *self;
+        self.search.check_table(&[])?;
+        check("rate", rate, |_| true, "a finite number")?;
+        let scan = self.search.scan(from, to, resolution)?;
+        let shape = self.block.shape(Foundation::Viscoelastic, explicit)?;
+        let eta = self.block.eta;
+        let block_with = |xi_v| self.block.tied(shape, Supports::Viscoelastic(Ratios { eta, xi_v }));
+        self.block.check_mass(&block_with(from)?, explicit)?;
+        let (settings, width) = (self.search.settings()?, self.search.processor.width());
+        self.search.search(
+            "xi_v",
+            "",
+            &scan,
+            |progress| Ok(search::damping_against_separation(block_with, rate, settings, &scan, width, progress)?),
+            OutcomeMap::damping_against_separation,
+            |found, threshold, shown| {
+                let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
+                let but = if overturned { ", but overturning in a range above" } else { "" };
+                let to = shown(to);
+                match threshold {
+                    Threshold::At(0.0) => format!("none needed: no separation from xi_v = 0 to {to}{but}"),
+                    Threshold::At(least) => format!("no separation from xi_v = {} to {to}{but}", shown(least)),
+                    Threshold::AtMost(least) => format!(
+                        "no separation from xi_v = {} to {to}{but}: the least damping is at most this value; \
+                         expected a smaller --from",
                         shown(least)
                     ),
-                    Threshold::AtMost(least) => {
-                        format!("first overturning at {name} = {}{unit} at most: runs below it failed", shown(least))
-                    }
                     Threshold::Above(_) => {
-                        format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to))
+                        format!("separation even at xi_v = {to}; expected a larger --to")
                     }
-                },
-            )
-        }
+                }
+            },
+        )
     }
 }
 
 impl Overturning {
+    /// Searches for the smallest strength that overturns.
+    fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = *self;
+        let rigid = foundation == Foundation::Rigid;
+        explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
+        explicit.refuse_unless(
+            rigid,
+            &["restitution-factor"],
+            "on viscoelastic supports; expected --foundation rigid",
+        )?;
+        explicit.refuse_unless(!explicit.has("record"), &["pulse", "period", "phase", "cycles"], "with --record")?;
+        self.search.check_table(&self.accelerograms.files().named())?;
+        let eta = self.block.eta;
+        let supports = match foundation {
+            Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta, xi_v }),
+            Foundation::Rigid => Supports::Rigid { restitution_factor },
+        };
+        let block = self.block.tied(self.block.shape(foundation, explicit)?, supports)?;
+        self.block.check_mass(&block, explicit)?;
+        warn(doubts::of_blocks([block]));
+        let (shaking, name, unit) = self.shaking(block.gravity)?;
+        let [least, greatest] = search::usual_strengths(&block, &shaking);
+        let (from, to) = (self.from.unwrap_or(least), self.to.unwrap_or(greatest));
+        let scan = self.search.scan(from, to, resolution)?;
+        let settings = Settings { on_separation: self.on_separation, ..self.search.settings()? };
+        let width = self.search.processor.width();
+        self.search.search(
+            name,
+            unit,
+            &scan,
+            |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
+            OutcomeMap::overturning,
+            |_, threshold, shown| match threshold {
+                Threshold::At(least) => format!("first overturning at {name} = {}{unit}", shown(least)),
+                Threshold::AtMost(least) if least == from => format!(
+                    "first overturning at {name} = {}{unit} at most, where the range begins; expected a smaller --from",
+                    shown(least)
+                ),
+                Threshold::AtMost(least) => {
+                    format!("first overturning at {name} = {}{unit} at most: runs below it failed", shown(least))
+                }
+                Threshold::Above(_) => {
+                    format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to))
+                }
+            },
+        )
+    }
+
     /// Returns the excitation, with name and unit of the unknown.
     fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
         let ground = self.accelerograms.read(gravity)?;

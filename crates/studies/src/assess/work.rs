@@ -88,13 +88,8 @@ pub fn assess(
     let mut sensitivity = Vec::new();
     for Assumption { name, changes, values, middle, is_given } in &plan.assumptions {
         let ends = [changed(&mut work, name, &changes[..1])?, changed(&mut work, name, &changes[1..])?];
-        sensitivity.push(Sensitivity {
-            name: name.clone(),
-            values: *values,
-            middle: *middle,
-            is_given: *is_given,
-            ends,
-        });
+        let (name, values, middle, is_given) = (name.clone(), *values, *middle, *is_given);
+        sensitivity.push(Sensitivity { name, values, middle, is_given, ends });
     }
     let table_of_sizes = work.table("other sizes", &of_sizes, &of_sizes.header().study)?;
     let mut statistics = Statistics::new(&of_sizes);

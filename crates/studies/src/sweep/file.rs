@@ -13,7 +13,7 @@ use crate::run::{MAX_DURATION, MIN_STEP};
 use crate::spec::study::{RangeTable, StudyFile, StudyTable};
 use crate::spec::words::friction;
 use crate::statistics::sampling::LatinHypercube;
-use crate::sweep::ensemble::SpreadTarget;
+use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
@@ -61,21 +61,10 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
     let (mut motions, remarks) = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
     let building = building::file::read(&root)?;
+    check_building(&root, &study, building.is_some(), &motions, &strengths)?;
     if let Some((building, floors)) = &building {
-        if let (false, Some(value)) =
-            (motions.iter().all(|motion| motion.ground.horizontal.is_some()), root.get("building"))
-        {
-            return Err(
-                root.refused(value, "building has no effect without a horizontal record in each [[records]]".into())
-            );
-        }
         motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
-    } else if let (Some(measure), Some(value)) =
-        (strengths.measure(), strength::KEYS.iter().find_map(|key| study.get(key)))
-        && Measure::OF_FLOOR.contains(&measure)
-    {
-        return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
     }
     let ensemble = ensemble::read(&study, source)?;
     let without_records = motions.iter().all(|motion| !motion.has_record());
@@ -84,20 +73,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(study.wrong(key, value, "[[records]]; it has no effect without them"));
         }
     }
-    if let (Some(ensemble), Some(value)) = (&ensemble, study.get("ensemble")) {
-        if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
-            return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
-        }
-        match strengths {
-            Strengths::Least(..) => {
-                return Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row"));
-            }
-            Strengths::Hunt(..) => {
-                return Err(study.wrong("ensemble", value, "none beside hunt, whose levels follow single runs"));
-            }
-            Strengths::Scales(_) | Strengths::Levels(..) => {}
-        }
-    }
+    check_ensemble(&study, source, ensemble.as_ref(), without_records, &strengths)?;
     let friction_demand = study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?;
     if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction_demand, study.get("friction_demand")) {
         return Err(study.wrong("friction_demand", value, "none beside least, which makes many runs per row"));
@@ -132,6 +108,46 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts()).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)
+}
+
+/// Checks that a building has records to shake it, and that a measure of floors has a building.
+fn check_building(
+    root: &Section,
+    study: &Section,
+    has_building: bool,
+    motions: &[GroundMotion],
+    strengths: &Strengths,
+) -> Result<(), StudyFileError> {
+    let shaken = motions.iter().all(|motion| motion.ground.horizontal.is_some());
+    if let (true, false, Some(value)) = (has_building, shaken, root.get("building")) {
+        return Err(
+            root.refused(value, "building has no effect without a horizontal record in each [[records]]".into())
+        );
+    }
+    let level = strengths.measure().filter(|measure| !has_building && Measure::OF_FLOOR.contains(measure));
+    if let (Some(measure), Some(value)) = (level, strength::KEYS.iter().find_map(|key| study.get(key))) {
+        return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
+    }
+    Ok(())
+}
+
+/// Checks that an ensemble spreads only what the study has, and that each row has the runs for it.
+fn check_ensemble(
+    study: &Section,
+    source: StudyText,
+    ensemble: Option<&Ensemble>,
+    without_records: bool,
+    strengths: &Strengths,
+) -> Result<(), StudyFileError> {
+    let (Some(ensemble), Some(value)) = (ensemble, study.get("ensemble")) else { return Ok(()) };
+    if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
+        return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
+    }
+    match strengths {
+        Strengths::Least(..) => Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row")),
+        Strengths::Hunt(..) => Err(study.wrong("ensemble", value, "none beside hunt, whose levels follow single runs")),
+        Strengths::Scales(_) | Strengths::Levels(..) => Ok(()),
+    }
 }
 
 /// The motions of these floors under a ground motion with a horizontal record.

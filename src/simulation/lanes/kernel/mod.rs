@@ -138,8 +138,8 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         let close = self.close(here, near, peaks).or(self.close(there, near, peaks));
         let (mut start, mut end) = (here.cheap_channels(), there.cheap_channels());
         if close.any() {
-            start = in_lanes(close, here.channels_inlined(), start);
-            end = in_lanes(close, there.channels_inlined(), end);
+            start = in_lanes(close, here.channels(), start);
+            end = in_lanes(close, there.channels(), end);
         }
         let [theta, reaction, horizontal, uplift, friction_demand] = peaks;
         let demand = Ends { start: start.friction_demand, end: end.friction_demand, duration };

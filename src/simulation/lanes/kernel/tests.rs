@@ -8,6 +8,7 @@ use crate::block::{Contact, Contacts, Corner, Creep};
 use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
+use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::step_interior::may_hold_event;
 use crate::simulation::{Initial, Settings, Simulation};
@@ -97,8 +98,9 @@ impl Case {
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), instant::State::from(*there));
         let duration = there.time - here.time;
-        let near = near_a_peak(duration, lane.simulation.limits::<4>(mode, excitation.frequency()).longest);
-        let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
+        let tolerance = lane.simulation.settings.tolerance;
+        let Limits { longest, .. } = Limits::<4>::of(&system.block, tolerance, mode, excitation.frequency());
+        let [start, end] = peaks.channels_at_ends(&here, &there, near_a_peak(duration, longest));
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
         peaks.include(&start);
         peaks.include(&end);
@@ -200,7 +202,7 @@ prop_compose! {
             let excitation = case.lane.simulation.excitation(&inputs);
             let seen = Motion::from_pose(&block, pose, &excitation).at(time, instant::State::from(state));
             let mut peaks = Peaks::default();
-            peaks.include(&seen.channels());
+            peaks.include(&seen.channels_called());
             peaks
         };
         let (a, b) = (of(case.lane.simulation.pose.state.0), of(case.there));

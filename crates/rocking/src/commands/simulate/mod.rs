@@ -19,8 +19,8 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use rocking_block::block::Foundation;
 use rocking_block::block::restraints::TieState;
+use rocking_block::block::{Block, Foundation};
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_charts::history::link_names;
 use rocking_charts::loops;
@@ -239,19 +239,20 @@ fn prospect(run: &Run, history: &History) -> &'static str {
     }
 }
 
-/// Writes the summary as text.
-fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, f64)>, with_events: bool) -> String {
-    let block = &run.block;
-    let History { events, peaks, counts, ending, .. } = history;
-    let weight = block.mass * block.gravity;
-    let last = history.rows.last().map_or(0.0, |row| row.time);
-    let end = match ending {
-        Some((ending @ Ending::Separated, time)) => {
-            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
-        }
-        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
-        None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
-    };
+/// Says how far a block went past its balance, or how it leans at the end, if it does either.
+fn balance(block: &Block, history: &History) -> Option<String> {
+    let (tilted, rest) = (history.ends_tilted(block), history.lean.end / block.alpha);
+    if history.end != End::Overturned && history.lean.passed_balance() {
+        let (over, back) = (history.lean.over_balance, if tilted { " and ends tilted" } else { "" });
+        return Some(format!(
+            "the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"
+        ));
+    }
+    tilted.then(|| format!("the block ends tilted: θ/α = {rest:.4}"))
+}
+
+/// Writes the energies at the end.
+fn energy(block: &Block, history: &History) -> String {
     let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
     let largest = history.greatest_energy();
     let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
@@ -266,6 +267,26 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
     if dampers > 0 {
         taken += &format!(", dampers {:.1} J", energies.restraints.dampers);
     }
+    format!(
+        "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
+        energies.input, energies.dashpots, energies.impacts
+    )
+}
+
+/// Writes the summary as text.
+fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, f64)>, with_events: bool) -> String {
+    let block = &run.block;
+    let History { events, peaks, counts, ending, .. } = history;
+    let weight = block.mass * block.gravity;
+    let last = history.rows.last().map_or(0.0, |row| row.time);
+    let end = match ending {
+        Some((ending @ Ending::Separated, time)) => {
+            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
+        }
+        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
+        None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
+    };
+    let Holds { dampers, .. } = Holds::of(block);
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
     line("excitation", excitation.into());
@@ -281,15 +302,8 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
             peaks.horizontal / weight
         ),
     );
-    if history.end != End::Overturned && history.lean.passed_balance() {
-        let back = if history.ends_tilted(block) { " and ends tilted" } else { "" };
-        let (over, rest) = (history.lean.over_balance, history.lean.end / block.alpha);
-        line(
-            "balance",
-            format!("the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"),
-        );
-    } else if history.ends_tilted(block) {
-        line("balance", format!("the block ends tilted: θ/α = {:.4}", history.lean.end / block.alpha));
+    if let Some(balance) = balance(block, history) {
+        line("balance", balance);
     }
     if block.friction > 0.0 {
         let (peak, slip) = (1e3 * peaks.slip, history.slip);
@@ -322,13 +336,7 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
         "events",
         format!("{} impacts, {} lift-offs{so_far}{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
     );
-    line(
-        "energy",
-        format!(
-            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
-            energies.input, energies.dashpots, energies.impacts
-        ),
-    );
+    line("energy", energy(block, history));
     line("steps", format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations));
     if with_events {
         for event in events {

@@ -1,0 +1,264 @@
+//! The driver: step → locate the first event → apply it → decide the regime → continue.
+//!
+//! | call | goes on |
+//! | --- | --- |
+//! | [`Simulation::advance`] | to a time, over several smooth pieces of the excitation |
+//! | `smooth_piece` | to the end of a piece, over several modes of motion |
+//! | `Simulation::steps`, in [`stepping`](super::stepping) | under one mode, by steps or swings, to the first event |
+//! | `apply` | through an event, into the next regime |
+
+use std::sync::Arc;
+
+use crate::block::{Block, Corner, Regime, restraints};
+use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::numerics::control::StepControl;
+use crate::simulation::ending::{Ending, Progress, SimulationError};
+use crate::simulation::energies::EnergySums;
+#[cfg(feature = "lanes")]
+use crate::simulation::follow::Rates;
+use crate::simulation::peaks::{Peaks, greater};
+use crate::simulation::settings::{OnOverturning, OnSeparation, Settings};
+use crate::simulation::state::{Counts, Pending, Simulation, Slip};
+use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
+use crate::system::System;
+use crate::system::beginning::Initial;
+use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::{Event, EventFunction, EventKind, Transition, TransitionCounts};
+use crate::system::instant::Pose;
+
+/// A bound on the time that a call advances, relative to [`MAX_STEPS`] divided by the fastest circular frequency: far more than
+/// the longest step, and little enough that the clock resolves the motion.
+const OUT_OF_REACH: f64 = 1e3;
+
+impl Simulation {
+    /// A block at its beginning at `time`, with the excitation of that time.
+    ///
+    /// A support that nothing touches stands at its free height.
+    pub fn new(
+        block: Block,
+        settings: Settings,
+        pulse: Pulse,
+        initial: &Initial,
+        time: f64,
+        inputs: &Inputs,
+    ) -> Simulation {
+        let [least, most] = Settings::TOLERANCES;
+        let flies = settings.on_separation == OnSeparation::Fly;
+        let system = System { block, flies, slowest: System::SLOWEST };
+        let excitation = Excitation::from_time(time, inputs, &pulse, &block);
+        let mut simulation = Simulation {
+            system: Arc::new(system),
+            settings: Settings { tolerance: settings.tolerance.clamp(least, most), ..settings },
+            pulse,
+            pose: system.beginning(initial, time, &excitation),
+            piece: None,
+            control: StepControl::NEW,
+            ending: None,
+            sums: EnergySums::default(),
+            peaks: Peaks::default(),
+            slip: Slip::default(),
+            plastic_paths: [0.0; restraints::MAX],
+            counts: Counts::default(),
+            last_event: time,
+            events_in_this_instant: 0,
+            pending: None,
+        };
+        simulation.end_if_separated();
+        let start = simulation.now(&block, &excitation);
+        simulation.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
+        let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
+        let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
+        simulation.peaks.include(&shown.channels_called());
+        simulation.peaks.include_restraints(&shown);
+        simulation
+    }
+
+    /// Advances to `until` (s), which is not before the present time, under inputs that are linear in time, and reports each event
+    /// to `observer` as it happens.
+    ///
+    /// Stops at the end of the run if that comes first. After the end nothing advances, or only time does if the block is held. No
+    /// memory is allocated. On an error the state is that of the last good step.
+    pub fn advance(
+        &mut self,
+        until: f64,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Progress, SimulationError> {
+        self.settle(inputs, observer)?;
+        self.pieces(until, inputs, None, observer)
+    }
+
+    /// As [`Simulation::advance`], but stops at the first event later than `after` (s) without applying it, and returns `None`.
+    ///
+    /// [`Simulation::settle`] then applies it; continuing under the same inputs gives the bits of an uninterrupted run. An event
+    /// that ends the run is applied.
+    pub fn advance_to_event(
+        &mut self,
+        until: f64,
+        after: f64,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Option<Progress>, SimulationError> {
+        self.settle(inputs, observer)?;
+        let progress = self.pieces(until, inputs, Some(after), observer)?;
+        Ok(self.pending.is_none().then_some(progress))
+    }
+
+    /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
+    pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+        self.apply_pending(inputs, observer, |_| ()).map(|_| ())
+    }
+
+    /// Applies the event at which a step has ended, as [`Simulation::settle`] does, and returns the rates right after it, if there is one.
+    #[cfg(feature = "lanes")]
+    pub fn settle_with_rates(
+        &mut self,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Option<Rates>, SimulationError> {
+        self.apply_pending(inputs, observer, Rates::of)
+    }
+
+    /// Applies a pending event as [`Simulation::settle`] does, and returns what `inspect` makes of the block right after it.
+    fn apply_pending<R>(
+        &mut self,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+        inspect: impl FnOnce(&Evaluation) -> R,
+    ) -> Result<Option<R>, SimulationError> {
+        let Some(Pending { function, piece }) = self.pending.take() else { return Ok(None) };
+        let system = Arc::clone(&self.system);
+        let excitation = Excitation::from_time(piece, inputs, &self.pulse, &system.block);
+        let now = self.now(&system.block, &excitation);
+        self.apply(function, &now, observer).map(|after| Some(inspect(&after)))
+    }
+
+    /// Advances over the smooth pieces of the excitation to `until` (s), or to the first event later than `stop_after` (s).
+    fn pieces(
+        &mut self,
+        until: f64,
+        inputs: &Inputs,
+        stop_after: Option<f64>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Progress, SimulationError> {
+        let mut budget = MAX_STEPS;
+        while self.pose.time < until && self.ending.is_none() {
+            let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
+            self.smooth_piece(stop, inputs, &mut budget, stop_after, observer)?;
+            if self.pending.is_some() {
+                return Ok(Progress::Reached);
+            }
+        }
+        match self.ending {
+            Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
+            _ => {
+                self.pose.time = until;
+                Ok(Progress::Reached)
+            }
+        }
+    }
+
+    /// Steps from the present time to `stop` (s), over which the excitation is smooth, or to the end of the run, or to an event at
+    /// which the motion is to stop.
+    fn smooth_piece(
+        &mut self,
+        stop: f64,
+        inputs: &Inputs,
+        budget: &mut u64,
+        stop_after: Option<f64>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let (system, since) = (Arc::clone(&self.system), self.pose.time);
+        let excitation = Excitation::from_time(since, inputs, &self.pulse, &system.block);
+        let mut input = StepsInput::of_piece(&system.block, &excitation, [self.within_reach(stop), stop]);
+        self.counts.evaluations += 1;
+        while self.pose.time < input.stop && self.ending.is_none() {
+            // No `?`, which would move the block at an event even if there is none.
+            match self.steps(&input, budget) {
+                Ok(StepsOutcome::Lasts) => {}
+                Ok(StepsOutcome::Event(function, now)) => {
+                    if stop_after.is_some_and(|after| self.stops(after, function, &now)) {
+                        self.pending = Some(Pending { function, piece: since });
+                        return Ok(());
+                    }
+                    self.apply(function, &now, observer)?;
+                }
+                Err(error) => return Err(error),
+            }
+            input.begins_piece = false;
+        }
+        Ok(())
+    }
+
+    /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
+    /// rests, or the call has failed.
+    fn within_reach(&self, stop: f64) -> f64 {
+        let Block { omega_v, p, .. } = *self.block();
+        let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);
+        if self.pose.time < beyond { stop.min(beyond) } else { stop }
+    }
+
+    /// Whether the motion stops at `now`, before an event that is later than `after` (s) and does not end the run.
+    fn stops(&self, after: f64, function: EventFunction, now: &Evaluation) -> bool {
+        if now.time <= after {
+            return false;
+        }
+        let Transition { pose, event, .. } = self.system.transition(&self.pose, now, function);
+        let separates = pose.contacts.regime() == Regime::Separated && !self.system.flies;
+        let ends = match event {
+            None => return false,
+            Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
+            Some(_) => separates && self.settings.on_separation == OnSeparation::Terminate,
+        };
+        !ends
+    }
+
+    /// Applies the event at `now`, where `function` has fallen through zero, and returns the block right after it.
+    pub(super) fn apply<'a>(
+        &mut self,
+        function: EventFunction,
+        now: &Evaluation<'a>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Evaluation<'a>, SimulationError> {
+        const MAX_EVENTS_IN_AN_INSTANT: u32 = 64;
+        let time = self.pose.time;
+        self.events_in_this_instant += 1;
+        if self.events_in_this_instant > MAX_EVENTS_IN_AN_INSTANT {
+            return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
+        }
+        let Transition { pose, event, counts, path } = self.system.transition(&self.pose, now, function);
+        if path.overflows() {
+            return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
+        }
+        let TransitionCounts { impacts, liftoffs, constraint, evaluations } = counts;
+        self.pose = pose;
+        self.last_event = time;
+        self.counts.impacts += impacts;
+        self.counts.liftoffs += liftoffs;
+        self.counts.evaluations += evaluations + 1;
+        self.sums.constraint += constraint;
+        let after = self.now(now.block, now.excitation);
+        let lost = now.energy() - after.energy();
+        self.sums.lose(event, lost);
+        if now.regime == Regime::Separated && after.regime != Regime::Separated {
+            // The flight has moved the foot.
+            self.slip.now = after.foot_place();
+            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
+        }
+        let Some(kind) = event else { return Ok(after) };
+        if kind == EventKind::Overturning {
+            self.ending = Some((Ending::Overturned, time));
+        }
+        self.end_if_separated();
+        observer(&Event { time, kind, before: now.regime, after: after.regime });
+        Ok(after)
+    }
+
+    fn end_if_separated(&mut self) {
+        if self.regime() == Regime::Separated && !self.system.flies {
+            let Pose { time, state, .. } = self.pose;
+            let side = if state[0] < 0.0 { Corner::Left } else { Corner::Right };
+            self.ending = Some((Ending::at_separation(self.system.block.alpha_of(side), state[0], state[1]), time));
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! A run in a lane → its next step: the kind that is stepped together, and the knowledge from earlier attempts.
+
+use crate::block::{Corner, Foundation, Regime};
+use crate::numerics::control::Attempt;
+use crate::numerics::dop853::DenseStep;
+use crate::simulation::Simulation;
+use crate::simulation::step::FirstStep;
+use crate::system::forces;
+use crate::system::swing::Swing;
+
+/// The next action of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing: it has come to the time that was asked for, or to its end.
+    Arrived,
+    /// A step that it takes alone.
+    Alone,
+    /// A step that it may take together with others of the kind.
+    Together(BatchKind),
+}
+
+/// The way in which runs are stepped together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LaneMode {
+    /// By steps on supports, in this regime.
+    Steps(Regime),
+    /// By swings about a corner of the rigid base.
+    Swings,
+}
+
+/// The kind of a step: runs whose next steps are of the same kind are stepped together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BatchKind {
+    /// A step on supports.
+    Step {
+        /// The regime.
+        regime: Regime,
+        /// Whether it is a short step, or one of order 8.
+        short: bool,
+    },
+    /// A swing about either corner of the rigid base.
+    Swing {
+        /// Whether a pulse acts, or only what is linear in time.
+        is_wave: bool,
+        /// Whether it probably ends with a landing, which takes several iterations.
+        lands: bool,
+    },
+}
+
+impl BatchKind {
+    /// The number of kinds.
+    pub const COUNT: usize = 10;
+
+    const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
+
+    /// Its number, from 0.
+    pub fn number(self) -> usize {
+        match self {
+            BatchKind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
+            BatchKind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
+        }
+    }
+
+    /// The kind of a number.
+    pub fn numbered(number: usize) -> BatchKind {
+        match number {
+            0..6 => BatchKind::Step { regime: BatchKind::REGIMES[number % 3], short: number < 3 },
+            _ => BatchKind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
+        }
+    }
+}
+
+/// Returns the index of a regime among those in which blocks are stepped together; `None` in flight.
+pub(super) fn regime_index(regime: Regime) -> Option<usize> {
+    match regime {
+        Regime::FullContact => Some(0),
+        Regime::TiltingLeft => Some(1),
+        Regime::TiltingRight => Some(2),
+        Regime::Separated => None,
+    }
+}
+
+/// The way in which runs in the present contacts are stepped together; none for other runs.
+pub(super) fn lane_mode(Simulation { pose, system, .. }: &Simulation) -> Option<LaneMode> {
+    let gripping = pose.footing.grips() && pose.contacts.held().is_none();
+    if !gripping || forces::switch(&system.block) {
+        return None;
+    }
+    let regime = pose.contacts.regime();
+    match system.block.foundation {
+        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
+        Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
+    }
+}
+
+/// The step that comes next from here, as far as earlier ones from here determine it.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
+pub(super) enum NextStep {
+    /// Any step.
+    Open {
+        /// Whether the smooth piece begins here.
+        begins_piece: bool,
+    },
+    /// A step of order 8, since a short one makes too great an error or may hold an event or a peak.
+    NotShort,
+    /// The lane's attempt of order 8, which is shorter than one that made too great an error.
+    Shorter,
+    /// This step of order 8, which a lane has made; it may hold an event or a peak.
+    Made(DenseStep),
+    /// This swing, which a lane has made, and in which something may happen.
+    Swing {
+        made: Box<Swing>,
+        /// Whether the smooth piece begins here.
+        begins_piece: bool,
+    },
+    /// None: the block has turned about this pivot and come down on the other corner, and the impact is to be applied.
+    Landing(Corner),
+}
+
+impl NextStep {
+    /// Whether the smooth piece begins here.
+    pub(super) fn begins_piece(&self) -> bool {
+        match *self {
+            NextStep::Open { begins_piece } | NextStep::Swing { begins_piece, .. } => begins_piece,
+            NextStep::NotShort | NextStep::Shorter | NextStep::Made(_) | NextStep::Landing(_) => false,
+        }
+    }
+
+    /// The knowledge of the step for a run that takes it alone; `attempt` is that of the lane.
+    pub(super) fn first_step(&self, attempt: Attempt) -> FirstStep<'_> {
+        match self {
+            NextStep::Open { .. } | NextStep::Landing(_) => FirstStep::Open,
+            NextStep::NotShort => FirstStep::NotShort,
+            NextStep::Shorter => FirstStep::Attempt(attempt),
+            NextStep::Made(step) => FirstStep::Made(step),
+            NextStep::Swing { made, .. } => FirstStep::Swing(made),
+        }
+    }
+}

@@ -1,0 +1,318 @@
+//! The state of a run: its data, and views of them.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::restraints::{self, States};
+use crate::block::{Block, Regime};
+use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
+use crate::numerics::control::StepControl;
+use crate::numerics::dual::Dual64;
+use crate::simulation::ending::Ending;
+use crate::simulation::energies::{Energies, EnergySums, powers};
+use crate::simulation::exchange::piece::ExchangePiece;
+use crate::simulation::initial_sensitivity::{InitialDerivatives, Start};
+use crate::simulation::outputs::Observation;
+use crate::simulation::peaks::Peaks;
+use crate::simulation::settings::{OnOverturning, OnSeparation, Settings};
+use crate::system::System;
+use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::EventFunction;
+use crate::system::forces::energy;
+use crate::system::instant::{Footing, Pose, State};
+
+/// Counters since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Landings to which the impact map (or e, on the rigid base) was applied.
+    pub impacts: u32,
+    /// Corners that lifted.
+    pub liftoffs: u32,
+    /// Steps of the integrator that were accepted.
+    pub steps: u64,
+    /// Steps that were repeated with a smaller size.
+    pub rejected: u64,
+    /// Evaluations of the equations of motion, dense output and restarts included.
+    pub evaluations: u64,
+}
+
+/// The slip of the foot since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Slip {
+    /// Displacement of the foot from its place at the start (m), positive to the right; in flight, that of the last contact.
+    pub now: f64,
+    /// Length of its path on the ground (m).
+    pub total: f64,
+}
+
+/// A block in motion. It is a plain value: a copy continues exactly as the original does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Simulation {
+    /// Shared, so that a step can borrow it while the rest of the simulation changes.
+    pub(super) system: Arc<System>,
+    pub(super) settings: Settings,
+    pub(super) pulse: Pulse,
+    pub(super) pose: Pose,
+    /// The present piece of a motion that is stepped from outside.
+    pub(super) piece: Option<ExchangePiece>,
+    pub(super) control: StepControl,
+    pub(super) ending: Option<(Ending, f64)>,
+    pub(super) sums: EnergySums,
+    pub(super) peaks: Peaks,
+    pub(super) slip: Slip,
+    /// Paths of the plastic elongations of the restraints (m).
+    pub(super) plastic_paths: [f64; restraints::MAX],
+    pub(super) counts: Counts,
+    pub(super) last_event: f64,
+    pub(super) events_in_this_instant: u32,
+    /// An event that the motion has reached and that has not been applied.
+    pub(super) pending: Option<Pending>,
+}
+
+/// An event that has not been applied.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Pending {
+    pub(super) function: EventFunction,
+    /// Beginning of the smooth piece of the excitation that leads to the event (s); a piece that ends at the event still acts.
+    pub(super) piece: f64,
+}
+
+impl Simulation {
+    /// Whether a state from outside can be resumed: all numbers are finite, and the tolerance is within its limits. The caller, who
+    /// knows the parameters, checks the block.
+    pub fn is_valid(&self) -> bool {
+        let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
+        let others = [*last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
+        let [least, most] = Settings::TOLERANCES;
+        (least..=most).contains(&settings.tolerance)
+            && control.is_valid()
+            && pulse.period > 0.0
+            && pulse.cycles >= 1.0
+            && piece.is_none_or(|piece| piece.is_finite())
+            && pose.is_finite()
+            && self.peaks.is_valid()
+            && self.slip.now.is_finite()
+            && self.slip.total.is_finite()
+            && self.plastic_paths.iter().all(|path| path.is_finite())
+            && self.ending.is_none_or(|(_, time)| time.is_finite())
+            && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
+            && piece.and_then(|piece| piece.foreseen).is_none_or(|foreseen| foreseen.function.is_of(self.block()))
+            && sums.is_finite()
+            && others.into_iter().all(f64::is_finite)
+    }
+
+    /// Sets the clock without motion, to adopt the rounding of a master's clock.
+    pub fn set_time(&mut self, time: f64) {
+        self.pose.time = time;
+    }
+
+    /// Lets time pass to `until` (s) if the block is held; only steps take any other block there.
+    pub fn wait(&mut self, until: f64) {
+        if self.is_frozen() {
+            self.pose.time = until;
+        }
+    }
+
+    /// Present time (s).
+    pub fn time(&self) -> f64 {
+        self.pose.time
+    }
+
+    /// Present state `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`crate::system::dynamics`].
+    pub fn state(&self) -> &State {
+        &self.pose.state
+    }
+
+    /// Present regime. After a jump of the inputs a block on the rigid base may lift in this instant;
+    /// [`Simulation::observe`] shows the regime after it.
+    pub fn regime(&self) -> Regime {
+        self.pose.contacts.regime()
+    }
+
+    /// The block.
+    pub fn block(&self) -> &Block {
+        &self.system.block
+    }
+
+    /// The reason and the time of the end of the run, if it ended.
+    pub fn ending(&self) -> Option<(Ending, f64)> {
+        self.ending
+    }
+
+    /// Counters since the start.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Greatest values since the start.
+    pub fn peaks(&self) -> Peaks {
+        self.peaks
+    }
+
+    /// The slip of the foot since the start.
+    pub fn slip(&self) -> Slip {
+        let Slip { now, total } = self.slip;
+        // A solver outside may be within a step.
+        match self.piece.and_then(|piece| piece.last) {
+            Some(last) if self.slides() => {
+                let path = self.foot_place(&self.pose) - self.foot_place(&last);
+                Slip { now: now + path, total: total + path.abs() }
+            }
+            _ => Slip { now, total },
+        }
+    }
+
+    fn foot_place(&self, pose: &Pose) -> f64 {
+        Motion::from_pose(self.block(), pose, &Excitation::none()).at(pose.time, pose.state).foot_place()
+    }
+
+    /// Whether the foot slides now. After a jump of the inputs it may begin to slide in this instant, which
+    /// [`Simulation::slides_under`] tells.
+    pub fn slides(&self) -> bool {
+        !self.pose.footing.grips() && self.regime() != Regime::Separated && !self.is_frozen()
+    }
+
+    /// The horizontal hold.
+    pub fn footing(&self) -> Footing<f64> {
+        self.pose.footing
+    }
+
+    /// Time of the last event (s); the start if there was none.
+    pub fn last_event(&self) -> f64 {
+        self.last_event
+    }
+
+    /// The block now.
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// The block and the rules by which it moves.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// The pulse.
+    pub fn pulse(&self) -> &Pulse {
+        &self.pulse
+    }
+
+    /// Whether the motion has stopped at an event that has not been applied.
+    pub fn is_at_event(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// Whether the block is at rest and stays so under these inputs.
+    pub fn rests(&self, inputs: &Inputs) -> bool {
+        let (block, excitation) = (self.block(), self.excitation(inputs));
+        let lasts = excitation.is_constant() && self.pulse.next_kink(self.pose.time).is_none();
+        self.is_frozen() || lasts && self.now(block, &excitation).rests()
+    }
+
+    /// The block now, under this excitation.
+    #[inline]
+    pub(super) fn now<'a>(&self, block: &'a Block, excitation: &'a Excitation) -> Evaluation<'a> {
+        Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
+    }
+
+    /// Whether the run has ended and the block is held: nothing moves, and no support bears it.
+    pub fn is_frozen(&self) -> bool {
+        match self.ending {
+            None => false,
+            Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
+            Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
+        }
+    }
+
+    /// The states of the restraints.
+    pub fn restraints(&self) -> States {
+        self.pose.restraints
+    }
+
+    /// The plastic elongations of the restraints (m), by their numbers, positive for longer ones.
+    pub fn plastic_elongations(&self) -> [f64; restraints::MAX] {
+        self.now(self.block(), &Excitation::none()).plastic_elongations()
+    }
+
+    /// The energy that a restraint with this number has lost by yielding since the start (J), up to the last step: its yield force times the
+    /// path of its plastic elongation.
+    pub fn plastic_work(&self, number: usize) -> f64 {
+        self.plastic_paths[number] * restraints::yield_force(self.block(), number)
+    }
+
+    /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has
+    /// lifted. The next step counts that event.
+    pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
+        let seen = self.shown(inputs, |now| now.observe());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// Whether the foot slides right after these inputs have begun to act. The next step counts the event.
+    pub fn slides_under(&self, inputs: &Inputs) -> bool {
+        let slides = |now: &Evaluation| !now.footing.grips() && now.regime != Regime::Separated;
+        !self.is_frozen() && self.shown(inputs, slides)
+    }
+
+    /// [`Simulation::observe`] with the exact rates of change along the motion in the dual parts.
+    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
+        let seen = self.shown(inputs, |now| now.observe_rates());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// [`Simulation::observe`] with exact derivatives in the dual parts, in the direction whose components are the values of
+    /// `direction` and `time`. State and regime are kept.
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
+        let time = if self.ending.is_some() { 0.0 } else { time };
+        let direction = self.direction(direction, time);
+        let seen = self.shown(inputs, |now| now.observe_direction(direction, time));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The change of the forcing in the direction of these inputs, and of time by the pulse.
+    pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
+        let block = self.block();
+        let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
+        let pulse = Excitation::from_time(self.piece_time(), &Inputs::default(), &self.pulse, block);
+        Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
+    }
+
+    /// Passes the block right after these inputs have begun to act to `inspect`.
+    pub(super) fn shown<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
+        let (Simulation { system, pose, .. }, block) = (self, self.block());
+        let excitation = self.excitation(inputs);
+        let mut now = self.now(block, &excitation);
+        if let Some((_, ended)) = self.ending {
+            // Under a block that is held the supports are, too.
+            now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
+        } else if let Some(released) = system.released(pose, &now) {
+            now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
+        }
+        inspect(&now)
+    }
+
+    /// Energies and their sums now (J).
+    pub fn energies(&self) -> Energies {
+        let (block, excitation) = (self.block(), Excitation::none());
+        let now = self.now(block, &excitation);
+        self.sums.energies(energy(block, now.regime, &now.forcing, &now.instant), block.mass)
+    }
+
+    /// Rates at which the energies and their sums change now (W).
+    pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
+        if self.is_frozen() {
+            return Energies::default();
+        }
+        self.shown(inputs, |now| {
+            let block = now.block;
+            let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
+            let [kinetic, potential] = [kinetic.eps, potential.eps].map(|part| part * block.mass);
+            Energies::changing(kinetic, potential, powers(now))
+        })
+    }
+
+    /// Derivatives of the beginning in the direction of `start`, whose values are those from which this block has begun.
+    pub fn initial_sensitivity(&self, start: &Start) -> InitialDerivatives {
+        start.derivatives(&self.system, self.is_frozen())
+    }
+}

@@ -1,0 +1,86 @@
+//! The interface of steps: the excitation, the stop, and what is known of the first step → where the motion stands after them.
+
+use std::cell::Cell;
+
+use crate::block::Block;
+use crate::excitation::Excitation;
+use crate::numerics::control::{Attempt, is_resolved};
+use crate::numerics::dop853::DenseStep;
+use crate::simulation::SimulationError;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::EventFunction;
+use crate::system::swing::Swing;
+
+/// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
+pub(super) const MAX_STEPS: u64 = 2_000_000;
+
+/// Steps over a smooth piece of the excitation, beside the state of the run.
+#[derive(Clone, Copy)]
+pub(super) struct StepsInput<'a> {
+    pub(super) block: &'a Block,
+    pub(super) excitation: &'a Excitation,
+    /// Where steps end (s).
+    pub(super) stop: f64,
+    /// End of the piece (s); if it is later than `stop`, only a block at rest reaches it.
+    pub(super) end: f64,
+    /// Whether the piece begins at the present time.
+    pub(super) begins_piece: bool,
+    /// Whether a single step is taken, or all steps under the present mode.
+    pub(super) single: bool,
+    pub(super) first: FirstStep<'a>,
+    /// Receives the swing of a step, for those who repeat it.
+    pub(super) swing: Option<&'a Cell<Option<Swing>>>,
+}
+
+/// The knowledge of a step before it is taken.
+#[derive(Clone, Copy)]
+#[cfg_attr(not(feature = "lanes"), expect(dead_code, reason = "only lanes take steps before"))]
+pub(super) enum FirstStep<'a> {
+    /// None.
+    Open,
+    /// It is not a short one, which made too great an error.
+    NotShort,
+    /// It is of order 8, and at most this attempt: greater ones made too great errors.
+    Attempt(Attempt),
+    /// It is this step of order 8.
+    Made(&'a DenseStep),
+    /// It is this swing.
+    Swing(&'a Swing),
+}
+
+/// The end of steps.
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
+pub(super) enum StepsOutcome<'a> {
+    /// The motion lasts, or another mode begins.
+    Lasts,
+    /// The event function has reached zero; the block there, before the event.
+    Event(EventFunction, Evaluation<'a>),
+}
+
+impl<'a> StepsInput<'a> {
+    /// All steps under the present mode from the beginning of a piece to a stop and an end (s).
+    pub(super) fn of_piece(block: &'a Block, excitation: &'a Excitation, [stop, end]: [f64; 2]) -> StepsInput<'a> {
+        StepsInput {
+            block,
+            excitation,
+            stop,
+            end,
+            begins_piece: true,
+            single: false,
+            first: FirstStep::Open,
+            swing: None,
+        }
+    }
+
+    /// Takes a step from the budget of a call.
+    ///
+    /// # Errors
+    /// The budget is spent, or the clock does not resolve steps of `longest` (s) from `time` to the stop.
+    pub(super) fn spend(&self, budget: &mut u64, time: f64, longest: f64) -> Result<(), SimulationError> {
+        if *budget == 0 || !is_resolved(self.stop - time, longest) {
+            return Err(SimulationError::TooManySteps { time, until: self.end, steps: MAX_STEPS - *budget });
+        }
+        *budget -= 1;
+        Ok(())
+    }
+}

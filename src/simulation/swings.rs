@@ -1,0 +1,274 @@
+//! A block that turns about a corner of the rigid base → swings, each to the next event or to the end of the piece.
+
+use crate::block::{Block, Corner};
+use crate::excitation::Excitation;
+use crate::numerics::bernstein::{Pair, Zero};
+use crate::numerics::control::LONGEST;
+use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, PRESSED, UNITS, visible};
+use crate::simulation::peaks::greater;
+use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
+use crate::simulation::step_interior::{Between, StepInterior, event_time};
+use crate::simulation::stepping::{Finished, StepEnd};
+use crate::simulation::{Simulation, SimulationError};
+use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::EventFunction;
+use crate::system::instant::State;
+use crate::system::motion_mode::MotionMode;
+use crate::system::swing::{Bounds, Pivoting, Swing};
+
+/// The greatest rotation (rad) that is below a quarter turn.
+pub(super) const UPRIGHT: f64 = 1.5;
+
+/// A part of a swing, and the event function that reaches zero at its end.
+#[derive(Clone, Copy)]
+struct SwingSegment {
+    part: f64,
+    function: Option<EventFunction>,
+}
+
+impl SwingSegment {
+    /// The way of a swing about `pivot` as far as the rotation decides it; none where that is unclear.
+    #[inline]
+    fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<SwingSegment> {
+        let landing = match (bounds.is_certain, bounds.last < 0.0) {
+            (true, true) => Zero::At(swing.landing()),
+            (true, false) => Zero::None,
+            (false, _) => swing.first_landing(pivot),
+        };
+        let turn = if bounds.theta < UPRIGHT { Zero::None } else { swing.quarter_turn(pivot) };
+        match (landing, turn) {
+            (Zero::None, Zero::None) => Some(SwingSegment { part: 1.0, function: None }),
+            (Zero::At(part), Zero::None) => {
+                Some(SwingSegment { part, function: Some(EventFunction::Gap(pivot.other())) })
+            }
+            (Zero::None, Zero::At(part)) => Some(SwingSegment { part, function: Some(EventFunction::QuarterTurn) }),
+            (Zero::At(_), Zero::At(_)) | (Zero::Unclear, _) | (_, Zero::Unclear) => None,
+        }
+    }
+}
+
+/// The longest swing (s) under a pulse of this circular frequency (rad/s).
+#[inline]
+pub(super) fn longest_swing(p: f64, frequency: f64) -> f64 {
+    LONGEST / p.max(frequency)
+}
+
+/// The allowed error of θ̇ (rad/s per second of a swing).
+///
+/// The longest swing may make the error of a step, others in proportion, so that the errors between frequent stops do not add up.
+#[inline]
+pub(super) fn allowed_error(block: &Block, tolerance: f64) -> f64 {
+    tolerance * block.alpha * block.p / longest_swing(block.p, 0.0)
+}
+
+/// A swing with the numbers that act on it.
+#[derive(Clone, Copy)]
+struct ActingSwing<'a> {
+    pivoting: &'a Pivoting,
+    excitation: &'a Excitation,
+    swing: &'a Swing,
+    mass: f64,
+    /// Its beginning (s).
+    time: f64,
+}
+
+impl ActingSwing<'_> {
+    /// N/M and H/M (m/s²) at a part of the swing, by the equations of motion.
+    #[inline]
+    fn forces_at(&self, part: f64) -> [f64; 2] {
+        self.pivoting.forces(self.swing.at(part), &self.excitation.at(self.time + part * self.swing.size))
+    }
+}
+
+/// A swing up to a part.
+struct SwingPart<'a>(ActingSwing<'a>, f64);
+
+impl ForceSegment for SwingPart<'_> {
+    type Pair = Pair;
+
+    #[inline(always)]
+    fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
+        let SwingPart(acting, part) = self;
+        if runs {
+            peaks.include(true, acting.mass, acting.forces_at(place * part));
+            peaks.evaluations += 1.0;
+        }
+    }
+}
+
+impl Simulation {
+    /// Includes a rotation (rad) about a corner in the peaks.
+    #[inline]
+    pub(super) fn raise_rotation(&mut self, theta: f64) {
+        if theta > self.peaks.theta {
+            self.peaks.theta = theta;
+            self.peaks.uplift = greater(self.peaks.uplift, libm::sin(theta) * (2.0 * self.system.block.b));
+        }
+    }
+
+    /// Includes the greatest rotation inside a swing, up to a part.
+    #[inline(always)]
+    fn raise_highest(&mut self, swing: &Swing, bounds: &Bounds, pivot: Corner, part: f64) {
+        if !bounds.is_greatest_at_end
+            && bounds.theta > self.peaks.theta
+            && let Some(highest) = swing.highest(pivot, bounds, part, self.peaks.theta)
+        {
+            self.raise_rotation(swing.at(highest)[0].abs());
+        }
+    }
+
+    /// Follows a block that turns about `pivot`, to the end of the piece or to an event.
+    #[inline(never)]
+    pub(super) fn swings<'a>(
+        &mut self,
+        mode: impl MotionMode,
+        pivot: Corner,
+        input: &StepsInput<'a>,
+        budget: &mut u64,
+    ) -> Result<StepsOutcome<'a>, SimulationError> {
+        let &StepsInput { block, excitation, stop, mut begins_piece, .. } = input;
+        let longest = longest_swing(block.p, excitation.frequency());
+        let (allowed, pivoting) = (allowed_error(block, self.settings.tolerance), Pivoting::of(block, pivot));
+        let mut most = longest;
+        let mut known = if let FirstStep::Swing(swing) = input.first { Some(swing) } else { None };
+        loop {
+            input.spend(budget, self.pose.time, longest)?;
+            let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
+            let remaining = stop - time;
+            let made;
+            let swing = match known.take() {
+                Some(known) => known,
+                None => {
+                    made = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+                    &made
+                }
+            };
+            if let Some(place) = input.swing {
+                place.set(Some(*swing));
+            }
+            self.counts.evaluations += 1;
+            self.counts.steps += 1;
+            let bounds = swing.bounds(block, pivot);
+            let (lasts, last_end) = (swing.size == remaining, time + swing.size);
+            let mut segment = SwingSegment::of(swing, &bounds, pivot)
+                .filter(|segment| segment.function.is_some() || lasts || last_end > time);
+            let peaks = self.peaks.of_forces();
+            if !peaks.are_above::<bool>(bounds.reaction, bounds.horizontal, [block.mass, block.gravity]) {
+                segment = segment.and_then(|segment| {
+                    let next_is_swing = !lasts && segment.function.is_none();
+                    let acting = ActingSwing { pivoting: &pivoting, excitation, swing, mass: block.mass, time };
+                    match self.accumulate_forces(&acting, segment.part, next_is_swing) {
+                        Zero::None => Some(segment),
+                        Zero::At(part) => Some(SwingSegment { part, function: Some(EventFunction::Reaction(pivot)) }),
+                        Zero::Unclear => None,
+                    }
+                });
+            }
+            let SwingSegment { part, function } = segment.unwrap_or(SwingSegment { part: 1.0, function: None });
+            let end = match function {
+                None if lasts => stop,
+                None => last_end,
+                Some(function) => event_time(function, time, part * swing.size),
+            };
+            let [theta, theta_dot] = swing.at(part);
+            let state = State::from([theta, theta_dot, 0.0, 0.0]);
+            if segment.is_some() {
+                self.raise_highest(swing, &bounds, pivot, part);
+                self.commit_swing(end, state, swing.work(part));
+            } else {
+                let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
+                if begins_piece && let Some(function) = self.system.fallen(&here) {
+                    self.counts.steps -= 1;
+                    return Ok(StepsOutcome::Event(function, here));
+                }
+                match self.examine(mode, swing, part, end, &mut here)? {
+                    Finished::TooLong(size) => {
+                        most = size;
+                        continue;
+                    }
+                    Finished::Event(function) => return Ok(StepsOutcome::Event(function, here)),
+                    Finished::Lasts => {}
+                }
+            }
+            if let Some(function) = function {
+                return Ok(StepsOutcome::Event(function, self.now(block, excitation)));
+            }
+            (begins_piece, most) = (false, longest);
+            if self.pose.time >= stop || input.single {
+                return Ok(StepsOutcome::Lasts);
+            }
+        }
+    }
+
+    /// Includes N, H and the friction demand up to a part of a swing in the peaks. Returns the part at which the corner lifts if that comes
+    /// before.
+    ///
+    /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
+    #[inline(never)]
+    fn accumulate_forces(&mut self, acting: &ActingSwing, mut part: f64, next_is_swing: bool) -> Zero {
+        let &ActingSwing { pivoting: &Pivoting { gravity, .. }, swing, mass, .. } = acting;
+        let (pressed, mut lift_off) = (PRESSED * gravity, Zero::None);
+        let mut forces = swing.forces(part, gravity);
+        if !forces.coefficients().iter().all(|&[n, _]| n > pressed) {
+            if forces.coefficients()[0][0] <= pressed {
+                return Zero::Unclear;
+            }
+            match forces.combined(UNITS[0]).zero_of(|place| acting.forces_at(place * part)[0]) {
+                Zero::None => {}
+                Zero::At(place) => {
+                    part *= place;
+                    lift_off = Zero::At(part);
+                    forces = swing.forces(part, gravity);
+                }
+                Zero::Unclear => return Zero::Unclear,
+            }
+        }
+        let numbers = [mass, visible(self.settings.tolerance)];
+        let with_end = lift_off != Zero::None || !next_is_swing;
+        self.counts.evaluations += self.peaks.raise_forces(|peaks| {
+            peaks.raise(true, &SwingPart(*acting, part), &forces, numbers, with_end);
+        });
+        lift_off
+    }
+
+    /// Comes to the end of a swing in which nothing happens.
+    #[inline(always)]
+    fn commit_swing(&mut self, end: f64, state: State, work: f64) {
+        self.raise_rotation(state[0].abs());
+        self.sums.input += work;
+        self.pose.state = state;
+        if end > self.pose.time {
+            (self.pose.time, self.events_in_this_instant) = (end, 0);
+        }
+    }
+
+    /// Looks for events and peaks in a part of a swing that ends at `end` (s), by the equations, and goes from `here` to the first event or
+    /// to the end.
+    #[inline(never)]
+    fn examine(
+        &mut self,
+        mode: impl MotionMode,
+        swing: &Swing,
+        part: f64,
+        end: f64,
+        here: &mut Evaluation,
+    ) -> Result<Finished, SimulationError> {
+        let (time, block, excitation) = (here.time, here.block, here.excitation);
+        let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
+        let [theta, theta_dot] = swing.at(part);
+        let state = State::from([theta, theta_dot, 0.0, 0.0]);
+        let there = motion.at(end, state);
+        self.counts.evaluations += 2;
+        if ![theta, theta_dot, there.instant.theta_ddot].iter().all(|x| x.is_finite()) {
+            return Err(SimulationError::NotFinite { time });
+        }
+        if end <= time && part == 1.0 {
+            let (size, tolerance) = (swing.size, self.settings.tolerance);
+            return Err(SimulationError::StepTooSmall { time, size, tolerance });
+        }
+        let longest = longest_swing(block.p, excitation.frequency());
+        let step_end = StepEnd { state, work: [swing.work(part), 0.0].into(), longest };
+        let inside = StepInterior { motion, between: Between::Swing(time, swing), evaluations: 0 };
+        Ok(self.finish(here, there, &step_end, inside))
+    }
+}
