@@ -315,7 +315,7 @@ impl Description {
             }
             writeln!(
                 code,
-                "    ];\n    /// Returns the variable.\n    pub fn variable(self) -> Variable {{\n        match self {{"
+                "    ];\n    /// Returns the variable.\n    #[allow(clippy::too_many_lines, reason = \"a line for each variable\")]\n    pub fn variable(self) -> Variable {{\n        match self {{"
             )?;
             for variable in &of_role {
                 let name = identifier(&variable.name);

@@ -54,6 +54,7 @@ pub enum Source {
 }
 
 /// Returns the source of an output.
+#[expect(clippy::too_many_lines, reason = "a table with a line for each output")]
 pub fn source(output: Output) -> Source {
     use Source::{
         Discrete, Energy, Observed, Peak, PeakPlastic, PeakPull, PeakSlip, PlasticWork, Regime, Slides, Slip,

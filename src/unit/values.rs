@@ -301,6 +301,7 @@ impl Values {
     }
 
     /// Returns the missing setting that a parameter needs to be read, if any.
+    #[expect(clippy::too_many_lines, reason = "a table with a line for each parameter")]
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
         match parameter {
