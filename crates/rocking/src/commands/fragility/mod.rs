@@ -19,8 +19,8 @@ use report::{FragilityReport, MeasureReport, SurfaceReport, warning_of_left_out}
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, Collected, Component, Ida, Limit, LossProgram, Surface, Uncertainty, openquake, pelicun, split_heading,
-    sufficiency_of,
+    Assessment, CaseStore, Collected, Component, Ida, Limit, LossProgram, Motions, RowCounts, Surface, Uncertainty,
+    openquake, pelicun, split_heading, sufficiency_of,
 };
 use rocking_studies::intensity::Measure;
 
@@ -66,15 +66,9 @@ pub struct FragilityCommand {
 
 /// Runs the command.
 pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let FragilityCommand { im, fit, beside, ida, .. } = options;
-    let FitOptions { link, ci, .. } = fit;
+    let FragilityCommand { im, fit, ida, .. } = options;
+    options.check(explicit)?;
     let plot = options.picture.plot.as_deref();
-    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
-    explicit.refuse_unless(options.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
-    fit.check(explicit)?;
-    for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
-        anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
-    }
     let format = options.picture.format()?;
     let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
     let exports = options.export_files();
@@ -89,92 +83,41 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
-    let one = |name: &String| [Some(name.clone()), None];
-    let with = |name: &String, other: &String| [Some(name.clone()), Some(other.clone())];
-    // For each measure: its own cases, those beside other columns, and those of the surface.
-    let others: Vec<&String> = beside.iter().chain(&options.surface).collect();
-    let columns =
-        im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
-    let mut found = fit.collected(None, columns.collect());
-    let further = options.export_limit.iter().map(|&limit| (limit, fit.collected(Some(limit), vec![one(&im[0])])));
-    let mut further: Vec<(Limit, Collected)> = further.collect();
-    let (mut blocks, mut headings) = (charts::Blocks::default(), None);
-    let named: Vec<&str> = im.iter().chain(others.iter().copied()).map(String::as_str).collect();
-    let name = fit.read_batches(&options.table, &named, &mut |batch, is_part| {
-        blocks.take(batch);
-        if headings.is_none() {
-            headings = Some(named.iter().map(|name| batch.heading(name)).collect::<Result<Vec<_>, _>>()?);
-        }
-        further.iter_mut().try_for_each(|(_, found)| found.take(batch, is_part))?;
-        Ok(found.take(batch, is_part)?)
-    })?;
-    let (limit, headings) = (found.limit().unwrap_or(Limit::Overturned), headings.unwrap_or_default());
-    let blocks = blocks.to_string();
-    let uncertainty = fit.uncertainty();
-    let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
-    let Collected { stores, motions, counts, .. } = found;
-    let mut stores = stores.into_iter();
-    let (mut exported, mut warnings) = (Vec::new(), Vec::from_iter(warning_of_left_out(&counts)));
-    let mut intervals = None;
-    for (measure, heading) in im.iter().zip(&headings) {
-        let at = || format!("{name}: {measure}");
-        let mut store = || stores.next().unwrap_or_default();
-        let assessment = Assessment::of(store(), &motions, *link, *ci, uncertainty).with_context(at)?;
-        intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
+
+    let mut table = options.cases()?;
+    let mut warnings = Vec::from_iter(warning_of_left_out(&table.counts));
+    let (mut measures, mut last, mut intervals) = (Vec::new(), Pictured::default(), None);
+    for i in 0..im.len() {
+        let (report, pictured, found) = options.assess(&mut table, i, format.is_some(), explicit)?;
+        intervals.get_or_insert(found.intervals);
         // That of missing intervals is the same for all measures.
-        let new = assessment.warnings(heading).into_iter().filter(|warning| !warnings.contains(warning));
-        let new: Vec<String> = new.collect();
+        let new: Vec<String> = found.warnings.into_iter().filter(|warning| !warnings.contains(warning)).collect();
         warnings.extend(new);
-        let p_value = |other: &String| {
-            let found = sufficiency_of(store(), &motions, *link);
-            Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
-        };
-        let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
-        if let Some(other) = &options.surface {
-            let found = Surface::of(store(), &motions, *link);
-            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
-            let headings = [heading, headings.last().unwrap_or(heading)];
-            if format.is_some() {
-                svg = Some(charts::surface(&blocks, &found, headings.map(String::as_str), limit)?);
-            }
-            surface = Some(SurfaceReport::of(headings.map(String::as_str), &found));
-        } else if format.is_some() {
-            svg = Some(charts::curve(&blocks, &assessment, heading, limit, *ci)?);
-        }
-        if let Some(program) = options.export {
-            let further = std::mem::take(&mut further);
-            let component =
-                options.component(&name, heading, limit, &assessment, further, explicit).with_context(at)?;
-            warnings.extend(component.crossings());
-            exported = match program {
-                LossProgram::Pelicun => pelicun(&[component], options.block.g)?.to_vec(),
-                LossProgram::OpenQuake => vec![openquake(&[component], options.block.g)?],
-            };
-        }
-        measures.push(MeasureReport::of(heading, &assessment, sufficiency));
+        measures.push(report);
+        last = pictured;
     }
     let mut pictures: Vec<(Pending, Vec<u8>)> =
-        export_files.into_iter().zip(exported.into_iter().map(String::into_bytes)).collect();
-    if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
+        export_files.into_iter().zip(last.exported.into_iter().map(String::into_bytes)).collect();
+    if let (Some(file), Some(format), Some(svg)) = (picture, format, last.svg) {
         pictures.push((file, format.encode(&svg)?));
     }
     if let (Some(file), Some(format)) = (ida_picture, ida_format) {
         // All columns identify the curves of an analysis.
-        let table = fit.table(&options.table)?;
-        let curves = Ida::read(&table, &im[0])?;
-        let svg = charts::ida(&blocks, &curves, &table.heading(&im[0])?)?;
+        let rows = fit.table(&options.table)?;
+        let curves = Ida::read(&rows, &im[0])?;
+        let svg = charts::ida(&table.blocks, &curves, &rows.heading(&im[0])?)?;
         pictures.push((file, format.encode(&svg)?));
     }
     Pending::write(pictures)?;
     let result = FragilityReport {
-        table: name,
-        limit: limit.to_string(),
-        link: link.to_string(),
-        confidence: *ci,
+        table: table.name,
+        limit: table.limit.to_string(),
+        link: fit.link.to_string(),
+        confidence: fit.ci,
         intervals: intervals.unwrap_or_default(),
-        rows: counts,
+        rows: table.counts,
         measures,
-        surface,
+        surface: last.surface,
     };
     for warning in &warnings {
         eprintln!("rocking: warning: {warning}");
@@ -183,7 +126,126 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     options.report.print("fragility", &written, &warnings, &(result.text() + &written.lines()), &result)
 }
 
+/// The cases of a table for each measure and limit, and words on its blocks.
+struct TableCases {
+    name: String,
+    blocks: String,
+    /// Headings of the measures, of the columns beside them and of that of the surface.
+    headings: Vec<String>,
+    limit: Limit,
+    counts: RowCounts,
+    motions: Motions,
+    /// For each measure: its own cases, those beside other columns, and those of the surface.
+    stores: std::vec::IntoIter<CaseStore>,
+    /// The cases for further limits of the export.
+    further: Vec<(Limit, Collected)>,
+}
+
+/// The picture of a curve or a surface, and what is exported of it.
+#[derive(Default)]
+struct Pictured {
+    svg: Option<String>,
+    surface: Option<SurfaceReport>,
+    exported: Vec<String>,
+}
+
+/// The words on a curve: how its intervals were found, and warnings.
+struct CurveWords {
+    intervals: String,
+    warnings: Vec<String>,
+}
+
 impl FragilityCommand {
+    /// Refuses options without effect.
+    fn check(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
+        explicit.refuse_unless(self.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
+        self.fit.check(explicit)?;
+        for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
+            anyhow::ensure!(self.im.len() == 1, "--{option} with {} measures; expected one --im", self.im.len());
+        }
+        Ok(())
+    }
+
+    /// Reads the cases for all measures and limits in one pass over the table.
+    fn cases(&self) -> anyhow::Result<TableCases> {
+        let FragilityCommand { im, fit, beside, surface, .. } = self;
+        let one = |name: &String| [Some(name.clone()), None];
+        let with = |name: &String, other: &String| [Some(name.clone()), Some(other.clone())];
+        let others: Vec<&String> = beside.iter().chain(surface).collect();
+        let columns =
+            im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
+        let mut found = fit.collected(None, columns.collect());
+        let further = self.export_limit.iter().map(|&limit| (limit, fit.collected(Some(limit), vec![one(&im[0])])));
+        let mut further: Vec<(Limit, Collected)> = further.collect();
+        let (mut blocks, mut headings) = (charts::Blocks::default(), None);
+        let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();
+        let name = fit.read_batches(&self.table, &named, &mut |batch, is_part| {
+            blocks.take(batch);
+            if headings.is_none() {
+                headings = Some(named.iter().map(|name| batch.heading(name)).collect::<Result<Vec<_>, _>>()?);
+            }
+            further.iter_mut().try_for_each(|(_, found)| found.take(batch, is_part))?;
+            Ok(found.take(batch, is_part)?)
+        })?;
+        Ok(TableCases {
+            name,
+            blocks: blocks.to_string(),
+            headings: headings.unwrap_or_default(),
+            limit: found.limit().unwrap_or(Limit::Overturned),
+            counts: found.counts,
+            motions: found.motions,
+            stores: found.stores.into_iter(),
+            further,
+        })
+    }
+
+    /// Fits the curve of a measure, with its surface, its picture and its export as requested.
+    fn assess(
+        &self,
+        table: &mut TableCases,
+        i: usize,
+        draws: bool,
+        explicit: &ExplicitOptions,
+    ) -> anyhow::Result<(MeasureReport, Pictured, CurveWords)> {
+        let FragilityCommand { im, beside, fit, .. } = self;
+        let FitOptions { link, ci, .. } = *fit;
+        let TableCases { name, blocks, headings, limit, motions, stores, further, .. } = table;
+        let (measure, Some(heading)) = (&im[i], headings.get(i)) else { anyhow::bail!("{name}: no rows") };
+        let at = || format!("{name}: {measure}");
+        let mut store = || stores.next().unwrap_or_default();
+        let found = Assessment::of(store(), motions, link, ci, fit.uncertainty()).with_context(at)?;
+        let mut warnings = found.warnings(heading);
+        let p_value = |other: &String| {
+            let found = sufficiency_of(store(), motions, link);
+            Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
+        };
+        let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
+        let mut pictured = Pictured::default();
+        if let Some(other) = &self.surface {
+            let found = Surface::of(store(), motions, link);
+            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
+            let headings = [heading, headings.last().unwrap_or(heading)].map(String::as_str);
+            if draws {
+                pictured.svg = Some(charts::surface(blocks, &found, headings, *limit)?);
+            }
+            pictured.surface = Some(SurfaceReport::of(headings, &found));
+        } else if draws {
+            pictured.svg = Some(charts::curve(blocks, &found, heading, *limit, ci)?);
+        }
+        if let Some(program) = self.export {
+            let further = std::mem::take(further);
+            let component = self.component(name, heading, *limit, &found, further, explicit).with_context(at)?;
+            warnings.extend(component.crossings());
+            pictured.exported = match program {
+                LossProgram::Pelicun => pelicun(&[component], self.block.g)?.to_vec(),
+                LossProgram::OpenQuake => vec![openquake(&[component], self.block.g)?],
+            };
+        }
+        let intervals = fit.uncertainty().words(found.independence);
+        Ok((MeasureReport::of(heading, &found, sufficiency), pictured, CurveWords { intervals, warnings }))
+    }
+
     /// Returns the files of the export.
     fn export_files(&self) -> Vec<PathBuf> {
         match (self.export, &self.export_to) {
