@@ -1,8 +1,8 @@
 //! Model Exchange (the standard, chapter 3): a simple [`Solver`] of the importer steps the block.
 
 use crate::functions::*;
-use crate::host::{Instance, call, reference};
-use crate::solver::{DERIVATIVES, NAMES, STATES, Solver, States, ground};
+use crate::host::{FMU, Instance, call, reference};
+use crate::solver::{DERIVATIVES, INDICATORS, NAMES, STATES, Solver, States, ground};
 
 const FLYING: [(&str, f64); 6] = [
     ("dimensionless.alpha", 0.3),
@@ -52,6 +52,8 @@ fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
 /// States, derivatives and nominal values are those of the variables named in the description.
 #[test]
 fn states_are_the_declared_variables() {
+    let count = format!("numberOfEventIndicators=\"{INDICATORS}\"");
+    assert!(FMU.xml.contains(&count), "the description has no {count}");
     let mut solver = Solver::begin(&FLYING);
     solver.go(0.9, 1e-3);
     let set: States = std::array::from_fn(|i| solver.states[i] * (1.0 + 1e-7));
