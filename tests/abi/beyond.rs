@@ -67,21 +67,7 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
     let logged: Vec<LoggedEvent> =
         instance.messages().into_iter().map(|message| LoggedEvent::read(&message.text)).collect();
     if !case.links.is_empty() {
-        // The log does not tell the direction of a slide.
-        let without_slip = |change: &Change| match change {
-            Change::Regime { regime, .. } => Change::Regime { regime: *regime, slip: 0 },
-            Change::Tie(_) => change.clone(),
-        };
-        let found: Vec<(f64, Change)> = logged.iter().map(|event| (event.time, change(event, &links))).collect();
-        let expected: Vec<_> = case.events.iter().map(|(time, change)| (*time, without_slip(change))).collect();
-        let [(found, pauses), (expected, expected_pauses)] = [instants(&found), instants(&expected)];
-        assert_eq!(pauses.len(), expected_pauses.len(), "{name}: {pauses:?}, not {expected_pauses:?}");
-        if found.len() != expected.len() {
-            wrong.push(format!("{name}: {} instants, not {}", found.len(), expected.len()));
-        }
-        let mut pairs = found.iter().zip(&expected);
-        let differs = |(a, b): &(&(f64, _), &(f64, _))| a.1 != b.1 || (a.0 - b.0).abs() > CLOSE;
-        wrong.extend(pairs.find(differs).map(|(found, expected)| format!("{name}: {found:?}, not {expected:?}")));
+        wrong.extend(differing(case, &logged, &links));
         return Ok(wrong);
     }
     let expected = case.lasting_events();
@@ -103,6 +89,27 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
         }
     }
     Ok(wrong)
+}
+
+/// Compares the events of the log with those of a case with ties and dampers that yield, instant by instant.
+fn differing(case: &Case, logged: &[LoggedEvent], links: &[String]) -> Vec<String> {
+    let (name, mut wrong) = (&case.name, Vec::new());
+    // The log does not tell the direction of a slide.
+    let without_slip = |change: &Change| match change {
+        Change::Regime { regime, .. } => Change::Regime { regime: *regime, slip: 0 },
+        Change::Tie(_) => change.clone(),
+    };
+    let found: Vec<(f64, Change)> = logged.iter().map(|event| (event.time, change(event, links))).collect();
+    let expected: Vec<_> = case.events.iter().map(|(time, change)| (*time, without_slip(change))).collect();
+    let [(found, pauses), (expected, expected_pauses)] = [instants(&found), instants(&expected)];
+    assert_eq!(pauses.len(), expected_pauses.len(), "{name}: {pauses:?}, not {expected_pauses:?}");
+    if found.len() != expected.len() {
+        wrong.push(format!("{name}: {} instants, not {}", found.len(), expected.len()));
+    }
+    let mut pairs = found.iter().zip(&expected);
+    let differs = |(a, b): &(&(f64, _), &(f64, _))| a.1 != b.1 || (a.0 - b.0).abs() > CLOSE;
+    wrong.extend(pairs.find(differs).map(|(found, expected)| format!("{name}: {found:?}, not {expected:?}")));
+    wrong
 }
 
 /// Returns the change that an event of the log tells; `links` are the names of the ties and dampers.
