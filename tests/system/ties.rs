@@ -46,7 +46,7 @@ fn nine_ties_are_refused() {
     let (block, tie) = (tied(), tied().ties()[0]);
     assert_eq!(block.with_ties(&[tie; 8]).unwrap().ties().len(), 8);
     let error = block.with_ties(&[tie; 9]).unwrap_err();
-    assert_eq!(error.to_string(), "ties = 9 is not valid; expected at most 8 ties");
+    assert_eq!(error.to_string(), "ties = 9 is not valid; expected at most 8 ties and dampers");
 }
 
 /// The ties that there are, with their numbers.
