@@ -1,7 +1,7 @@
 //! Forces over a part of a step on the rigid base → the peaks of N, H and the friction demand in it: one search for a run and for lanes.
 
 use crate::numerics::Real;
-use crate::numerics::bernstein::{DEGREE, Pair, Row};
+use crate::numerics::bernstein::{DEGREE, Highest, Pair, Row};
 use crate::numerics::scalar::greatest;
 use crate::simulation::outputs::{MAX_FRICTION_DEMAND, Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
@@ -77,16 +77,6 @@ impl Runs<f64> for bool {
     }
 }
 
-/// The greatest values of combinations of two polynomials.
-pub(super) struct HighestIn<R, S> {
-    /// Their places.
-    pub(super) place: R,
-    /// The runs in which they exceed the given numbers and the values at both ends.
-    pub(super) exceeds: S,
-    /// The runs in which this is known.
-    pub(super) known: S,
-}
-
 /// Two forces per mass (m/s²) over a part of a step, as polynomials on [0, 1].
 pub(super) trait ForcePair {
     type Number: Real;
@@ -104,7 +94,7 @@ pub(super) trait ForcePair {
         runs: Self::Runs,
         combination: [Self::Number; 2],
         most: Self::Number,
-    ) -> HighestIn<Self::Number, Self::Runs>;
+    ) -> Highest<Self::Number, Self::Runs>;
 }
 
 impl ForcePair for Pair {
@@ -122,9 +112,9 @@ impl ForcePair for Pair {
     }
 
     #[inline(always)]
-    fn highest(&self, run: bool, combination: [f64; 2], most: f64) -> HighestIn<f64, bool> {
+    fn highest(&self, run: bool, combination: [f64; 2], most: f64) -> Highest<f64, bool> {
         let place = if run { self.highest(combination, most) } else { None };
-        HighestIn { place: place.unwrap_or(0.0), exceeds: place.is_some(), known: run }
+        Highest { place: place.unwrap_or(0.0), exceeds: place.is_some(), known: run }
     }
 }
 
@@ -222,14 +212,14 @@ impl<R: Real> ForcePeaks<R> {
         let (zero, one, per_mass) = (R::from(0.0), R::from(1.0), visible / mass);
         let mut searched = runs;
         for (pair, reaction) in reactions {
-            let HighestIn { place, exceeds, known } = pair.highest(searched, *reaction, per_mass * self.reaction);
+            let Highest { place, exceeds, known } = pair.highest(searched, *reaction, per_mass * self.reaction);
             searched = searched.and(known);
             segment.include_at(self, exceeds, place);
         }
         // The end may not have been included.
         let at_end = friction_demand(resultant.coefficients()[DEGREE]);
         for side in [one, -one] {
-            let HighestIn { place, exceeds, known } =
+            let Highest { place, exceeds, known } =
                 resultant.highest(searched, [zero, side], per_mass * self.horizontal);
             searched = searched.and(known);
             segment.include_at(self, exceeds, place);
@@ -237,7 +227,7 @@ impl<R: Real> ForcePeaks<R> {
             let mut demand = greatest(self.friction_demand, at_end);
             let (mut steepest, mut rising, mut found) = (zero, searched, searched.except(searched));
             for _ in 0..MAX_ROUNDS {
-                let HighestIn { place, exceeds, known } = resultant.highest(rising, [-visible * demand, side], zero);
+                let Highest { place, exceeds, known } = resultant.highest(rising, [-visible * demand, side], zero);
                 searched = searched.except(rising.except(known));
                 rising = exceeds;
                 if !rising.any() {

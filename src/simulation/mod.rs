@@ -10,8 +10,8 @@
 //! | `stepping`, `rest`, `swings` | steps under one mode, to the first event: Runge–Kutta steps; rest and swings on the rigid base |
 //! | `driver` | step → locate the first event → apply it → decide the regime → continue |
 //! | [`exchange`] | the same run, stepped by an importer's solver |
-//! | [`follow`] | a run one step at a time, with derivatives |
-//! | [`lanes`] | several runs, a step at a time in the lanes of vectors |
+//! | `follow` | a run one step at a time, with derivatives |
+//! | `lanes` | several runs, a step at a time in the lanes of vectors |
 //! | `initial_sensitivity` | derivatives of the beginning |
 
 mod driver;

@@ -2,7 +2,7 @@
 //!
 //! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
-use super::{DEGREE, MAX_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
+use super::{DEGREE, Highest, MAX_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
 use crate::numerics::Real;
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
@@ -97,7 +97,7 @@ impl<V: Simd> Pairs<V> {
     /// The greatest value of `a p + b q` in some lanes, see [`Bernsteins::highest`].
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "`zip` is not inlined")]
-    pub fn highest(&self, lanes: Lanes<V>, [a, b]: [Wide<V>; 2], most: Wide<V>) -> Highest<V> {
+    pub fn highest(&self, lanes: Lanes<V>, [a, b]: [Wide<V>; 2], most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
         let zero = Wide::default();
         let (mut powers, mut coefficients) = ([zero; DEGREE + 1], [zero; DEGREE + 1]);
         for k in 0..DEGREE + 1 {
@@ -165,7 +165,7 @@ impl<V: Simd> Bernsteins<V> {
     /// In some lanes, the place inside the interval of the greatest value and that value if it exceeds `most` and the values at both ends,
     /// otherwise one that does not exceed them; and the lanes in which this is known. See [`highest`](super::Bernstein::highest).
     #[inline(always)]
-    pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<V> {
+    pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
         let value = coefficients[0].max(coefficients[DEGREE]).max(most);
         let exceeds = exceeding(coefficients, most).and(lanes);
@@ -193,16 +193,6 @@ impl<V: Simd> Bernsteins<V> {
         let known = nothing.or(tops).or(exceeds.and(constant.or(rises)));
         Highest { place, exceeds: tops.and(value.less(top)), known }
     }
-}
-
-/// The greatest values of polynomials.
-pub struct Highest<V: Simd> {
-    /// Their places.
-    pub place: Wide<V>,
-    /// The lanes in which they exceed the numbers that were given, and the values at both ends.
-    pub exceeds: Lanes<V>,
-    /// The lanes in which this is known.
-    pub known: Lanes<V>,
 }
 
 /// A step of Newton's method to the zero of a falling function with these values and slopes, or of bisection where that would leave the

@@ -57,6 +57,16 @@ pub enum Zero {
     Unclear,
 }
 
+/// The greatest values of polynomials, one per run.
+pub struct Highest<R, S> {
+    /// Their places.
+    pub place: R,
+    /// The runs in which they exceed the numbers that were given, and the values at both ends.
+    pub exceeds: S,
+    /// The runs in which this is known.
+    pub known: S,
+}
+
 /// `1/C(n, k)` with the highest degree n.
 static RECIPROCALS: Row = reciprocals();
 

@@ -1,10 +1,10 @@
 //! Swings of several runs → the peaks of their forces: the search of a run alone, in its order.
 
 use crate::excitation::Excitation;
-use crate::numerics::bernstein::Row;
-use crate::numerics::bernstein::lanes::{Highest, Pairs};
+use crate::numerics::bernstein::lanes::Pairs;
+use crate::numerics::bernstein::{Highest, Row};
 use crate::numerics::wide::{Lanes, Simd, Wide};
-use crate::simulation::force_peaks::{ForcePair, ForcePeaks, ForceSegment, HighestIn, Runs};
+use crate::simulation::force_peaks::{ForcePair, ForcePeaks, ForceSegment, Runs};
 use crate::system::swing::Pivoting;
 use crate::system::swing::lanes::Swings;
 
@@ -55,9 +55,8 @@ impl<V: Simd> ForcePair for Pairs<V> {
     }
 
     #[inline(always)]
-    fn highest(&self, lanes: Lanes<V>, combination: [Wide<V>; 2], most: Wide<V>) -> HighestIn<Wide<V>, Lanes<V>> {
-        let Highest { place, exceeds, known } = Pairs::highest(self, lanes, combination, most);
-        HighestIn { place, exceeds, known }
+    fn highest(&self, lanes: Lanes<V>, combination: [Wide<V>; 2], most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
+        Pairs::highest(self, lanes, combination, most)
     }
 }
 

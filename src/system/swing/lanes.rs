@@ -9,7 +9,8 @@ use super::{MIN, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL, Series
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};
 use crate::numerics::bernstein::DEGREE;
-use crate::numerics::bernstein::lanes::{Bernsteins, Highest, Pairs};
+use crate::numerics::bernstein::Highest;
+use crate::numerics::bernstein::lanes::{Bernsteins, Pairs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 use crate::numerics::{Real, Scalar};
 
