@@ -69,6 +69,54 @@ fn columns_follow_the_block() {
     assert_eq!(own(ties), ["tie_1.tension [N]", "tie_2.tension [N]", "energy.ties [J]"]);
 }
 
+/// Dampers have columns, a place in the summary, events and loops.
+#[test]
+fn dampers_are_shown_with_their_loops() {
+    let folder = folder();
+    let damper =
+        |x: f64| format!("--damper block_x={x},ground_x={x},ground_z=-1,stiffness=2e5,yield_force=900,hardening=0.05");
+    let run = format!(
+        "simulate --pulse one-sine --amplitude 5.5 --period 1.2 --p 2 --mass 1000 --duration 4 --events {} {}",
+        damper(-0.5),
+        damper(0.5)
+    );
+    let found = json(folder.path(), &format!("{run} --plot-loops loops.svg"));
+    let dampers = found["dampers"].as_array().unwrap();
+    let number = |damper: &Value, key: &str| damper[key].as_f64().unwrap_or_else(|| panic!("{key}: {damper}"));
+    assert_eq!(dampers.len(), 2);
+    let table = Table::read(&folder.path().join("run.csv"));
+    for (i, damper) in (1..).zip(dampers) {
+        let greatest = |name: &str| table.column(name).iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let force = greatest(&format!("damper_{i}.force"));
+        let plastic = greatest(&format!("damper_{i}.plastic"));
+        assert!(force <= number(damper, "peak_force") && force > 0.99 * number(damper, "peak_force"), "{damper}");
+        assert!(
+            plastic <= number(damper, "peak_plastic") && plastic > 0.99 * number(damper, "peak_plastic"),
+            "{damper}"
+        );
+        assert!(number(damper, "yield_energy") >= 900.0 * number(damper, "peak_plastic") && damper["broken"] == false);
+    }
+    let taken: f64 = dampers.iter().map(|damper| number(damper, "yield_energy")).sum();
+    let lost = found.pointer("/energy/dampers").and_then(Value::as_f64).unwrap();
+    assert!((lost / taken - 1.0).abs() < 1e-6, "{lost} J, {taken} J");
+    let events = found.pointer("/events/list").and_then(Value::as_array).unwrap();
+    let of_first: Vec<&str> = events
+        .iter()
+        .filter(|event| event["corner"] == "damper 1")
+        .map(|event| event["event"].as_str().unwrap())
+        .collect();
+    assert_eq!(of_first[..2], ["yield", "unload"]);
+    let loops = std::fs::read_to_string(folder.path().join("loops.svg")).unwrap();
+    assert!(loops.starts_with("<svg"), "{}", &loops[..80]);
+    for (options, words) in [
+        ("simulate --theta 0.1 --csv run.csv --plot-loops loops.svg", "--plot-loops has no effect without --damper"),
+        ("simulate --theta 0.1 --csv run.csv --damper stiffness=1e5,ground_z=-1", "--damper without --mass"),
+    ] {
+        let arguments: Vec<&str> = options.split_whitespace().collect();
+        refused(folder.path(), &arguments, &[words]);
+    }
+}
+
 /// An invalid tie is an error of the command line, with status 2.
 #[test]
 fn an_invalid_tie_is_refused() {
