@@ -6,8 +6,8 @@ use crate::history::{LINKS, block_line, link_names};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
 use rocking_block::block::Block;
-use rocking_block::block::restraints::LinkKind;
-use rocking_studies::run::History;
+use rocking_block::block::restraints::{LinkKind, ObservedRestraint};
+use rocking_studies::run::{History, Row};
 
 /// Height of the chart.
 const HEIGHT: u32 = 9000;
@@ -23,15 +23,18 @@ pub fn loops(block: &Block, history: &History, title: &str) -> Result<String, Pi
     let (names, weight) = (link_names(block), block.mass * block.gravity);
     let numbers = numbers(block);
     let curve = |&number: &usize| {
-        let point = |restraint: &rocking_block::block::restraints::ObservedRestraint| {
-            (1e3 * restraint.elongation, restraint.pull / weight)
+        // A slack tie may be far from where it pulls.
+        let pulls = |row: &Row| row.observation.restraints[number].pull != 0.0;
+        let point = |row: &Row| {
+            let ObservedRestraint { elongation, pull, .. } = row.observation.restraints[number];
+            (1e3 * elongation, pull / weight)
         };
-        let points = history.rows.iter().map(|row| point(&row.observation.restraints[number])).collect();
-        Curve::new(LINKS[number], vec![points])
+        let segments = history.rows.chunk_by(|row, next| pulls(row) && pulls(next)).filter(|rows| pulls(&rows[0]));
+        Curve::new(LINKS[number], segments.map(|rows| rows.iter().map(point).collect()).collect())
     };
     let curves: Vec<Curve> = numbers.iter().map(curve).collect();
-    let over =
-        |coordinate: fn(&(f64, f64)) -> f64| range(curves.iter().flat_map(|curve| &curve.segments[0]).map(coordinate));
+    let points = || curves.iter().flat_map(|curve| curve.segments.iter().flatten());
+    let over = |coordinate: fn(&(f64, f64)) -> f64| range(points().map(coordinate));
     let (x, y) = (("elongation (mm)", over(|point| point.0)), ("T/(M g)", over(|point| point.1)));
     let legend: Vec<Key> =
         numbers.iter().map(|&number| (Symbol::Curve(LINKS[number]), names[number].clone())).collect();

@@ -251,7 +251,7 @@ pub fn tie(area: &Area, [block, to]: [Point; 2], end: End, kind: LinkKind, label
             area.draw(&Circle::new(unit(middle), 260, TIE.stroke_width(SYMBOL)))?;
         }
         LinkKind::Damper => {
-            const HALF: [f64; 2] = [560.0, 280.0];
+            const HALF: [f64; 2] = [560.0, 340.0];
             let corner = |[along, across]: [f64; 2]| {
                 let (along, across) = (along * HALF[0], across * HALF[1]);
                 unit((middle.0 + along * tx - across * ty, middle.1 + along * ty + across * tx))
