@@ -30,5 +30,4 @@ pub mod simulation;
 
 pub mod unit;
 
-#[expect(clippy::too_many_lines, reason = "a step of FMI 3.0 with its updates")]
 pub mod fmi;

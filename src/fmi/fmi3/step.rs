@@ -7,6 +7,7 @@ use crate::fmi::fmi3::instance::{Answer, Instance};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
 use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
 use crate::unit::instance::substeps::Reached;
 use crate::unit::life_cycle::Phase;
 
@@ -61,6 +62,31 @@ impl StepOutcome {
     }
 }
 
+/// Ends the importer's update in a step to `end` (s), and takes its reply.
+fn end_update(unit: &mut Unit, step: &mut StepOutcome, end: f64, reply: Option<UpdateReply>) {
+    match (unit.phase(), reply) {
+        (Phase::SettingAhead, _) => unit.end_setting_ahead(),
+        (Phase::ReadingOutputs, reply) => {
+            unit.set_reading_outputs(false);
+            let early_return = reply.and_then(|reply| reply.early_return);
+            step.until = step.until.min(early_return.unwrap_or(end).max(unit.time()));
+        }
+        (
+            Phase::Instantiated
+            | Phase::ConfigurationMode
+            | Phase::InitializationMode
+            | Phase::StepComplete
+            | Phase::StepFailed
+            | Phase::EventMode
+            | Phase::ContinuousTimeMode
+            | Phase::Terminated
+            | Phase::Error
+            | Phase::Fatal,
+            _,
+        ) => {}
+    }
+}
+
 impl Instance {
     /// Advances a step to its end or to the importer's next update. Allocates no memory unless it fails.
     pub fn step_on(
@@ -98,27 +124,7 @@ impl Instance {
                 *step.end.insert(step.until)
             }
         };
-        match (unit.phase(), reply) {
-            (Phase::SettingAhead, _) => unit.end_setting_ahead(),
-            (Phase::ReadingOutputs, reply) => {
-                unit.set_reading_outputs(false);
-                let early_return = reply.and_then(|reply| reply.early_return);
-                step.until = step.until.min(early_return.unwrap_or(end).max(unit.time()));
-            }
-            (
-                Phase::Instantiated
-                | Phase::ConfigurationMode
-                | Phase::InitializationMode
-                | Phase::StepComplete
-                | Phase::StepFailed
-                | Phase::EventMode
-                | Phase::ContinuousTimeMode
-                | Phase::Terminated
-                | Phase::Error
-                | Phase::Fatal,
-                _,
-            ) => {}
-        }
+        end_update(unit, step, end, reply);
         let after = version.early_return.then_some(step.time);
         while unit.time() < step.until {
             if let Some(updater) = version.updater.filter(|_| unit.needs_substep()) {
