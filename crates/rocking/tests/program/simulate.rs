@@ -105,7 +105,7 @@ fn rows_beyond_the_memory_are_refused() {
     for (more, words) in [
         (
             &["--step", "1e-6"][..],
-            "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 10 GB",
+            "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 13 GB",
         ),
         (
             &["--step", "1e-5", "--gradients", "alpha,eta,xi_v"],
@@ -120,7 +120,7 @@ fn rows_beyond_the_memory_are_refused() {
         let command = r#"ulimit -v 3000000; exec "$0" "$@""#;
         shell.args(["-c", command, env!("CARGO_BIN_EXE_rocking")]).args(run).args(["--step", "1e-5"]);
         let words =
-            ["3600000 rows, for which the system does not provide about 3.6 GB of memory; expected longer steps"];
+            ["3600000 rows, for which the system does not provide about 4.5 GB of memory; expected longer steps"];
         fails_with(shell.current_dir(folder.path()), &words);
     }
 }

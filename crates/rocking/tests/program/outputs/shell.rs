@@ -59,7 +59,7 @@ fn bash_completes_commands_and_options() {
         answer.trim().to_string()
     };
     assert_eq!(complete("rocking sim", 1), "simulate");
-    assert_eq!(complete("rocking simulate --plot-", 2), "--plot-format");
+    assert_eq!(complete("rocking simulate --plot-f", 2), "--plot-format");
     assert_eq!(complete("rocking search damping --resol", 3), "--resolution");
     assert_eq!(complete("rocking simulate --plot-format s", 3), "svg");
 }
