@@ -125,9 +125,9 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: BLOCK.run(RECORD, duration=-1.0), "duration = -1; expected a time > 0 s"),
         (lambda: BLOCK.run(RECORD, step=0.0), "step = 0; expected a time > 0 s"),
         (lambda: BLOCK.run(RECORD, step=1e-9, duration=1.0),
-         "1 s in steps of 0.000000001 s are 1000000000 rows; expected at most 1e7, which need about 10 GB of memory"),
+         "1 s in steps of 0.000000001 s are 1000000000 rows; expected at most 1e7, which need about 13 GB of memory"),
         (lambda: BLOCK.run(theta=0.1, step=1e-6, duration=36.0),
-         "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 10 GB of memory"),
+         "36 s in steps of 0.000001 s are 36000000 rows; expected at most 1e7, which need about 13 GB of memory"),
         (lambda: BLOCK.run(RECORD, on_separation="float"),
          'on_separation = "float"; expected one of "terminate", "hold", "fly"'),
         (lambda: BLOCK.run(pulse=rb.Pulse("c1", period=1.0)),
@@ -219,7 +219,7 @@ except MemoryError as error:
     print(error)
 """
     made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    expected = "36 s in steps of 0.00001 s are 3600000 rows, for which the system does not provide about 3.6 GB of memory; expected"
+    expected = "36 s in steps of 0.00001 s are 3600000 rows, for which the system does not provide about 4.5 GB of memory; expected"
     assert made.stdout.startswith(expected) and made.returncode == 0, made.stderr
 
 
