@@ -219,7 +219,7 @@ except MemoryError as error:
     print(error)
 """
     made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    expected = "36 s in steps of 0.00001 s are 3600000 rows, for which the system does not provide about 4.5 GB of memory; expected"
+    expected = "36 s in steps of 0.00001 s are 3600000 rows, for which the system does not provide about 4.7 GB of memory; expected"
     assert made.stdout.startswith(expected) and made.returncode == 0, made.stderr
 
 

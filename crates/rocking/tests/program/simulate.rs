@@ -120,7 +120,7 @@ fn rows_beyond_the_memory_are_refused() {
         let command = r#"ulimit -v 3000000; exec "$0" "$@""#;
         shell.args(["-c", command, env!("CARGO_BIN_EXE_rocking")]).args(run).args(["--step", "1e-5"]);
         let words =
-            ["3600000 rows, for which the system does not provide about 4.5 GB of memory; expected longer steps"];
+            ["3600000 rows, for which the system does not provide about 4.7 GB of memory; expected longer steps"];
         fails_with(shell.current_dir(folder.path()), &words);
     }
 }
