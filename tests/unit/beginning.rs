@@ -146,7 +146,13 @@ fn derivatives_match_differences_of_the_values() {
     let mut never = Vec::new();
     for unknown in real_unknowns(&declared) {
         for known in KNOWNS.iter().map(|known| known.name).filter(|&known| declared[unknown].contains(known)) {
-            let found = pairs.get(&(unknown.to_string(), known.to_string())).copied().unwrap_or_default();
+            let of =
+                |unknown: &str, known: &str| pairs.get(&(unknown.into(), known.into())).copied().unwrap_or_default();
+            let mut found = of(unknown, known);
+            if found.nonzero == 0 {
+                // The second tie and damper share their code with the first, which is there more often.
+                found = of(&unknown.replace("_2.", "_1."), &known.replace("_2.", "_1."));
+            }
             let decides = STEPS.contains(&unknown) && declared["separated"].contains(known)
                 || only_decides(&declared, unknown, known);
             if found.compared == 0 || (found.nonzero == 0 && !decides && !CANCELS.contains(&(unknown, known))) {
