@@ -110,13 +110,13 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
             block.newDiscreteStates()
             block.enterContinuousTimeMode()
             block.setTime(0.05)
-            array = (ctypes.c_double * 10)()
+            array = (ctypes.c_double * 11)()
             if states is None:
-                block.getContinuousStates(array, 10)
+                block.getContinuousStates(array, 11)
                 array[1], array[3], array[5] = array[1] + 0.1, array[3] + 0.01, array[5] + 0.1
             else:
                 array[:] = states
-            block.setContinuousStates(array, 10)
+            block.setContinuousStates(array, 11)
             regime = block.getInteger([variables["regime"].valueReference])
             return list(array), regime, block.getReal([v.valueReference for v in outputs])
         finally:
@@ -126,6 +126,8 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
     sizes = {"physical.width": 2.0, "physical.height": 6.0, "physical.K": 9e5, "physical.C": 5e3}
     tie = {"block_x": 1.0, "block_z": 8.0, "ground_x": 6.0, "ground_z": -0.5, "stiffness": 3e3, "pretension": 400.0, "damping": 50.0}
     ties = {f"tie_{number}.{name}": value for number in (1, 2) for name, value in tie.items()}
+    damper = {"block_x": 1.0, "ground_x": 1.2, "ground_z": -2.0, "stiffness": 5e4, "damping": 20.0, "yield_force": 100.0, "hardening": 0.1}
+    dampers = {f"damper_{number}.{name}": value for number in (1, 2) for name, value in damper.items()}
     seen = set()
     for base in (
         {"initial.theta": 0.1},
@@ -133,14 +135,16 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
         {"initial.theta": -0.1, "foundation": 2},
         {"initial.theta": 0.1, "parameterization": 2} | sizes,
         {"initial.theta": 0.1, "friction": 0.4} | ties,
+        {"initial.theta": 0.1} | dampers,
     ):
         base = pulse | base
         states, regime, before = outputs_at(base)
         for name, variable in variables.items():
             if variable.causality != "parameter" or variable.type != "Real" or name.startswith(("record", "initial")):
                 continue
-            # A tie needs its ends.
-            if name.startswith("tie_") and "tie_1.stiffness" not in base:
+            # A tie or a damper needs its ends.
+            link = name.partition(".")[0]
+            if link.startswith(("tie_", "damper_")) and f"{link}.stiffness" not in base:
                 continue
             value = base.get(name, float(variable.start))
             _, other, after = outputs_at(base | {name: 1.01 * value if value else 0.01}, states)
