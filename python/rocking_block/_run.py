@@ -27,9 +27,9 @@ class Event:
     t: float
     """Time [s]."""
     event: str
-    """"lift-off", "landing", "slip", "grip" or "overturning"."""
+    """"lift-off", "landing", "slip", "grip" or "overturning"; of a tie or a damper "taut", "slack", "yield", "unload" or "break"."""
     corner: str | None
-    """"L" or "R", of a lift-off or a landing."""
+    """"L" or "R", of a lift-off or a landing; such as "tie 1" or "damper 2" of its event."""
     before: str
     """The regime before: "full contact", "tilting left", "tilting right" or "separated"."""
     after: str
@@ -190,6 +190,7 @@ class Run:
             passed_balance=result["passed_balance"],
             ends_tilted=result["ends_tilted"],
             broken=tuple(result["broken"]),
+            yield_energies=result["yield_energies"],
             gradients=gradients,
             grazing=Grazing(*result["grazing"]) if result["grazing"] else None,
         )

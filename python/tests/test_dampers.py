@@ -22,7 +22,7 @@ def block(**more):
 def test_forces_stay_between_the_yield_lines_and_energy_balances():
     tied = block(dampers=[damper(-1), damper(1)], ties=rb.Tie(block_z=2.0, ground_x=2.0, stiffness=2e4, slack=0.01, yield_force=150.0))
     run = tied.run(pulse=PULSE, duration=6.0, on_separation="fly", tolerance=1e-10)
-    assert [event.kind for event in run.events if event.corner == "damper 1"][:2] == ["yield", "unload"]
+    assert [event.event for event in run.events if event.corner == "damper 1"][:2] == ["yield", "unload"]
     for number, force in enumerate(run.damper_forces, 1):
         elongation, plastic = (run[f"damper_{number}.{name}"] for name in ("elongation", "plastic"))
         assert np.allclose(force, 2e5 * (elongation - plastic), atol=1e-6)
