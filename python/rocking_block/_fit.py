@@ -350,9 +350,10 @@ def _changed(block: Block, values: Mapping[str, float]) -> Block:
     for name, value in values.items():
         link, _, parameter = name.partition(".")
         if parameter:
-            changed[link] = dataclasses.replace(changed[link], **{parameter: value})
-            changes["ties"] = [found for found in changed.values() if isinstance(found, Tie)]
-            changes["dampers"] = [found for found in changed.values() if isinstance(found, Damper)]
+            found: Any = changed[link]
+            changed[link] = dataclasses.replace(found, **{parameter: value})
+            changes["ties"] = [tie for tie in changed.values() if isinstance(tie, Tie)]
+            changes["dampers"] = [damper for damper in changed.values() if isinstance(damper, Damper)]
         else:
             changes[name] = value
     return block.replace(**changes)

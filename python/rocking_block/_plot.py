@@ -141,8 +141,8 @@ def _forces(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: 
     names = list(links(block))
     for number, name in enumerate(names, 1):
         paler = {"alpha": 1.0 / number**0.7}
-        label = name.replace("_", " ") if first else None
-        axes.plot(run["t"], run[force_of(name)] / weight, **style, **paler, linewidth=0.8, label=label)
+        named = name.replace("_", " ") if first else None
+        axes.plot(run["t"], run[force_of(name)] / weight, **style, **paler, linewidth=0.8, label=named)
     axes.set_ylabel("force T/(M g)" if block.dampers else "tension T/(M g)")
     if first and len(names) > 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(names), frameon=False)
