@@ -25,8 +25,8 @@ ROOT = Path(__file__).resolve().parents[2]
 CASES = {case["name"]: case for case in json.loads((ROOT / "tests/reference/cases.json").read_text())}
 ROCKING = {"pulse.shape": 2, "pulse.amplitude": 6.2622, "pulse.period": 1.2566370614359172, "on_separation": 3, "epsilon": 0.3}
 RELEASED = {"foundation": 2, "initial.theta": 0.1}
-STATES = 10
-INDICATORS = 10
+STATES = 11
+INDICATORS = 22
 
 
 @pytest.fixture(scope="module")
@@ -318,7 +318,7 @@ def test_model_exchange_has_the_bits_of_the_native_unit(both, variables):
     # The draft has these functions of Co-Simulation in the resource of Model Exchange.
     refused(block.enterStepMode, words=["fmi3EnterStepMode", "Co-Simulation"])
     refused(block.getOutputDerivatives, [(0, 1)], words=["fmi3GetOutputDerivatives", "Co-Simulation"])
-    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; there are 10"])
+    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; there are 11"])
     refused(block.setTime, float("nan"), words=["fmi3SetTime", "NaN"])
     saved, before = block.getFMUState(), output_bits(block, variables)
     block.setContinuousStates([0.01] * STATES)
