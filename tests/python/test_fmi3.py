@@ -126,7 +126,8 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
     sizes = {"physical.width": 2.0, "physical.height": 6.0, "physical.K": 9e5, "physical.C": 5e3}
     tie = {"block_x": 1.0, "block_z": 8.0, "ground_x": 6.0, "ground_z": -0.5, "stiffness": 3e3, "pretension": 400.0, "damping": 50.0}
     ties = {f"tie_{number}.{name}": value for number in (1, 2) for name, value in tie.items()}
-    damper = {"block_x": 1.0, "ground_x": 1.2, "ground_z": -2.0, "stiffness": 5e4, "damping": 20.0, "yield_force": 100.0, "hardening": 0.1}
+    damper = {"block_x": 1.0, "ground_x": 1.2, "ground_z": -2.0, "stiffness": 5e4, "damping": 20.0, "strength": 1e6,
+              "yield_force": 100.0, "hardening": 0.1}
     dampers = {f"damper_{number}.{name}": value for number in (1, 2) for name, value in damper.items()}
     seen = set()
     for base in (
