@@ -33,7 +33,7 @@ pub enum Change {
     /// [`Change::Parameter`] beside it says so: `tie_1` is the first tie of the block, that on the left if it had none.
     Tied(f64),
     /// A damper under each corner, as stiff as ten times M g/R0, to an anchor at a depth of half the width that moves with the ground. The
-    /// number is its yield force over the weight M g; hardening is [`HARDENING`], and it does not break, unless [`Change::Parameter`]
+    /// number is its yield force over the weight M g; the hardening is 0.03, and it does not break, unless [`Change::Parameter`]
     /// beside it says so: `damper_1` is the first damper of the block, that on the left if it had none.
     Damped(f64),
 }
