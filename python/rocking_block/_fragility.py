@@ -259,7 +259,7 @@ def fragility(
     table : Table, DataFrame, mapping or path
         Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
         `rocking sweep`, a Parquet file of `Table.to_parquet`, or a DataFrame of either; a folder of parts or of other such files, or
-        a pattern of them, of which rows are read in batches so that tables larger than the memory can be fitted; or your own table
+        a pattern of them, read in batches, so that tables larger than the memory can be fitted; or your own table
         with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.

@@ -111,7 +111,7 @@ class Tie:
 
 
 def _check(link: Tie | Damper) -> None:
-    """Refuses what is no number, and a stiffness that makes no tie or damper."""
+    """Refuses values that are no numbers, and a stiffness of zero or below."""
     for field in fields(link):
         object.__setattr__(link, field.name, number(field.name, getattr(link, field.name)))
     if not link.stiffness > 0.0:

@@ -191,7 +191,7 @@ fn directions_add_up() {
             let parts = INPUTS.map(|(input, weight)| 0.3 * of(&[(input, weight)]));
             let together = of(&INPUTS.map(|(input, weight)| (input, 0.3 * weight)));
             let scale = parts.iter().map(|part| part.abs()).sum::<f64>();
-            // The friction demand of a foot that slides is constant but for round-off.
+            // A sliding foot has a constant friction demand, apart from round-off.
             let close = 1e-13 * scale + 1e-15 * size(&output.name);
             assert!((together - parts.iter().sum::<f64>()).abs() <= close, "{}: {}", scene.0, output.name);
             assert_eq!(of(&[]), 0.0, "{}: no direction, no derivative", output.name);

@@ -52,7 +52,7 @@ const IDLE: f64 = 1.0;
 impl Simulation {
     /// Lets the block be stepped from outside from here on.
     ///
-    /// Indicators exist for the first restraints, as many as the FMU has: a block with more has to be stepped by [`Simulation::advance`].
+    /// Only the restraints that the FMU has, the first ones, have indicators. Step a block with more by [`Simulation::advance`].
     pub fn begin_exchange(&mut self) {
         let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
         self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });

@@ -37,7 +37,7 @@ pub(super) struct ManyRowsBuilder {
 }
 
 impl ManyRowsBuilder {
-    /// Takes a row with its measures, of which the second is 1 for a curve.
+    /// Takes a row with its measures; the second is 1 for a curve.
     pub fn push(&mut self, case: &Case, measures: [f64; 2]) -> Result<(), CurveFitError> {
         let row = self.count;
         if let Some(&found) = measures.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
@@ -150,7 +150,7 @@ impl ManyRows {
             let shared = (below == above).then_some((exceeded, rows, has_more));
             return Err(CurveFitError::Separable { below, above, falls, shared });
         }
-        // Over the range of both classes, the predictor of so many rows grows by less than 30.
+        // Over the range of both classes, the predictor grows by less than 30 with this many rows.
         let [low, high] = self.range();
         let overlap = Some(self.ends[0].overlap()).filter(|overlap| *overlap > 0.0);
         let mut width = overlap.unwrap_or_else(|| libm::log(high / low)) / 30.0;
