@@ -273,7 +273,6 @@ def test_files_outside_the_shown_folder_do_not_exist(wasm, variables, tmp_path):
 def test_model_exchange_has_the_bits_of_the_native_unit(both, variables):
     """Heun's steps need not be exact, but come to two impacts."""
     native, block = blocks = both(RELEASED, model_exchange=True)
-    place = (c_double * STATES)()
 
     def event():
         found = [native.updateDiscreteStates(), tuple(vars(block.updateDiscreteStates()).values())]
@@ -283,7 +282,8 @@ def test_model_exchange_has_the_bits_of_the_native_unit(both, variables):
         return found[0][3]
 
     def read(name):
-        getattr(native, f"get{name}")(place, STATES)
+        place = (c_double * (INDICATORS if name == "EventIndicators" else STATES))()
+        getattr(native, f"get{name}")(place, len(place))
         found = getattr(block, f"get{name}")()
         assert bits(found) == bits(list(place)), name
         return np.array(found)
