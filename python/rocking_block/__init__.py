@@ -23,6 +23,7 @@ from rocking_block._fragility import Fragility, export_fragility, fragility, int
 from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._ida import Ida, IdaCurve, ida
 from rocking_block._pulse import Pulse, PulseFit, fit_pulse
+from rocking_block._pushover import Cycle, Landmark, Pushover
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
 from rocking_block._record import Record, read_record, records_from
 from rocking_block._run import Counts, Energy, Event, Gradient, Grazing, Peak, Run
@@ -39,6 +40,7 @@ __all__ = [
     "Cloud",
     "Combination",
     "Counts",
+    "Cycle",
     "Damper",
     "Energy",
     "Estimate",
@@ -53,9 +55,11 @@ __all__ = [
     "Hazard",
     "Ida",
     "IdaCurve",
+    "Landmark",
     "Peak",
     "Pulse",
     "PulseFit",
+    "Pushover",
     "Record",
     "Run",
     "Search",

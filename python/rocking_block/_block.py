@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rocking_block import _engine
 from rocking_block._html import html_table
@@ -17,6 +17,8 @@ from rocking_block._words import OnOverturning, OnSeparation, number, run_option
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from rocking_block._pushover import Pushover
 
 
 class Block(_engine.Block):
@@ -204,6 +206,45 @@ class Block(_engine.Block):
                 self, horizontal, vertical, factor, as_pulse(pulse), initial, options, parameters, tick
             )
         return Run.of(self, result)
+
+    def pushover(
+        self,
+        *,
+        side: Literal["right", "left"] = "right",
+        to: float | None = None,
+        amplitude: float | None = None,
+        points: int = 400,
+    ) -> Pushover:
+        """Turns the block slowly by a lateral force at its centre of mass.
+
+        Supports, ties and dampers follow their laws at rest, so that dashpots do nothing. The curve ends where the force vanishes, or where
+        the block slides or leaves the ground.
+
+        Parameters
+        ----------
+        side : {"right", "left"}
+            Side to which the force turns the block.
+        to : float, optional
+            Greatest rotation [rad]; by default that at which the centre of mass stands over the corner.
+        amplitude : float, optional
+            Also turn the block to and fro by this amplitude [rad].
+        points : int
+            Number of equal steps to the greatest rotation, and to the amplitude. Landmarks stand between them, at their rotations.
+
+        Raises
+        ------
+        ValueError
+            A rotation or a number of steps out of range, an amplitude that the block does not reach, or forces without a balance.
+
+        Examples
+        --------
+        >>> import rocking_block as rb
+        >>> rb.Block(alpha=0.25, p=1.0).pushover()
+        <Pushover of 403 rows: L lifts at 0.003368, greatest force at 0.003368, balance at 0.25>
+        """
+        from rocking_block import _pushover
+
+        return _pushover.pushover(self, side, to, amplitude, points)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the block with its centre of mass, foundation and dimensions with Matplotlib.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from numbers import Real
 from typing import Any, get_args
 
@@ -50,9 +51,9 @@ class Cases:
             # Without ties, even blocks have it in `peak.theta/alpha`.
             even = "peak.theta/balance" not in table and "eccentricity" not in table
             exceeded |= numbers(table, "peak.theta/alpha" if even else "peak.theta/balance") > 1.0
-        slip = slip_of(limit)
-        if slip is not None:
-            exceeded |= numbers(table, "peak.slip") > slip
+        named = _named(limit)
+        if named is not None:
+            exceeded |= _peaks(table, named[0]) > named[1]
         fraction = exceeded.astype(np.float64)
         separated = (outcome == "separated") & ~exceeded
         undecided = (outcome == "undecided") & ~exceeded
@@ -93,17 +94,17 @@ class Cases:
         """Checks the columns, and finds the measure and the limit."""
         self.im = self.im if self.im in table else _engine.measure_name(self.im)
         self.unit = table.units.get(self.im, "")
-        slip, limit = slip_of(self.limit), self.limit
+        named, limit = _named(self.limit), self.limit
         if limit is None:
             tied = "peak.theta/balance" in table and "ensemble.samples" not in table
             limit = "balance" if tied else "overturned"
         elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
             limit = limit.lower()
-        elif slip is not None:
-            limit = "slip>" + repr(slip).removesuffix(".0")
+        elif named is not None:
+            limit = f"{named[0]}>" + repr(named[1]).removesuffix(".0")
         elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
             shown = f'"{limit}"' if isinstance(limit, str) else limit
-            expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"'
+            expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
             raise ValueError(f"limit = {shown}; {expected}")
         self.limit = limit
         searched = [name for name in table if name.startswith("least.")]
@@ -168,15 +169,25 @@ def _digits(code: int, words: list[npt.NDArray[Any]]) -> list[int]:
     return list(divmod(code, len(words[1])))
 
 
-def slip_of(limit: object) -> float | None:
-    """Returns the slip [m] of a limit such as "slip:0.1"."""
-    if not isinstance(limit, str) or limit[:5].lower() not in ("slip:", "slip>"):
-        return None
+_COLUMNS = {"slip": r"peak\.slip", "plastic": r"peak\..*\.plastic", "half_cycles": "half_cycles>.*"}
+"""The columns of limits by their quantities."""
+
+
+def _named(limit: object) -> tuple[str, float] | None:
+    """Returns the quantity and the number of a limit such as "slip:0.1"."""
+    quantity, _, number = re.sub("[:>]", ">", limit).partition(">") if isinstance(limit, str) else ("", "", "")
     try:
-        slip = float(limit[5:])
+        found = (quantity.lower(), float(number or np.nan))
     except ValueError:
         return None
-    return slip if 0.0 < slip < np.inf else None
+    return found if found[0] in _COLUMNS and 0.0 < found[1] < np.inf else None
+
+
+def _peaks(table: Table, quantity: str) -> Floats:
+    """Returns the greatest numbers in the columns of a quantity."""
+    columns = [name for name in table if re.fullmatch(_COLUMNS[quantity], name)]
+    missing = _COLUMNS[quantity].replace("\\", "")
+    return np.asarray(np.fmax.reduce([numbers(table, name) for name in columns or [missing]]))
 
 
 def limit_word(limit: str | float) -> str:

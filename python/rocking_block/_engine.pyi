@@ -319,6 +319,13 @@ def history(
     gradients: Sequence[str],
     tick: _Tick,
 ) -> dict[str, Any]: ...
+def pushover(
+    block: Block, side: str, to: float | None, amplitude: float | None, points: int
+) -> tuple[
+    list[_Column],
+    list[tuple[str, float, float, float, float]],
+    tuple[list[_Column], list[tuple[str, float, float]], float, float, float] | None,
+]: ...
 def frame_block(
     columns: int, column: Block, beam_mass: float
 ) -> tuple[float, float, float, float, float, float]: ...

@@ -94,7 +94,7 @@ class Fragility(_engine.Fragility):
     unit: str
     """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """The limit: "overturned", "balance", a rotation |θ|/α [1], or a slip [m] as in "slip>0.1"."""
+    """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", or "half_cycles>20"."""
     ci: float
     """Confidence level of intervals and bands."""
     rows: int
@@ -260,7 +260,7 @@ def fragility(
         Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; the CSV file of
         `rocking sweep`, a Parquet file of `Table.to_parquet`, or a DataFrame of either; a folder of parts or of other such files, or
         a pattern of them, read in batches, so that tables larger than the memory can be fitted; or your own table
-        with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
+        with the measure and an `outcome`, and for other limits `peak.theta/alpha`, `peak.slip` or `peak.damper_1.plastic` or `half_cycles>0.005`. The fit omits
         rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
     im : str
@@ -268,7 +268,7 @@ def fragility(
         heading.
     limit : "overturned", "balance", float or str, optional
         The limit: overturning, the balance (the rotation that puts the centre of mass over the corner), a rotation |θ|/α > 0 [1], or a
-        slip in metres as in "slip:0.1"; a block that overturned exceeds any. By default overturning, or the balance for blocks with
+        slip or a plastic elongation of any tie or damper in metres, as in "slip:0.1" or "plastic:0.02", or the half cycles of a study, as in "half_cycles:20"; a block that overturned exceeds any. By default overturning, or the balance for blocks with
         ties, which may hold a block beyond it.
     ci : float
         Confidence level of intervals and bands, above 0 and below 1.

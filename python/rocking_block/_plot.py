@@ -163,6 +163,26 @@ def loops(block: _engine.Block, run: Columns, ax: Axes | None) -> Axes:
     return axes
 
 
+def pushover(table: Columns, landmarks: Sequence[Any], cycle: Columns | None, weight: float, ax: Axes | None) -> Axes:
+    """Draws the lateral force over the rotation, with numbered landmarks, and a cycle."""
+    axes = new_axes(ax, None, (6.0, 4.5))
+    axes.plot(table["theta"], table["force/weight"], linewidth=2.5, color=_COLOURS[0], label="slow rotation")
+    if cycle is not None:
+        axes.plot(cycle["theta"], cycle["force/weight"], linewidth=0.8, color=INK, label="cycle")
+    places: dict[float, list[str]] = {}
+    for landmark in landmarks[1:]:
+        places.setdefault(landmark.theta, []).append(landmark.name)
+    for order, (theta, names) in enumerate(places.items(), 1):
+        force = next(landmark.force for landmark in landmarks[1:] if landmark.theta == theta) / weight
+        axes.plot(theta, force, "o", color="white", markeredgecolor=INK, label=f"{order} {', '.join(names)}")
+        axes.annotate(str(order), (theta, force), (5, 5), textcoords="offset points")
+    axes.margins(0.08)
+    axes.set_xlabel("θ [rad]")
+    axes.set_ylabel("lateral force F/(M g)")
+    axes.legend(frameon=False)
+    return axes
+
+
 def _ground(axes: Axes, block: _engine.Block, run: Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     both = bool(np.any(run["a_gz"]))
     axes.plot(run["t"], run["a_gx"], **style, linewidth=0.7, label="horizontal" if both else None)

@@ -12,7 +12,30 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Damper:
+class _Link:
+    """A tie or a damper."""
+
+    block_x: float = 0.0
+    block_z: float = 0.0
+    ground_x: float = 0.0
+    ground_z: float = 0.0
+    stiffness: float
+    damping: float = 0.0
+    strength: float = 0.0
+    yield_force: float = 0.0
+    hardening: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuses values that are no numbers, and a stiffness of zero or below."""
+        for field in fields(self):
+            object.__setattr__(self, field.name, number(field.name, getattr(self, field.name)))
+        if not self.stiffness > 0.0:
+            kind = type(self).__name__.lower()
+            raise ValueError(f"stiffness = {self.stiffness}; expected a stiffness of the {kind} > 0 N/m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damper(_Link):
     """A damper, which pulls and pushes a point of the block along the line to a point of the ground.
 
     Coordinates are measured from the middle of the base of the block at rest without ties, x to the right and z up [m]. Elongated by s from its
@@ -44,22 +67,9 @@ class Damper:
     5000.0
     """
 
-    block_x: float = 0.0
-    block_z: float = 0.0
-    ground_x: float = 0.0
-    ground_z: float = 0.0
-    stiffness: float
-    damping: float = 0.0
-    strength: float = 0.0
-    yield_force: float = 0.0
-    hardening: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check(self)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Tie:
+class Tie(_Link):
     """A tendon, guy or restraint, which pulls a point of the block towards a point of the ground and never pushes.
 
     Coordinates are measured from the middle of the base of the block at rest without ties, x to the right and z up [m]. Stretched by s from its
@@ -94,29 +104,8 @@ class Tie:
     4.0
     """
 
-    block_x: float = 0.0
-    block_z: float = 0.0
-    ground_x: float = 0.0
-    ground_z: float = 0.0
-    stiffness: float
     pretension: float = 0.0
     slack: float = 0.0
-    damping: float = 0.0
-    strength: float = 0.0
-    yield_force: float = 0.0
-    hardening: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-
-def _check(link: Tie | Damper) -> None:
-    """Refuses values that are no numbers, and a stiffness of zero or below."""
-    for field in fields(link):
-        object.__setattr__(link, field.name, number(field.name, getattr(link, field.name)))
-    if not link.stiffness > 0.0:
-        kind = type(link).__name__.lower()
-        raise ValueError(f"stiffness = {link.stiffness}; expected a stiffness of the {kind} > 0 N/m")
 
 
 def force_of(link: str) -> str:

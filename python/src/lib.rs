@@ -10,6 +10,7 @@
 //! | `record` | a file or an array → a record |
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
 //! | `history` | a block and its excitation → columns over time |
+//! | `pushover` | a block → its lateral force over a slow rotation |
 //! | `frame` | columns under a beam → the equivalent block, and the forces of the columns |
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `table` | a table, or its file → its columns as arrays of NumPy |
@@ -34,6 +35,7 @@ mod frame;
 mod history;
 mod ida;
 mod options;
+mod pushover;
 mod record;
 mod risk;
 mod search;
@@ -72,6 +74,8 @@ mod _engine {
     use super::ida::Ida;
     #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
+    #[pymodule_export]
+    use super::pushover::pushover;
     #[pymodule_export]
     use super::record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor};
     #[pymodule_export]

@@ -50,6 +50,25 @@ def test_a_release_test_is_fitted(tmp_path):
         assert low < getattr(release_test.TRUTH, name) < high
 
 
+def test_the_tower_of_the_page_has_absorbers():
+    """The slow rotations of docs/tower.md, and its runs under one record, are those of the script."""
+    import tower
+
+    page = (ROOT / "docs/tower.md").read_text()
+    absorbers = (tower.YIELD_FORCE, tower.YIELD_ELONGATION)
+    for line in tower.curve_rows(absorbers):
+        assert f"\n{line}\n" in page
+    records = ROOT.parent / "shared/records"
+    name = "Rinaldi"
+    shaking, is_record = tower.motion(name, records if records.is_dir() else None)
+    free, absorbed = (tower.tower(40.0, numbers).run(**shaking) for numbers in (None, absorbers))
+    assert abs(absorbed.energy.residual).max() < 1e-7 * absorbed.energy.input.max()
+    if not is_record:
+        pytest.skip("the record of Rinaldi is not at hand")
+    *_, line = tower.run_rows({(name, "η = 40"): (free, absorbed)})
+    assert f"\n{line}\n" in page
+
+
 @pytest.mark.check
 def test_velocity_tells_overturning_better_than_acceleration():
     """The claim of the examples' page, for a sixteenth of the blocks and motions."""

@@ -390,6 +390,9 @@ def test_outcomes_have_slip_and_limits_on_it():
     rows = {"PGV": np.arange(2, 10) / 10, "outcome": ["completed"] * 7 + ["overturned"], "peak.slip": slips}
     fit = rb.fragility(rows, im="PGV", limit="slip:0.1", progress=False)
     assert fit.limit == "slip>0.1" and fit.fractions.tolist() == [0, 0, 1, 0, 1, 1, 0, 1]
+    rows |= {"peak.tie_1.plastic": np.full(len(rows["outcome"]), np.nan), "peak.damper_1.plastic": rows["peak.slip"]}
+    yielded = rb.fragility(rows, im="PGV", limit="Plastic>0.1", progress=False)
+    assert yielded.limit == "plastic>0.1" and np.array_equal(yielded.fractions, fit.fractions)
     with pytest.raises(ValueError, match='limit = "slip:no"; expected "overturned"'):
         rb.fragility(rows, im="PGV", limit="slip:no")
 

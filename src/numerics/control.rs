@@ -72,7 +72,7 @@ pub struct Attempt {
     /// Whether it ends at the stop.
     pub last: bool,
     grow: bool,
-    /// Whether a short step would have suited but for rejected ones, so that longer ones are tried later.
+    /// Whether only rejected steps kept a short step from being taken; longer ones are then tried later.
     grow_short: bool,
 }
 

@@ -386,6 +386,8 @@ pub fn probability_of(limit: Limit) -> String {
         Limit::Balance => "probability of passing the balance".into(),
         Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),
         Limit::Slip(limit) => format!("probability of a slip above {} m", short(limit)),
+        Limit::Plastic(limit) => format!("probability of a plastic elongation above {} m", short(limit)),
+        Limit::HalfCycles(limit) => format!("probability of more than {} half cycles", short(limit)),
     }
 }
 

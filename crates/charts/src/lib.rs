@@ -13,6 +13,7 @@
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
+//! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
 //! | [`rate`] | annual rates → pages |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
@@ -40,6 +41,8 @@ pub mod sketch;
 pub mod history;
 
 pub mod loops;
+
+pub mod pushover;
 
 pub mod fragility;
 

@@ -23,8 +23,8 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, figures, fit, foundations, fragility, frame, ida, pulse, rate, record, schema, search, shell, simulate,
-    sketch, spectrum, sweep,
+    assess, figures, fit, foundations, fragility, frame, ida, pulse, pushover, rate, record, schema, search, shell,
+    simulate, sketch, spectrum, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -45,6 +45,8 @@ enum Command {
     Simulate(Box<simulate::SimulateCommand>),
     /// Draw a block with its foundation and dimensions
     Sketch(Box<sketch::SketchCommand>),
+    /// Turn a block slowly: its lateral force over the rotation, and the damping of a cycle
+    Pushover(Box<pushover::PushoverCommand>),
     /// Simulate equal columns under a freely supported beam, with the forces of the columns
     Frame(Box<frame::FrameCommand>),
     /// Compute peak rotations of blocks of all sizes on several foundations
@@ -151,6 +153,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
     match Arguments::from_arg_matches(matches)?.command {
         Some(Command::Simulate(options)) => simulate::run(&options, &explicit),
         Some(Command::Sketch(options)) => sketch::run(&options, &explicit),
+        Some(Command::Pushover(options)) => pushover::run(&options, &explicit),
         Some(Command::Frame(options)) => frame::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),

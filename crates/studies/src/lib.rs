@@ -11,6 +11,7 @@
 //! | [`spec`] | what a user says of a block → the block |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
 //! | [`doubts`] | blocks and pulses → remarks on numbers beyond reason |
+//! | [`pushover`] | a block → its moment over a slow rotation, and the loop of a cycle |
 //! | [`frame`] | columns under a beam → the block that rocks like them, and the forces of the frame |
 //! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
 //! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
@@ -40,6 +41,8 @@ pub mod spec;
 pub mod run;
 
 pub mod doubts;
+
+pub mod pushover;
 
 pub mod frame;
 

@@ -104,6 +104,15 @@ impl<T> States<T> {
         States { ties, plastic: plastic.map(|all| all.map(f)) }
     }
 
+    /// Returns the states in which no restraint but that with this number acts.
+    pub fn only(self, number: usize) -> States<T> {
+        let States { mut ties, plastic } = self;
+        for (_, state) in ties.iter_mut().enumerate().filter(|(i, _)| *i != number) {
+            *state = TieState::Slack;
+        }
+        States { ties, plastic }
+    }
+
     /// Whether a restraint pulls.
     #[inline(always)]
     pub fn pull(&self) -> bool {

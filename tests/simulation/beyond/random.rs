@@ -1,7 +1,7 @@
-//! Random blocks with friction, ties and an eccentric centre of mass: energy, mirror images, and limits.
+//! Random blocks with friction, ties, dampers, yielding and an eccentric centre of mass: energy, mirror images, and limits.
 
 use proptest::prelude::*;
-use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Counts, Initial, OnSeparation, Progress, Settings, Simulation};
@@ -17,7 +17,7 @@ struct Draw {
     epsilon: f64,
     eccentricity: f64,
     friction: f64,
-    ties: Vec<[f64; 9]>,
+    links: Vec<[f64; 12]>,
     rigid: bool,
     flies: bool,
     amplitude: f64,
@@ -27,17 +27,31 @@ struct Draw {
 }
 
 fn draws() -> impl Strategy<Value = Draw> {
-    let tie = [-1.0..1.0, 0.0..2.0, -4.0..4.0, -2.0..0.5, 0.05..20.0, 0.0..0.3, 0.0..0.03, 0.0..0.05, -2.0..3.0_f64];
+    // Those below zero are no yield force, no strength, and no damper.
+    let link = [
+        -1.0..1.0,
+        0.0..2.0,
+        -4.0..4.0,
+        -2.0..0.5,
+        0.05..20.0,
+        0.0..0.3,
+        0.0..0.03,
+        0.0..0.05,
+        -2.0..3.0,
+        -0.3..0.6,
+        0.0..0.9,
+        -1.0..1.0_f64,
+    ];
     (
         ([0.08..0.6, 0.7..5.0, 10.0..150.0, 0.02..1.0], 1.5..5.0, 0.0..0.9, -0.8..0.8, 0.05..1.2_f64),
-        proptest::collection::vec(tie, 0..3),
+        proptest::collection::vec(link, 0..4),
         (any::<bool>(), any::<bool>()),
         (0.5..4.0, 0.1..2.0, -0.6..0.6, -0.3..0.3_f64),
     )
         .prop_map(
             |(
                 (dimensionless, gamma, epsilon, eccentricity, friction),
-                ties,
+                links,
                 (rigid, flies),
                 (amplitude, period, vertical, theta),
             )| {
@@ -47,7 +61,7 @@ fn draws() -> impl Strategy<Value = Draw> {
                     epsilon,
                     eccentricity,
                     friction,
-                    ties,
+                    links,
                     rigid,
                     flies,
                     amplitude,
@@ -70,20 +84,25 @@ impl Draw {
         let friction = if self.rigid { self.friction.min(0.9 * plain.jamming_friction()) } else { self.friction };
         let common = Common { eccentricity: side * self.eccentricity * plain.b, friction: 0.8 * friction, ..common };
         let (b, h, weight) = (plain.b, plain.h, plain.mass * plain.gravity);
-        let ties: Vec<Tie> = self
-            .ties
-            .iter()
-            .map(|&[x, z, ground_x, ground_z, stiffness, pretension, slack, damping, strength]| Tie {
-                block: [side * x * b, z * h],
-                ground: [side * ground_x * b, (ground_z - 0.1) * h],
-                stiffness: stiffness * weight / b,
-                pretension: pretension * weight,
-                slack: slack * b,
-                damping: damping * weight / (p * b),
-                strength: strength.max(0.0) * weight,
-                ..Tie::default()
-            })
-            .collect();
+        let link =
+            |&[x, z, ground_x, ground_z, k, pretension, slack, damping, strength, yields, hardening, kind]: &[f64;
+                  12]| {
+                let kind = if kind > 0.0 { LinkKind::Damper } else { LinkKind::Tie };
+                let of_tie = f64::from(u8::from(kind == LinkKind::Tie));
+                Tie {
+                    block: [side * x * b, z * h],
+                    ground: [side * ground_x * b, (ground_z - 0.1) * h],
+                    stiffness: k * weight / b,
+                    pretension: of_tie * pretension * weight,
+                    slack: of_tie * slack * b,
+                    damping: damping * weight / (p * b),
+                    strength: strength.max(0.0) * weight,
+                    yield_force: yields.max(0.0) * weight,
+                    hardening: if yields > 0.0 { hardening } else { 0.0 },
+                    kind,
+                }
+            };
+        let ties: Vec<Tie> = self.links.iter().map(link).collect();
         Block::from_dimensionless(&dimensionless, &common).ok()?.with_ties(&ties).ok()
     }
 
@@ -114,7 +133,7 @@ macro_rules! ensure {
     };
 }
 
-/// How often a foot slides or grips, or a tie tightens or slackens, again and again in no time.
+/// How often a foot slides or grips, or a link tightens, slackens, yields or unloads, again and again in no time.
 #[derive(Default)]
 struct Repetitions {
     last: Vec<(EventKind, f64)>,
@@ -193,7 +212,14 @@ fn check(draw: &Draw) -> Result<(), String> {
         );
         let demand = simulation.peaks().friction_demand;
         ensure!(demand <= block.friction * (1.0 + 1e-12), "demand {demand}, friction {}", block.friction);
-        ensure!(seen.restraints.iter().all(|tie| tie.pull > -1e-9 * weight), "{seen:?}");
+        ensure!(
+            block
+                .ties()
+                .iter()
+                .zip(&seen.restraints)
+                .all(|(tie, seen)| tie.kind == LinkKind::Damper || seen.pull > -1e-9 * weight),
+            "{seen:?}"
+        );
         // A corner on a support lifts and lands without an impact hardly ever.
         let Counts { impacts, liftoffs, .. } = simulation.counts();
         ensure!(draw.rigid || liftoffs <= 2 * impacts + 20, "{liftoffs} lift-offs, {impacts} impacts at {now} s");

@@ -89,6 +89,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         duration: inputs.run.duration,
         step: None,
         friction_demand: None,
+        half_cycles: None,
         changes: Vec::new(),
         // The page shows doubts beside the files.
         remarks: Vec::new(),

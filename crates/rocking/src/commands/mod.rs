@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`simulate`] | options → one run: a table, a picture, a summary |
 //! | [`sketch`] | options → a block → its sketch and its values |
+//! | [`pushover`] | options → a block → its lateral force over a slow rotation |
 //! | [`frame`] | options → columns under a beam → one run of their equivalent block |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
@@ -23,6 +24,8 @@
 pub mod simulate;
 
 pub mod sketch;
+
+pub mod pushover;
 
 pub mod frame;
 

@@ -20,8 +20,9 @@ use rocking_studies::spec::words::Words;
 #[derive(Args)]
 pub struct FitOptions {
     /// Limit to exceed: overturned, balance (the rotation that puts the centre of mass over the corner), a number such as 0.5 for
-    /// |theta|/alpha > 0.5, or a slip such as slip:0.1 in metres. By default overturned, or balance for blocks with ties. Counts the
-    /// probabilities of ensembles if the table has them, else the outcomes of runs
+    /// |theta|/alpha > 0.5, or in metres a slip such as slip:0.1 or a plastic elongation of a tie or damper such as plastic:0.02. By
+    /// default overturned, or balance for blocks with ties. Counts the probabilities of ensembles if the table has them, else the
+    /// outcomes of runs
     #[arg(long, value_name = "LIMIT")]
     limit: Option<Limit>,
     /// Use only the rows in which a column has this value; several conditions must all hold

@@ -218,6 +218,12 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
             "[assess]\ntitle = \"a\"\nstates = [{ name = \"slips\", limit = \"slip:0.1\" }]\n",
             &["study.toml:15: a limit on the slip without friction; expected friction in [parameters]"],
         ),
+        (
+            "[assess]\ntitle = \"a\"\nstates = [{ name = \"yields\", limit = \"plastic:0.02\" }]\n",
+            &[
+                "study.toml:15: a limit on plastic elongations without a tie or damper that yields; expected yield_force",
+            ],
+        ),
     ] {
         let folder = folder(assess);
         refused(folder.path(), &["assess", "study.toml"], words);

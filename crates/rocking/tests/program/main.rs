@@ -7,6 +7,7 @@
 //! | `simulate` | single runs: table, picture and summary |
 //! | `gradients` | derivatives of single runs |
 //! | `sketch` | pictures of a block and its values |
+//! | `pushover` | slow rotations: landmarks, cycle, tables |
 //! | `frame` | columns under a beam: block, table, refusals |
 //! | `fit` | fits to measured tests |
 //! | `assess` | reports on an object |
@@ -24,6 +25,7 @@ mod inputs;
 #[cfg(unix)]
 mod outputs;
 mod program;
+mod pushover;
 mod simulate;
 mod sketch;
 #[path = "../../../../tests/common/skipped.rs"]

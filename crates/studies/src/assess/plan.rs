@@ -11,7 +11,6 @@ use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::intensity::Measure;
 use crate::risk::{HazardCurve, HazardOptions, read_hazard};
-use crate::run::outcome::Holds;
 use crate::spec::assess::{AssessTable, HazardTable, StateTable, VariantTable};
 use crate::spec::study::StudyFile;
 use crate::spec::words::Words;
@@ -165,7 +164,7 @@ impl Plan {
             title: title.into(),
             file: file.into(),
             height: (!has_center_height).then_some(2.0 * block.h),
-            states: states(source, &assess, sweep.holds())?,
+            states: states(source, &assess, &sweep)?,
             hazard: hazard.map(|(_, hazard)| hazard),
             years: years.unwrap_or(50.0),
             pulse,
@@ -288,7 +287,8 @@ fn site(section: &Section) -> Result<Option<String>, StudyFileError> {
 }
 
 /// Reads the states; by default three limits without a publication behind them. Ties may hold blocks beyond their balance.
-fn states(source: StudyText, assess: &Section, holds: Holds) -> Result<Vec<State>, StudyFileError> {
+fn states(source: StudyText, assess: &Section, sweep: &Sweep) -> Result<Vec<State>, StudyFileError> {
+    let holds = sweep.holds();
     let Some(value) = assess.get("states") else {
         let usual = [
             ("rocks visibly", Limit::Rotation(0.1)),
@@ -304,14 +304,28 @@ fn states(source: StudyText, assess: &Section, holds: Holds) -> Result<Vec<State
             }
             _ => section.parsed("limit")?,
         };
-        if let (Some(Limit::Slip(_)), false, Some(value)) = (limit, holds.friction, section.get("limit")) {
-            return Err(section
-                .refused(value, "a limit on the slip without friction; expected friction in [parameters]".into()));
+        let has_no_effect = match limit {
+            Some(Limit::Slip(_)) if !holds.friction => {
+                Some("a limit on the slip without friction; expected friction in [parameters]")
+            }
+            Some(Limit::Plastic(_)) if !holds.yields => Some(
+                "a limit on plastic elongations without a tie or damper that yields; expected yield_force in [parameters]",
+            ),
+            Some(Limit::HalfCycles(_)) if sweep.half_cycles.is_none() => {
+                Some("a limit on half cycles without their amplitude; expected half_cycles in [study]")
+            }
+            _ => None,
+        };
+        if let (Some(reason), Some(value)) = (has_no_effect, section.get("limit")) {
+            return Err(section.refused(value, reason.into()));
         }
         Ok(State {
             name: section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the state"))?.into(),
             limit: limit.ok_or_else(|| {
-                section.lacks("limit", "\"overturned\", \"balance\", a number for |theta|/alpha, or \"slip:0.1\"")
+                section.lacks(
+                    "limit",
+                    "\"overturned\", \"balance\", a number for |theta|/alpha, \"slip:0.1\" or \"plastic:0.02\"",
+                )
             })?,
             source: section.text("source")?.map(String::from),
         })

@@ -108,18 +108,17 @@ impl SweepTable {
         let ends = self.ends()?;
         let known = |name: &str| self.column(name).ok();
         // A limit on the rotation needs the peaks; for others they only serve the efficiency.
-        let peaks = match limit {
-            Limit::Overturned | Limit::Balance | Limit::Slip(_) => known("peak.theta/alpha"),
-            Limit::Rotation(_) => Some(self.column("peak.theta/alpha")?),
-        };
-        let slips = match limit {
-            Limit::Slip(_) => Some(self.column("peak.slip")?),
-            Limit::Overturned | Limit::Balance | Limit::Rotation(_) => None,
-        };
-        let balances = match limit {
-            Limit::Balance => Some(self.over_balance()?),
-            Limit::Overturned | Limit::Rotation(_) | Limit::Slip(_) => None,
-        };
+        let mut peaks = known("peak.theta/alpha");
+        let [mut slips, mut balances, mut half_cycles] = [None; 3];
+        let mut plastic = Vec::new();
+        match limit {
+            Limit::Overturned => (),
+            Limit::Balance => balances = Some(self.over_balance()?),
+            Limit::Rotation(_) => peaks = Some(self.column("peak.theta/alpha")?),
+            Limit::Slip(_) => slips = Some(self.column("peak.slip")?),
+            Limit::Plastic(_) => plastic = self.plastic_elongations()?,
+            Limit::HalfCycles(_) => half_cycles = Some(self.half_cycles()?),
+        }
         let liftoffs = known("events.liftoffs");
         let is_ensemble = self.column("ensemble.samples").is_ok();
         let probabilities = match is_ensemble {
@@ -155,8 +154,14 @@ impl SweepTable {
             if let Some(number) = motion {
                 motions.first[number] = motions.first[number].min(place(row));
             }
-            let response =
-                KnownPeaks { rotation: peak, over_balance: number(balances, row)?, slip: number(slips, row)? };
+            let of_links = plastic.iter().map(|column| self.number(column, row)).collect::<Result<Vec<_>, _>>()?;
+            let response = KnownPeaks {
+                rotation: peak,
+                over_balance: number(balances, row)?,
+                slip: number(slips, row)?,
+                plastic: of_links.into_iter().flatten().reduce(f64::max),
+                half_cycles: number(half_cycles, row)?,
+            };
             let fraction = match is_ensemble {
                 // Empty if no sample is known.
                 true => number(probabilities, row)?,
@@ -214,6 +219,22 @@ mod tests {
         assert_eq!((cases, found.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
         let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
         assert!(refused.starts_with("t.csv: has no column peak.slip"), "{refused}");
+    }
+
+    /// The greatest plastic elongation of all ties and dampers counts.
+    #[test]
+    fn rows_are_compared_with_a_plastic_elongation() {
+        let text = "row,outcome,peak.tie_1.plastic [m],peak.damper_1.plastic [m]\n0,completed,0.005,0.02\n\
+                    1,completed,0.01,0.005\n2,overturned,0,0\n3,undecided,0.03,\n4,undecided,,\n";
+        let found = table(text).cases(Limit::Plastic(0.015)).unwrap();
+        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, found.undecided), (vec![(0, 1.0), (1, 0.0), (2, 1.0), (3, 1.0)], 1));
+        let refused = table(TABLE).cases(Limit::Plastic(0.1)).unwrap_err().to_string();
+        assert!(refused.starts_with("t.csv: has no column peak.damper_1.plastic"), "{refused}");
+        let text = "row,outcome,half_cycles>0.005 [1]\n0,completed,3\n1,completed,2\n2,undecided,2\n";
+        let found = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
+        assert_eq!(found.cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [1.0, 0.0]);
+        assert_eq!(found.undecided, 1);
     }
 
     #[test]

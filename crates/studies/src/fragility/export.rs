@@ -225,6 +225,8 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Expor
             Limit::Balance => "balance".into(),
             Limit::Rotation(limit) => format!("rotation_{limit}").replace('.', "_"),
             Limit::Slip(limit) => format!("slip_{limit}_m").replace('.', "_"),
+            Limit::Plastic(limit) => format!("plastic_{limit}_m").replace('.', "_"),
+            Limit::HalfCycles(limit) => format!("half_cycles_{limit}").replace('.', "_"),
         };
         component.states.iter().map(name).collect::<Vec<String>>()
     };

@@ -6,6 +6,7 @@ use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
 use crate::output::reading::{TableReadError, TableReader};
 use crate::output::table::{Kind, Series, Table, Values, split_heading};
+use crate::run::fatigue;
 use crate::run::limit::Limit;
 use crate::run::outcome::End;
 
@@ -100,8 +101,15 @@ pub fn is_needed(column: &str, named: &[&str]) -> bool {
     };
     let stem = column.strip_prefix("dimensionless.").unwrap_or(column);
     OF_FITS.contains(&stem)
+        || is_plastic(column)
+        || column.starts_with(fatigue::COLUMN)
         || ["P(", "ensemble.", "least."].iter().any(|prefix| column.starts_with(prefix))
         || named.iter().any(is_named)
+}
+
+/// Whether a column has the plastic elongations of a tie or damper.
+fn is_plastic(column: &str) -> bool {
+    column.starts_with("peak.") && column.ends_with(".plastic")
 }
 
 impl SweepTable {
@@ -214,6 +222,18 @@ impl SweepTable {
         self.column(if is_even { "peak.theta/alpha" } else { OVER_BALANCE })
     }
 
+    /// The peaks of the plastic elongations of ties and dampers.
+    pub(super) fn plastic_elongations(&self) -> Result<Vec<&Series>, SweepTableError> {
+        let found: Vec<_> = self.table.columns().iter().filter(|column| is_plastic(&column.heading.name)).collect();
+        if found.is_empty() { self.column("peak.damper_1.plastic").map(|column| vec![column]) } else { Ok(found) }
+    }
+
+    /// The half cycles of plastic elongations.
+    pub(super) fn half_cycles(&self) -> Result<&Series, SweepTableError> {
+        let found = self.table.columns().iter().find(|column| column.heading.name.starts_with(fatigue::COLUMN));
+        found.map_or_else(|| self.column(fatigue::COLUMN), Ok)
+    }
+
     /// The usual limit: overturning, or the balance of blocks with ties, which may hold a block beyond it at rest or in motion.
     pub fn usual_limit(&self) -> Limit {
         let has_ties = self.column(OVER_BALANCE).is_ok() && self.column("ensemble.samples").is_err();
@@ -301,6 +321,7 @@ pub(super) mod tests {
         }
         for slip in ["slip:0.1", "Slip>0.1"] {
             assert_eq!(slip.parse(), Ok(Limit::Slip(0.1)));
+            assert_eq!(slip.to_lowercase().replace("slip", "Plastic").parse(), Ok(Limit::Plastic(0.1)));
         }
         assert_eq!("Overturned".parse(), Ok(Limit::Overturned));
         assert_eq!(table(TABLE).numbers("pgv").unwrap(), table(TABLE).numbers("PGV").unwrap());

@@ -15,6 +15,10 @@ pub enum Limit {
     Rotation(f64),
     /// A slip of the foot from its place at the start (m); a block that overturns exceeds it.
     Slip(f64),
+    /// A plastic elongation of a tie or damper, in either sense (m); a block that overturns exceeds it.
+    Plastic(f64),
+    /// A number of half cycles of a plastic elongation above the amplitude of a study; a block that overturns exceeds it.
+    HalfCycles(f64),
 }
 
 /// The peaks of a run that limits refer to, as far as they are known.
@@ -26,6 +30,10 @@ pub struct KnownPeaks {
     pub over_balance: Option<f64>,
     /// Of the slip (m).
     pub slip: Option<f64>,
+    /// Of the plastic elongations of all ties and dampers (m).
+    pub plastic: Option<f64>,
+    /// The greatest number of half cycles of any tie or damper.
+    pub half_cycles: Option<f64>,
 }
 
 impl Limit {
@@ -36,6 +44,8 @@ impl Limit {
             Limit::Balance => response.over_balance.is_some_and(|over| over > 1.0),
             Limit::Rotation(limit) => response.rotation.is_some_and(|rotation| rotation > limit),
             Limit::Slip(limit) => response.slip.is_some_and(|slip| slip > limit),
+            Limit::Plastic(limit) => response.plastic.is_some_and(|plastic| plastic > limit),
+            Limit::HalfCycles(limit) => response.half_cycles.is_some_and(|count| count > limit),
         };
         match end {
             End::Overturned => Some(true),
@@ -54,6 +64,8 @@ impl std::fmt::Display for Limit {
             Limit::Balance => f.write_str("balance"),
             Limit::Rotation(limit) => write!(f, "theta/alpha>{limit}"),
             Limit::Slip(limit) => write!(f, "slip>{limit}"),
+            Limit::Plastic(limit) => write!(f, "plastic>{limit}"),
+            Limit::HalfCycles(limit) => write!(f, "half_cycles>{limit}"),
         }
     }
 }
@@ -68,13 +80,21 @@ impl FromStr for Limit {
             "balance" => return Ok(Limit::Balance),
             _ => (),
         }
-        let slip = lower.strip_prefix("slip:").or(lower.strip_prefix("slip>"));
-        let number = slip.unwrap_or_else(|| lower.strip_prefix("theta/alpha>").unwrap_or(&lower));
+        let named: [(&str, fn(f64) -> Limit); 4] = [
+            ("theta/alpha", Limit::Rotation),
+            ("slip", Limit::Slip),
+            ("plastic", Limit::Plastic),
+            ("half_cycles", Limit::HalfCycles),
+        ];
+        let of = |name: &str| lower.strip_prefix(name)?.strip_prefix([':', '>']);
+        let found = named.into_iter().find_map(|(name, kind)| Some((kind, of(name)?)));
+        let (kind, number) = found.unwrap_or((Limit::Rotation, &lower));
         let limit = number.parse().ok().filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
-        limit.map(if slip.is_some() { Limit::Slip } else { Limit::Rotation }).ok_or_else(|| {
+        limit.map(kind).ok_or_else(|| {
             format!(
-                "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, or one for the slip in \
-                 metres, as in slip:0.1"
+                "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, one in metres for the slip, as in \
+                 slip:0.1, or for the plastic elongation of ties and dampers, as in plastic:0.02, or one for their half cycles, as in \
+                 half_cycles:20"
             )
         })
     }

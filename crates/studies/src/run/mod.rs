@@ -6,11 +6,13 @@
 //! | [`outcome`] | a run → its end, its peaks and its counts |
 //! | [`limit`] | the end and the peak of a run → whether a limit is exceeded |
 //! | [`sliding`] | a run, a coefficient of friction → the longest time for which the demand exceeds it |
+//! | [`fatigue`] | a run, an amplitude → the half cycles of plastic elongations above it |
 //! | [`batch`] | runs → their outcomes, several of them stepped at once |
 //! | [`gradients`] | a run, parameters → its history with derivatives |
 //! | [`table`] | a history → a CSV table |
 
 pub mod batch;
+pub mod fatigue;
 pub mod gradients;
 pub mod limit;
 pub mod outcome;

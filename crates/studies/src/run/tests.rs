@@ -56,6 +56,52 @@ fn a_block_whose_dampers_have_yielded_comes_to_rest() {
     }
 }
 
+/// Half cycles counted at events are those between the turning points of a fine history, whatever the stops.
+#[test]
+fn half_cycles_lie_between_the_turning_points_of_the_history() {
+    let supports = Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 });
+    let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
+    let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
+    let (b, weight) = (block.b, block.mass * block.gravity);
+    let links = [-1.0, 1.0].map(|side| Tie {
+        block: [side * b, 0.0],
+        ground: [side * b, -b],
+        stiffness: 20.0 * weight / b,
+        yield_force: 0.05 * weight,
+        hardening: 0.05,
+        kind: LinkKind::Damper,
+        ..Tie::default()
+    });
+    let at_rest = Run::at_rest(block.with_ties(&links).unwrap(), Settings::default());
+    let initial = Initial { theta: 0.12, ..Initial::default() };
+    let run = Run { initial, duration: Some(12.0), output_step: 1e-3, ..at_rest };
+    let history = run.history(|_| ()).unwrap();
+    let mut ranges: [Vec<f64>; 2] = Default::default();
+    for (number, ranges) in ranges.iter_mut().enumerate() {
+        let mut turns = vec![0.0];
+        // The tilted block has yielded at its beginning.
+        let plastic = history.rows.iter().map(|row| row.observation.restraints[number].plastic);
+        let mut path: Vec<f64> = std::iter::once(0.0).chain(plastic).collect();
+        path.dedup();
+        turns.extend(path.windows(3).filter(|w| (w[1] - w[0]) * (w[2] - w[1]) < 0.0).map(|w| w[1]));
+        turns.extend(path.last());
+        *ranges = turns.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    }
+    assert!(ranges.iter().all(|ranges| ranges.len() > 4), "{ranges:?}");
+    let mut counts = Vec::new();
+    for amplitude in [1e-4, 0.01, 0.05, 0.1] {
+        let expected = ranges.each_ref().map(|ranges| ranges.iter().filter(|range| 0.5 * **range > amplitude).count());
+        let coarse = Run { output_step: f64::INFINITY, ..run.clone() };
+        for run in [&run, &coarse] {
+            let found = run.half_cycles(amplitude);
+            assert_eq!([found[0] as usize, found[1] as usize], expected, "{amplitude}: {ranges:?}");
+            assert_eq!(found[2..], [0; MAX - 2]);
+        }
+        counts.push(expected[0]);
+    }
+    assert!(counts[0] > counts[2] && counts[2] > 0, "{counts:?}");
+}
+
 /// Durations of a whole number of decimal steps, their neighbouring numbers, and others.
 #[test]
 fn every_run_ends_with_one_row_at_its_end() {

@@ -68,6 +68,8 @@ pub struct StudyTable {
     pub step: Option<f64>,
     /// Coefficient of friction: a column has the longest time for which the demand exceeds it.
     pub friction_demand: Option<Positive>,
+    /// Amplitude [m]: a column has the half cycles of plastic elongations above it, of the tie or damper with the most.
+    pub half_cycles: Option<Positive>,
     /// Each row stands for samples around its values: a coefficient of variation for each parameter.
     pub ensemble: Option<EnsembleTable>,
     /// Factors on the records, a row each.
@@ -168,7 +170,7 @@ pub struct EnsembleTable {
     pub samples: u32,
     /// Pairs the values of several spreads.
     pub seed: Option<Seed>,
-    /// Further limits: numbers for |theta|/alpha, or as "slip:0.1" in metres.
+    /// Further limits: numbers for |theta|/alpha, or in metres as "slip:0.1" or "plastic:0.02".
     #[schemars(length(min = 1))]
     pub limits: Option<Vec<Word>>,
     /// Spread of the factor on the records.

@@ -3,7 +3,7 @@
 use crate::intensity::Measure;
 use crate::output::table::TableColumn;
 use crate::run::outcome::{self, End, Outcome, OutcomeRow};
-use crate::run::sliding;
+use crate::run::{fatigue, sliding};
 use crate::search::{OutcomeMap, Threshold};
 use crate::sweep::strength::Strengths;
 use crate::sweep::{RowInputs, Sweep};
@@ -43,6 +43,7 @@ impl Sweep {
         }
         let run = |row: &SweepRow| self.nominal_run(row.inputs);
         columns.extend(self.friction_demand.map(|friction| sliding::column(friction, run)));
+        columns.extend(self.half_cycles.map(|amplitude| fatigue::column(amplitude, run)));
         columns.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.columns(|row: &SweepRow| &row.made[1..])));
         columns
     }

@@ -140,8 +140,10 @@ impl Ensemble {
 
 /// Whether a sample, with the slenderness of its block (rad), exceeds a limit.
 fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
-    let (Peaks { theta, slip, .. }, over_balance) = (outcome.peaks, Some(outcome.lean.over_balance));
-    limit.verdict(outcome.end, KnownPeaks { rotation: Some(theta / alpha), over_balance, slip: Some(slip) })
+    let (Peaks { theta, slip, plastic, .. }, over_balance) = (outcome.peaks, Some(outcome.lean.over_balance));
+    let plastic = plastic.into_iter().reduce(f64::max);
+    let (rotation, slip, half_cycles) = (Some(theta / alpha), Some(slip), None);
+    limit.verdict(outcome.end, KnownPeaks { rotation, over_balance, slip, plastic, half_cycles })
 }
 
 /// Keys other than parameters.
@@ -191,12 +193,14 @@ pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble
 
 /// Reads limits in addition to overturning: numbers for rotations |θ|/α, texts for others.
 fn limits(section: &Section) -> Result<Vec<Limit>, StudyFileError> {
-    const EXPECTED: &str = "a list of numbers > 0 for |theta|/alpha, or of slips in metres, as in [0.5, \"slip:0.1\"]";
+    const EXPECTED: &str = "a list of numbers > 0 for |theta|/alpha, or of slips and plastic elongations in metres, as in [0.5, \"slip:0.1\", \"plastic:0.02\"]";
     let Some(value) = section.get("limits") else { return Ok(Vec::new()) };
     let list = value.get_ref().as_array().filter(|list| !list.is_empty());
     let limit = |item: SpannedValue| {
         let found = match (item.get_ref().as_str(), number(item)) {
-            (Some(text), _) => text.parse().ok().filter(|limit| *limit != Limit::Overturned),
+            (Some(text), _) => {
+                text.parse().ok().filter(|limit| !matches!(limit, Limit::Overturned | Limit::HalfCycles(_)))
+            }
             (None, Some(rotation)) => {
                 Some(Limit::Rotation(rotation)).filter(|_| rotation > 0.0 && rotation.is_finite())
             }

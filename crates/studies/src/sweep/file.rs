@@ -75,8 +75,11 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     }
     check_ensemble(&study, source, ensemble.as_ref(), without_records, &strengths)?;
     let friction_demand = study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?;
-    if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction_demand, study.get("friction_demand")) {
-        return Err(study.wrong("friction_demand", value, "none beside least, which makes many runs per row"));
+    let half_cycles = study.number("half_cycles", |x| x > 0.0, "an amplitude > 0 m")?;
+    for key in ["friction_demand", "half_cycles"] {
+        if let (Strengths::Least(..), Some(value)) = (&strengths, study.get(key)) {
+            return Err(study.wrong(key, value, "none beside least, which makes many runs per row"));
+        }
     }
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let parameters =
@@ -101,10 +104,14 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         duration: study.number("duration", |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
         friction_demand,
+        half_cycles,
         changes: Vec::new(),
         remarks,
     };
     check(&sweep, &given, &study, source)?;
+    if let (false, Some(value)) = (sweep.holds().yields, study.get("half_cycles")) {
+        return Err(study.wrong("half_cycles", value, "none without a tie or damper with yield_force"));
+    }
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts()).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)

@@ -77,6 +77,8 @@ pub struct Sweep {
     pub step: Option<f64>,
     /// Friction demand (1) of the column with the longest time above it, if any.
     pub friction_demand: Option<f64>,
+    /// Amplitude (m) of the column with the half cycles of plastic elongations above it, if any.
+    pub half_cycles: Option<f64>,
     /// Changes of each block, one after the other. The ground motions stay those of the blocks without them.
     pub changes: Vec<Change>,
     /// Doubts about the records and their scale, a sentence each.
@@ -151,11 +153,12 @@ impl Sweep {
     /// Everything that affects the rows, line by line: the study without its comments and its `[assess]`.
     pub fn identity(&self) -> Vec<String> {
         let Sweep { parameters, design, strengths, ensemble, measures, changes, .. } = self;
-        let Sweep { on_separation, tolerance, duration, step, friction_demand, .. } = self;
+        let Sweep { on_separation, tolerance, duration, step, friction_demand, half_cycles, .. } = self;
         let names = parameters.iter().map(|SweptParameter { parameter, values }| (parameter.name(), values));
         let mut lines: Vec<String> = names.map(|swept| format!("{swept:?}")).collect();
         lines.push(format!("{:?}", (design, strengths, ensemble, measures, changes)));
         lines.push(format!("{:?}", (on_separation, tolerance, duration, step, friction_demand)));
+        lines.extend(half_cycles.map(|amplitude| format!("half cycles above {amplitude:?}")));
         lines.extend(self.described_motions());
         lines
     }

@@ -8,5 +8,6 @@ mod instants;
 mod lanes;
 mod planted;
 mod published;
+mod pushover;
 mod relations;
 mod thresholds;

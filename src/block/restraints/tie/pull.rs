@@ -16,7 +16,7 @@ pub struct Stretch<T> {
     pub length: T,
     /// Its rate ṡ (m/s).
     pub rate: T,
-    /// YieldDirection from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
+    /// Direction from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
     along: [T; 3],
 }
 

@@ -7,9 +7,10 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "simulate",
     "sketch",
+    "pushover",
     "frame",
     "spectrum",
     "sweep",

@@ -1,0 +1,252 @@
+//! A block → its moment over a slow rotation, and the loop of a cycle: static pushover with its landmarks.
+//!
+//! A lateral force F at the centre of mass turns the block about its foot: the standing corner, or the middle of the base. Supports, ties
+//! and dampers follow their laws at rest, so that dashpots do nothing.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`statics`] | a rotation and the states of restraints → the equilibrium |
+//! | `walk` | a path of rotations → equilibria through all events |
+//! | [`table`] | equilibria → a table |
+
+pub mod statics;
+
+pub mod table;
+
+mod walk;
+
+use std::f64::consts::FRAC_PI_2;
+
+use rocking_block::block::restraints::{self, LinkKind, RestraintEvent};
+use rocking_block::block::{Block, Corner};
+use statics::Equilibrium;
+use walk::{ROUNDING, Stopped, Walk};
+
+/// A slow rotation of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// The corner over which the block turns.
+    pub over: Corner,
+    /// Greatest rotation (rad) to this side; `None`: that at which the centre of mass stands over the corner.
+    pub to: Option<f64>,
+    /// Amplitude of the cycles (rad), without which there are none.
+    pub amplitude: Option<f64>,
+    /// Number of equal steps to the greatest rotation, and to the amplitude.
+    pub points: u32,
+}
+
+/// The reason why a block has no curve.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PushoverError {
+    /// A rotation out of range.
+    #[error("{name} = {value} rad; expected a rotation above 0 and below pi/2 rad")]
+    Rotation {
+        /// The parameter's name.
+        name: &'static str,
+        /// Its value (rad).
+        value: f64,
+    },
+    /// No step.
+    #[error("points = {0}; expected 1 to {MAX_POINTS} steps")]
+    Points(u32),
+    /// The vertical forces have no stable balance.
+    #[error(
+        "theta = {theta} rad: supports, weight, ties and dampers do not balance; expected softer ties or stiffer supports"
+    )]
+    NoEquilibrium {
+        /// The rotation (rad).
+        theta: f64,
+    },
+    /// The block does not reach the amplitude of the cycles.
+    #[error(
+        "cycles of {amplitude} rad end at theta = {theta} rad, where the block {reason}; expected a smaller amplitude"
+    )]
+    Amplitude {
+        /// The amplitude (rad).
+        amplitude: f64,
+        /// The rotation of the end (rad).
+        theta: f64,
+        /// What happens there.
+        reason: &'static str,
+    },
+}
+
+/// Greatest number of steps.
+pub const MAX_POINTS: u32 = 1_000_000;
+
+/// What happens at a landmark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LandmarkKind {
+    /// No lateral force yet.
+    AtRest,
+    /// This corner lifts: decompression.
+    LiftOff(Corner),
+    /// This corner lands.
+    Landing(Corner),
+    /// A tie or damper becomes taut or slack, yields, unloads or breaks.
+    Restraint(RestraintEvent),
+    /// A greatest lateral force.
+    Peak,
+    /// The lateral force vanishes: from here on the block overturns by itself.
+    Balance,
+    /// The last corner lifts.
+    Separation,
+    /// The foot slides, so that the lateral force turns the block no further.
+    Slides,
+    /// The greatest rotation, to which a lateral force still holds the block.
+    End,
+}
+
+impl std::fmt::Display for LandmarkKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = |corner: &Corner| match corner {
+            Corner::Left => "L",
+            Corner::Right => "R",
+        };
+        match self {
+            LandmarkKind::AtRest => f.write_str("at rest"),
+            LandmarkKind::LiftOff(corner) => write!(f, "{} lifts", name(corner)),
+            LandmarkKind::Landing(corner) => write!(f, "{} lands", name(corner)),
+            LandmarkKind::Restraint(event) => event.fmt(f),
+            LandmarkKind::Peak => f.write_str("greatest force"),
+            LandmarkKind::Balance => f.write_str("balance"),
+            LandmarkKind::Separation => f.write_str("leaves the ground"),
+            LandmarkKind::Slides => f.write_str("slides"),
+            LandmarkKind::End => f.write_str("end"),
+        }
+    }
+}
+
+/// A named point of a curve.
+#[derive(Clone, Copy, Debug)]
+pub struct Landmark {
+    /// What happens.
+    pub kind: LandmarkKind,
+    /// The equilibrium there.
+    pub at: Equilibrium,
+}
+
+/// The curve of a slow rotation, with its landmarks.
+#[derive(Clone, Debug)]
+pub struct Pushover {
+    /// Equilibria in the order of the path; two at one rotation where forces jump.
+    pub rows: Vec<Equilibrium>,
+    /// Its landmarks, in the same order.
+    pub landmarks: Vec<Landmark>,
+    /// The cycles, if asked for.
+    pub cycle: Option<Cycle>,
+}
+
+/// A closed cycle of rotations between ±amplitude, after a first one.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// Amplitude (rad).
+    pub amplitude: f64,
+    /// Equilibria of the first rotation to the amplitude and of the closed cycle after it, in the order of the path.
+    pub rows: Vec<Equilibrium>,
+    /// Energy lost by yielding in the closed cycle (J), by the numbers of the restraints.
+    pub lost: [f64; restraints::MAX],
+    /// That before the closed cycle (J).
+    pub lost_before: [f64; restraints::MAX],
+    /// Equivalent viscous damping ratio ξ_eq of yielding alone (1): `E_D/(2π M_A A)`, with the energy E_D lost in a cycle of amplitude A and the
+    /// mean M_A of the moments at its two ends.
+    ///
+    /// L. S. Jacobsen, "Steady forced vibration as influenced by damping", Transactions of the ASME 52 (1930) 169–181. Landings take
+    /// energy beside it. NaN where the moments do not resist the rotation.
+    pub equivalent_damping: f64,
+    /// Recentring ratio λ at the amplitude (1): the moment of weight, supports and ties over that of the dampers. Infinite without dampers.
+    ///
+    /// A block with λ above 1 returns to its upright position. NZS 3101:2006, appendix B, has λ ≥ 1.15 for hybrid walls.
+    pub recentring: f64,
+    /// Greatest rotation left when the lateral force is taken away slowly after the amplitude (rad).
+    pub residual: f64,
+}
+
+impl Pushover {
+    /// Turns a block slowly over a corner, then in cycles.
+    ///
+    /// # Errors
+    /// A rotation or a number of steps out of range; a block whose vertical forces do not balance, or which does not reach the amplitude.
+    pub fn of(block: &Block, push: &Push) -> Result<Pushover, PushoverError> {
+        let Push { over, to, amplitude, points } = *push;
+        for (name, value) in [("to", to), ("amplitude", amplitude)] {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && *value < FRAC_PI_2)) {
+                return Err(PushoverError::Rotation { name, value });
+            }
+        }
+        if !(1..=MAX_POINTS).contains(&points) {
+            return Err(PushoverError::Points(points));
+        }
+        let sign = -over.sign();
+        let end = to.unwrap_or_else(|| block.alpha_of(over));
+        let (mut rows, mut landmarks) = (Vec::new(), Vec::new());
+        let mut walk = Walk::new(block, sign, true, &mut rows, &mut landmarks)?;
+        if walk.to(sign * end, end / f64::from(points))? == Stopped::AtTarget {
+            walk.end();
+        }
+        let peak =
+            (rows.iter().enumerate()).max_by(|(_, one), (_, other)| one.force.abs().total_cmp(&other.force.abs()));
+        // A curve that still rises at its end has no peak.
+        if let Some((_, &at)) = peak.filter(|(row, _)| row + 1 < rows.len()) {
+            let passed = landmarks.iter().take_while(|landmark| landmark.at.theta.abs() <= at.theta.abs()).count();
+            landmarks.insert(passed, Landmark { kind: LandmarkKind::Peak, at });
+        }
+        let cycle = amplitude.map(|amplitude| Cycle::of(block, sign, amplitude, points)).transpose()?;
+        Ok(Pushover { rows, landmarks, cycle })
+    }
+}
+
+impl Cycle {
+    fn of(block: &Block, sign: f64, amplitude: f64, points: u32) -> Result<Cycle, PushoverError> {
+        let (mut rows, mut landmarks) = (Vec::new(), Vec::new());
+        let step = amplitude / f64::from(points);
+        let mut walk = Walk::new(block, sign, false, &mut rows, &mut landmarks)?;
+        let mut lost_before = [0.0; restraints::MAX];
+        let mut ends = Vec::new();
+        // The first cycle ends where the second, closed one begins.
+        for turn in [1.0, -1.0, 1.0, -1.0, 1.0] {
+            if ends.len() == 3 {
+                lost_before = walk.lost;
+            }
+            if walk.to(turn * sign * amplitude, step)? == Stopped::Early {
+                let theta = walk.at().theta;
+                return Err(PushoverError::Amplitude { amplitude, theta, reason: walk.reason() });
+            }
+            ends.push(walk.row_count());
+        }
+        let after = walk.lost;
+        let lost = std::array::from_fn(|number| after[number] - lost_before[number]);
+        let (first, closed) = (&rows[..ends[0]], &rows[ends[2] - 1..]);
+        let turning = ends[3] - ends[2];
+        let (forth, back) = closed.split_at(turning + 1);
+        let last = closed[closed.len() - 1];
+        let mean = 0.5 * sign * (last.moment - forth[turning].moment);
+        let energy: f64 = lost.iter().sum();
+        let dampers: f64 = (block.ties().iter().zip(last.resisting))
+            .filter(|(link, _)| link.kind == LinkKind::Damper)
+            .map(|(_, moment)| moment)
+            .sum();
+        let residual = residual(forth, sign).max(residual(&[&forth[turning..], back].concat(), -sign));
+        Ok(Cycle {
+            amplitude,
+            lost,
+            lost_before,
+            equivalent_damping: if mean > 0.0 { energy / (std::f64::consts::TAU * mean * amplitude) } else { f64::NAN },
+            recentring: (last.moment - dampers) / dampers,
+            residual,
+            rows: [first, &closed[1..]].concat(),
+        })
+    }
+}
+
+/// Returns the rotation (rad) at which the lateral force vanishes on the way from an amplitude on this side through the upright position.
+fn residual(rows: &[Equilibrium], side: f64) -> f64 {
+    let crossing = rows.windows(2).find(|pair| pair[1].force * side <= 0.0);
+    crossing.map_or(0.0, |pair| {
+        let [from, to] = [pair[0], pair[1]];
+        let fraction = from.force / (from.force - to.force);
+        let fraction = if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 1.0 };
+        let left = (from.theta + fraction * (to.theta - from.theta)) * side;
+        if left > ROUNDING * rows[0].theta.abs() { left } else { 0.0 }
+    })
+}
