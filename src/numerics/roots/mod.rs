@@ -183,17 +183,28 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
 
 /// Returns the time at which a function that is zero at `low` and negative at `below` falls through zero: after a rise, however short, or
 /// else `low`.
-fn fall_after_zero(low: f64, mut below: TimedSample, function: &mut impl FnMut(f64) -> Sample) -> f64 {
+///
+/// A rise may be lost in round-off; where the function still rises, it has not fallen yet.
+fn fall_after_zero(low: f64, below: TimedSample, function: &mut impl FnMut(f64) -> Sample) -> f64 {
     const HALVINGS: u32 = 40;
+    let mut end = below;
+    let mut found = low;
     for _ in 0..HALVINGS {
-        let time = 0.5 * (low + below.0);
+        let time = 0.5 * (low + end.0);
         let middle = (time, function(time));
         if middle.1.value > 0.0 {
-            return fall([middle, below], function);
+            found = fall([middle, end], function);
+            break;
         }
-        below = middle;
+        end = middle;
     }
-    low
+    let rate = function(found).rate;
+    if rate <= 0.0 || below.1.rate >= 0.0 {
+        return found;
+    }
+    let top = sign_change(found, below.0, rate, below.1.rate, |time| function(time).rate);
+    let at_top = function(top);
+    if at_top.value > 0.0 { fall([(top, at_top), below], function) } else { top }
 }
 
 /// Finds the [`sign_change`] of a function with known rates in a third of the evaluations. Needs a value ≥ 0 at `left` and < 0 at `right`.

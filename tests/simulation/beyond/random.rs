@@ -322,3 +322,53 @@ fn landings_stop_feet_that_slide() {
     }
     assert!(stopped > 0, "{stopped} landings stopped a foot");
 }
+
+/// Impacts come ever faster as this block comes to rest. In between, a tie at its yield surface shortens and elongates by less than the
+/// round-off of its length: it yields once it turns, not while it still moves away from the surface.
+#[test]
+fn a_tie_does_not_yield_while_it_leaves_its_yield_surface() {
+    let draw = Draw {
+        dimensionless: [0.5100550009558513, 2.169196438693357, 10.0, 0.02],
+        gamma: 4.393592072377291,
+        epsilon: 0.22584039517829518,
+        eccentricity: 0.7636679107448262,
+        friction: 0.2295546387646302,
+        links: vec![
+            [
+                -0.3868098345922278,
+                0.24601804018515352,
+                -1.0105887229290984,
+                -1.6228114739569444,
+                14.389692727465842,
+                0.0,
+                0.0,
+                0.04450184224720462,
+                0.0,
+                0.03238726977644694,
+                0.8454713918430455,
+                0.0,
+            ],
+            [
+                -0.2594613885500677,
+                0.000625860492305625,
+                1.9558241744791014,
+                -0.4177172062275499,
+                16.187941787361897,
+                0.26870778261428613,
+                0.006041024241989974,
+                0.0482169906358314,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ],
+        ],
+        rigid: true,
+        flies: false,
+        amplitude: 3.3472226331719144,
+        period: 1.5643785420945155,
+        vertical: -0.016050090031793366,
+        theta: 0.19028685570555043,
+    };
+    assert_eq!(check(&draw), Ok(()));
+}
