@@ -271,7 +271,7 @@ impl Description {
         writeln!(code, "/// GUID that an importer must pass, computed from modelDescription.xml.")?;
         writeln!(code, "pub const GUID: &str = {:?};", self.guid)?;
         self.fmi3.write_code(code)?;
-        writeln!(code, "/// A variable of modelDescription.xml; its number is its value reference.")?;
+        writeln!(code, "/// A variable of modelDescription.xml; its number is its place in [`VARIABLES`].")?;
         writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\n#[repr(u32)]\npub enum Variable {{")?;
         for variable in &self.variables {
             writeln!(code, "    /// `{}`: {}.", variable.name, variable.description.replace('|', "\\|"))?;
@@ -280,7 +280,7 @@ impl Description {
         writeln!(code, "}}")?;
         self.write_roles(code)?;
         self.write_choices(code)?;
-        writeln!(code, "/// All variables, by value reference.")?;
+        writeln!(code, "/// All variables, in the order of their value references.")?;
         writeln!(code, "pub static VARIABLES: [Metadata; {}] = [", self.variables.len())?;
         for v in &self.variables {
             let items: Vec<(i32, &str)> = v.items.iter().map(|item| (item.value, item.name.as_str())).collect();
@@ -295,7 +295,7 @@ impl Description {
         }
         writeln!(code, "];")?;
         let descriptions: Vec<&str> = self.variables.iter().map(|v| v.description.as_str()).collect();
-        writeln!(code, "/// The descriptions of all variables, by value reference.")?;
+        writeln!(code, "/// The descriptions of all variables, in the order of their value references.")?;
         writeln!(code, "pub static DESCRIPTIONS: [&str; {}] = {descriptions:?};", descriptions.len())
     }
 
@@ -308,7 +308,10 @@ impl Description {
             for variable in &of_role {
                 writeln!(code, "    /// `{}`.\n    {},", variable.name, identifier(&variable.name))?;
             }
-            writeln!(code, "}}\nimpl {role_name} {{\n    /// All variables of this kind, by value reference.")?;
+            writeln!(
+                code,
+                "}}\nimpl {role_name} {{\n    /// All variables of this kind, in the order of their value references."
+            )?;
             writeln!(code, "    pub const ALL: [{role_name}; {}] = [", of_role.len())?;
             for variable in &of_role {
                 writeln!(code, "        {role_name}::{},", identifier(&variable.name))?;

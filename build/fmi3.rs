@@ -171,30 +171,21 @@ impl File {
             attributes.push(("intermediateUpdate", "true"));
         }
         let text = of_type.has_tag_name("String");
-        let derivative = of_type.attribute("derivative").map(reference).transpose()?;
-        attributes.extend(derivative.iter().map(|state| ("derivative", state.as_str())));
-        let replaced = |name: &str| name == "derivative" || (text && name == "start");
-        attributes.extend(attributes_of(of_type).into_iter().filter(|(name, _)| !replaced(name)));
+        attributes.extend(attributes_of(of_type).into_iter().filter(|(name, _)| !(text && *name == "start")));
         let starts: Vec<&str> = of_type.attribute("start").filter(|_| text).into_iter().collect();
         self.element(type_name(of_type), &attributes, &starts, |file, start| file.leaf("Start", &[("value", start)]))
     }
 
-    /// `Unknown` with indices from 1 → one with value references, which count from 0.
+    /// `Unknown` with indices → one with value references, which are the same numbers, and with the dependencies of FMI 3.0.
     fn unknown(&mut self, element: &str, node: Node) -> Written {
-        let unknown = reference(attribute(node, "index")?)?;
-        let mut attributes = vec![("valueReference", unknown.as_str())];
-        let indices = ["dependencies", FMI3_DEPENDENCIES].map(|name| node.attribute(name).unwrap_or(""));
-        let references = indices
-            .iter()
-            .flat_map(|list| list.split_whitespace())
-            .map(reference)
-            .collect::<Result<Vec<_>, _>>()?
-            .join(" ");
-        if node.has_attribute("dependencies") {
-            attributes.push(("dependencies", &references));
-        }
+        let mut attributes = vec![("valueReference", attribute(node, "index")?)];
+        let of_fmi3 = node.attribute(FMI3_DEPENDENCIES).unwrap_or("");
+        let references = node.attribute("dependencies").map(|references| {
+            references.split_whitespace().chain(of_fmi3.split_whitespace()).collect::<Vec<_>>().join(" ")
+        });
+        attributes.extend(references.iter().map(|references| ("dependencies", references.as_str())));
         let kinds = node.attribute("dependenciesKind").map(|kinds| {
-            let of_fmi3 = indices[1].split_whitespace().map(|_| "dependent");
+            let of_fmi3 = of_fmi3.split_whitespace().map(|_| "dependent");
             kinds.split_whitespace().chain(of_fmi3).collect::<Vec<_>>().join(" ")
         });
         attributes.extend(kinds.iter().map(|kinds| ("dependenciesKind", kinds.as_str())));
@@ -240,12 +231,6 @@ fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
 
 fn attributes_of<'a>(node: Node<'a, '_>) -> Attributes<'a> {
     node.attributes().map(|attribute| (attribute.name(), attribute.value())).collect()
-}
-
-/// An index of FMI 2.0, from 1 → a value reference, from 0.
-fn reference(index: &str) -> Result<String, String> {
-    let reference = index.parse().ok().and_then(|index: usize| index.checked_sub(1));
-    reference.map(|reference| reference.to_string()).ok_or_else(|| format!("{index} is no index of a variable"))
 }
 
 /// Returns the FMI 3.0 name of a type of FMI 2.0.

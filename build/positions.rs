@@ -29,17 +29,18 @@ pub fn write(text: &str) -> Result<String, String> {
     let variables: Vec<Node> = [of_fmi2, of_fmi3].iter().flat_map(Node::children).filter(Node::is_element).collect();
     let mut names = Names { positions: BTreeMap::new(), groups: BTreeMap::new() };
     let mut edits = Vec::new();
-    for (reference, node) in variables.iter().enumerate() {
-        let name = node.attribute_node("name").ok_or_else(|| format!("variable {reference} has no name"))?;
-        names.positions.insert(name.value(), reference + 1);
-        edits.push((name.range().end..name.range().end, format!(" valueReference=\"{reference}\"")));
+    for (position, node) in (1..).zip(&variables) {
+        let name = node.attribute_node("name").ok_or_else(|| format!("variable {position} has no name"))?;
+        names.positions.insert(name.value(), position);
+        // From 1, as positions: some importers take the references of dependencies in FMI 3.0 for positions.
+        edits.push((name.range().end..name.range().end, format!(" valueReference=\"{position}\"")));
     }
     for state in variables.iter().flat_map(Node::descendants).filter_map(|node| node.attribute_node("derivative")) {
         edits.push((state.range_value(), names.position(state.value())?.to_string()));
     }
     let dimensions = of_fmi3.descendants().filter(|node| node.has_tag_name("Dimension"));
     for length in dimensions.filter_map(|node| node.attribute_node("valueReference")) {
-        edits.push((length.range_value(), (names.position(length.value())? - 1).to_string()));
+        edits.push((length.range_value(), names.position(length.value())?.to_string()));
     }
     let structure = child(root, "ModelStructure")?;
     let groups = child(structure, "Groups")?;

@@ -68,7 +68,7 @@ unsafe extern "C" fn logger(
 }
 
 fn reference(name: &str) -> u32 {
-    VARIABLES.iter().position(|metadata| metadata.name == name).unwrap() as u32
+    VARIABLES.iter().find(|metadata| metadata.name == name).unwrap().reference()
 }
 
 struct Outcome {

@@ -189,7 +189,7 @@ fn description_is_the_source_without_enumerations() {
     let mut choices = 0;
     for ((packed, source), metadata) in packed.iter().zip(&source).zip(&VARIABLES) {
         assert_eq!(packed.0[1], format!("name = {}", metadata.name));
-        assert_eq!(packed.0[2], format!("valueReference = {}", metadata.variable as u32));
+        assert_eq!(packed.0[2], format!("valueReference = {}", metadata.reference()));
         if source.1[0] != "Enumeration" {
             assert_eq!(packed, source);
             continue;
@@ -225,8 +225,8 @@ fn dependencies_by_name_become_positions_in_order() {
     let expected = r#"<ModelStructure><Outputs><Unknown index="3" dependencies="1 2 3" ofFmi3="4" dependenciesKind="dependent dependent dependent"/><Unknown index="2" dependencies=""/></Outputs>"#;
     assert!(text.contains(expected), "{text}");
     assert!(
-        text.contains(r#"<ScalarVariable name="y" valueReference="1"/>"#)
-            && text.contains(r#"name="time" valueReference="3""#)
+        text.contains(r#"<ScalarVariable name="y" valueReference="2"/>"#)
+            && text.contains(r#"name="time" valueReference="4""#)
     );
 }
 

@@ -9,7 +9,7 @@ use crate::unit::fault::Fault;
 use crate::unit::instance::exchange::{AfterEvent, counted};
 use crate::unit::instance::{Interface, Unit};
 use crate::unit::life_cycle::Phase;
-use crate::unit::variables::{Kind, VARIABLES};
+use crate::unit::variables::{Kind, Metadata};
 
 /// Result of a call. A fault becomes the error status and a message.
 pub type Answer = Result<Status, Fault>;
@@ -118,14 +118,14 @@ impl<V: Version> Instance<V> {
         let results = references.iter().map(|&reference| {
             let value = unit.get(kind, reference)?;
             if !value.is_finite() {
-                lost.get_or_insert(reference);
+                lost = lost.or(Metadata::of(reference).map(|metadata| metadata.name));
             }
             Ok(convert(value))
         });
         write(results, values)?;
         match lost {
             None => Ok(Status::Ok),
-            Some(reference) => Ok(self.answer_without_numbers(VARIABLES[reference as usize].name)),
+            Some(name) => Ok(self.answer_without_numbers(name)),
         }
     }
 

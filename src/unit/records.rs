@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::excitation::records::Ground;
 use crate::unit::values::Values;
 use crate::unit::variables::{Fmi3Variable, Text, Variable};
-use rocking_records::{Choice, Format, LARGEST_FILE, ReadOptions, Record, Setting};
+use rocking_records::{Choice, Format, LARGEST_FILE, ReadOptions, Record, Setting, local_path};
 
 /// The variables that name a record and its reading options.
 struct RecordSettings {
@@ -91,7 +91,8 @@ impl Values {
             return Ok(None);
         }
         // Opening a pipe waits for a writer, and a device may never end.
-        if std::fs::metadata(&self[path]).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        let found = local_path(Path::new(&self[path])).and_then(std::fs::metadata);
+        if found.is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             let (name, found) = (path.variable().name(), &self[path]);
             return Err(format!(
                 "{name}: {found} is a pipe or a device; expected a file of at most {LARGEST_FILE} MiB"

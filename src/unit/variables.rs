@@ -140,6 +140,17 @@ pub struct Metadata {
 }
 
 impl Metadata {
+    /// Returns the attributes of the variable with this value reference, if there is one. References count from 1.
+    #[inline]
+    pub fn of(reference: u32) -> Option<&'static Metadata> {
+        VARIABLES.get((reference as usize).wrapping_sub(1))
+    }
+
+    /// Returns the value reference of the variable.
+    pub fn reference(&self) -> u32 {
+        self.variable as u32 + 1
+    }
+
     /// Whether the importer can set it.
     pub fn is_settable(&self) -> bool {
         matches!(self.causality, Causality::Input | Causality::Parameter)

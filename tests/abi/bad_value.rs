@@ -26,7 +26,7 @@ fn all_of(instance: &Instance) -> Vec<std::ffi::c_char> {
 #[test]
 fn unknown_value_references() {
     let count = FMU.description.variables.len() as u32;
-    for unknown in [count, 4711, u32::MAX] {
+    for unknown in [0, count + 1, 4711, u32::MAX] {
         let words: &[&str] = &[&unknown.to_string(), "does not exist"];
         for instance in &settable() {
             let before = all_of(instance);

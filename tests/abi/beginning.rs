@@ -149,7 +149,7 @@ fn undeclared_dependencies_are_refused() {
     refuses(theta, reference("derived.p"), 1.0, &["derived.p is a calculated parameter", "an input or a parameter"]);
     refuses(theta, reference("foundation"), 1.0, &["foundation", "Integer"]);
     refuses(theta, reference("record.horizontal"), 1.0, &["record.horizontal", "String"]);
-    let none = FMU.description.variables.len() as u32;
+    let none = FMU.description.variables.len() as u32 + 1;
     let words = format!("{none} does not exist");
     refuses(theta, none, 1.0, &[&words]);
     refuses(none, alpha, 1.0, &[&words]);

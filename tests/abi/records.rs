@@ -187,6 +187,21 @@ fn a_record_that_cannot_be_read_fails_the_initialization_and_can_be_corrected() 
     instance.refuses(instance.try_set_text("record.horizontal", ""), &["record.horizontal", "fixed parameter"]);
 }
 
+/// Importers that keep files as URLs pass these.
+#[test]
+fn the_path_of_a_record_may_be_a_url() {
+    let path = std::fs::canonicalize(HORIZONTAL).unwrap();
+    let [by_path, by_url] = [path.display().to_string(), format!("file://{}", path.display())].map(|text| {
+        let instance = Instance::new("block");
+        instance.set_text("record.horizontal", &text);
+        instance.initialize(None);
+        instance.go(0.0, 3.0, 0.3);
+        (instance.bits(), instance.get("record.PGA"))
+    });
+    assert!(by_path.1 > 0.0);
+    assert_eq!(by_url, by_path);
+}
+
 /// A file without a header needs unit and time step; the message names their variables.
 #[test]
 fn units_and_time_steps_of_bare_files_come_from_variables() {
@@ -246,7 +261,8 @@ fn only_files_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    for path in [pipe.to_str().unwrap(), "/dev/zero", "/dev/null"] {
+    let url = format!("file://{}", pipe.display());
+    for path in [pipe.to_str().unwrap(), &url, "/dev/zero", "/dev/null", "file:///dev/zero"] {
         let instance = Instance::new("block");
         instance.set_text("record.horizontal", path);
         assert_eq!(instance.setup(None, 0.0, None), OK);

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use rocking_block::fmi::fmi2::exports::*;
 use rocking_block::fmi::fmi2::types::*;
-use rocking_block::unit::variables::{Causality, GUID, Kind, VARIABLES};
+use rocking_block::unit::variables::{Causality, GUID, Kind, Metadata, VARIABLES};
 
 /// Status numbers of the standard.
 pub const OK: fmi2Status = 0;
@@ -36,11 +36,11 @@ fn readable(kind: Kind) -> Vec<u32> {
 }
 
 pub fn references(wanted: impl Fn(Causality, Kind) -> bool) -> Vec<u32> {
-    (0..).zip(VARIABLES.iter()).filter(|(_, v)| wanted(v.causality, v.kind.base())).map(|(i, _)| i).collect()
+    VARIABLES.iter().filter(|v| wanted(v.causality, v.kind.base())).map(Metadata::reference).collect()
 }
 
 pub fn reference(name: &str) -> u32 {
-    VARIABLES.iter().position(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}")) as u32
+    VARIABLES.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}")).reference()
 }
 
 impl Fmu {
@@ -98,7 +98,7 @@ impl Fmu {
         let (integer, c) = (value as i32, self.component);
         // SAFETY: the instance lives, and each pointer is to one element.
         unsafe {
-            match VARIABLES.get(reference as usize).map_or(Kind::Real, |variable| variable.kind.base()) {
+            match Metadata::of(reference).map_or(Kind::Real, |variable| variable.kind.base()) {
                 Kind::Boolean => fmi2SetBoolean(c, &raw const reference, 1, &raw const integer),
                 Kind::Integer | Kind::Enumeration => fmi2SetInteger(c, &raw const reference, 1, &raw const integer),
                 Kind::Real | Kind::String => fmi2SetReal(c, &raw const reference, 1, &raw const value),
@@ -241,7 +241,7 @@ impl Fmu {
         let mut values = vec![f64::NAN; real.len()];
         assert_eq!(self.reals(&real, &mut values), OK);
         for (&reference, value) in real.iter().zip(&values) {
-            assert!(value.is_finite(), "{} = {value}", VARIABLES[reference as usize].name);
+            assert!(value.is_finite(), "{} = {value}", Metadata::of(reference).unwrap().name);
         }
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
         let (integer, boolean) = (readable(Kind::Integer), readable(Kind::Boolean));
@@ -272,7 +272,7 @@ impl Fmu {
 
 fn finite<'a>(references: &'a [u32], values: &'a [f64]) -> impl Iterator<Item = u64> + 'a {
     references.iter().zip(values).map(|(&reference, value)| {
-        assert!(value.is_finite(), "derivative of {} = {value}", VARIABLES[reference as usize].name);
+        assert!(value.is_finite(), "derivative of {} = {value}", Metadata::of(reference).unwrap().name);
         value.to_bits()
     })
 }

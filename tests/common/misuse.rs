@@ -4,7 +4,7 @@ use std::ptr::{null, null_mut};
 
 use rocking_block::fmi::fmi2::exports::*;
 use rocking_block::fmi::fmi2::types::*;
-use rocking_block::unit::variables::{Causality, GUID, Kind, VARIABLES};
+use rocking_block::unit::variables::{Causality, GUID, Kind, Metadata, VARIABLES};
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference, references};
 
@@ -56,7 +56,7 @@ fn pick<T: Copy>(choice: u32, from: &[T]) -> T {
 
 fn unknown_reference(fmu: &mut Fmu, choice: u32) -> fmi2Status {
     let c = fmu.component;
-    let unknown = pick(choice, &[VARIABLES.len() as u32, 1000, i32::MAX as u32, u32::MAX]);
+    let unknown = pick(choice, &[0, VARIABLES.len() as u32 + 1, 1000, i32::MAX as u32, u32::MAX]);
     let vr = &raw const unknown;
     let (mut real, mut integer, mut text) = (0.0, 0, null());
     // SAFETY: the instance lives, and each pointer is to one element.
@@ -128,7 +128,7 @@ fn not_settable(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
             || causality == Causality::Parameter && !matches!(phase, Instantiated | Initialization)
     };
     let reference = pick(choice, &references(|causality, _| fixed(causality)));
-    fmu.set(reference, VARIABLES[reference as usize].start.unwrap_or(0.0))
+    fmu.set(reference, Metadata::of(reference).unwrap().start.unwrap_or(0.0))
 }
 
 /// Names one valid and one invalid variable: neither may be set, and no output array written.

@@ -138,7 +138,7 @@ fn calls_illegal_during_an_update_are_refused() {
             let refused = |status, words: &[&str]| instance.refuses(status, words);
             if update.set_requested {
                 refused(instance.try_get("theta").unwrap_err(), &["fmi3GetFloat64", "Intermediate Update Mode"]);
-                refused(instance.try_set("a_gz", 1.0), &["value reference 1", "requiredIntermediateVariables"]);
+                refused(instance.try_set("a_gz", 1.0), &["value reference 2", "requiredIntermediateVariables"]);
                 refused(instance.try_set("theta", 1.0), &["theta is no input"]);
                 refused(instance.try_set("a_gx", f64::NAN), &["a_gx = NaN"]);
             } else {

@@ -55,7 +55,11 @@ fn variables_have_one_type_each() {
     block.refuses(call!(block, get_int64, &theta, 1, &mut int64, 1), &["theta", "Float64, not Enumeration"]);
     block.refuses(call!(block, get_float32, &theta, 1, &mut 0.0, 1), &["theta", "Float64, not Float32"]);
     block.refuses(call!(block, get_uint64, &theta, 1, &mut 0, 1), &["theta", "not UInt64"]);
-    block.refuses(call!(block, get_int8, &u32::MAX, 1, &mut 0, 1), &["4294967295", "does not exist"]);
+    for unknown in [0, FMU.variables.len() as u32 + 1, u32::MAX] {
+        let words: &[&str] = &[&unknown.to_string(), "does not exist"];
+        block.refuses(call!(block, get_float64, &unknown, 1, &mut float, 1), words);
+        block.refuses(call!(block, get_int8, &unknown, 1, &mut 0, 1), words);
+    }
     block.refuses(call!(block, get_binary, &theta, 1, null_mut(), null_mut(), 0), &["theta", "not Binary"]);
     // An empty list of variables is valid for every type.
     block.ok(call!(block, get_float32, null(), 0, null_mut(), 0));

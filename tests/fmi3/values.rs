@@ -21,7 +21,7 @@ fn unit() -> Unit {
     let mut unit = Unit::new(Interface::CoSimulation);
     for (name, value) in ROCKING {
         let metadata = VARIABLES.iter().find(|metadata| metadata.name == name).unwrap();
-        unit.set(metadata.kind.base(), &[metadata.variable as u32], &[value], |value| value).unwrap();
+        unit.set(metadata.kind.base(), &[metadata.reference()], &[value], |value| value).unwrap();
     }
     unit.enter_initialization_mode();
     unit.exit_initialization_mode().unwrap();
@@ -36,7 +36,7 @@ fn outputs_are_those_of_fmi_2() {
         block.step(here, there - here);
         unit.advance(here, there - here, &mut |_| {}).unwrap();
         for metadata in VARIABLES.iter().filter(|metadata| metadata.kind != Kind::String) {
-            let expected = unit.get(metadata.kind.base(), metadata.variable as u32).unwrap();
+            let expected = unit.get(metadata.kind.base(), metadata.reference()).unwrap();
             assert_eq!(block.get(metadata.name).to_bits(), expected.to_bits(), "{}", metadata.name);
         }
     }
@@ -111,7 +111,7 @@ fn derivatives_in_time_are_rates() {
 fn the_file_lists_the_variables_of_the_code() {
     for metadata in &VARIABLES {
         let variable = &FMU.variables[metadata.name];
-        assert_eq!(variable.reference, metadata.variable as u32);
+        assert_eq!(variable.reference, metadata.reference());
         let kind = match metadata.kind {
             Kind::Real => "Float64",
             Kind::Integer => "Int32",
@@ -124,4 +124,15 @@ fn the_file_lists_the_variables_of_the_code() {
         assert_eq!(variable.attributes.contains_key("start") || kind == "String", settable, "{}", metadata.name);
     }
     assert_eq!(FMU.variables.len(), VARIABLES.len() + FMI3_VARIABLES.len());
+}
+
+/// Importers that take the references of dependencies for positions, as in FMI 2.0, find the same variables.
+#[test]
+fn references_are_positions() {
+    let document =
+        roxmltree::Document::parse(std::str::from_utf8(&FMU.files["modelDescription.xml"]).unwrap()).unwrap();
+    let list = document.descendants().find(|node| node.has_tag_name("ModelVariables")).unwrap();
+    let references: Vec<&str> = list.children().filter_map(|node| node.attribute("valueReference")).collect();
+    let positions: Vec<String> = (1..=FMU.variables.len()).map(|position| position.to_string()).collect();
+    assert_eq!(references, positions);
 }

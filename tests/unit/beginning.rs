@@ -24,25 +24,25 @@ fn metadata(name: &str) -> &'static Metadata {
 impl Model {
     /// Sets a variable of any type except String, if the value is accepted.
     fn try_set(&mut self, name: &str, value: f64) -> bool {
-        let Metadata { kind, variable, .. } = metadata(name);
-        self.0.set(kind.base(), &[*variable as u32], &[value], |value| value).is_ok()
+        let metadata = metadata(name);
+        self.0.set(metadata.kind.base(), &[metadata.reference()], &[value], |value| value).is_ok()
     }
 
     fn set_text(&mut self, name: &str, text: &str) {
-        self.0.set_texts(&[metadata(name).variable as u32], &[text]).unwrap();
+        self.0.set_texts(&[metadata(name).reference()], &[text]).unwrap();
     }
 
     /// Returns the derivative in the direction of a component of one known.
     fn along(&mut self, unknown: &str, known: &str, component: f64) -> f64 {
-        let [unknown, known] = [unknown, known].map(|name| [metadata(name).variable as u32]);
+        let [unknown, known] = [unknown, known].map(|name| [metadata(name).reference()]);
         let mut derivatives = self.0.directional_derivative(&unknown, &known, &[component], 0.0).unwrap();
         derivatives.next().unwrap().unwrap()
     }
 
     /// Returns a variable of any type except String, if the parameters make a block.
     fn try_get(&mut self, name: &str) -> Option<f64> {
-        let Metadata { kind, variable, .. } = metadata(name);
-        self.0.get(kind.base(), *variable as u32).ok()
+        let metadata = metadata(name);
+        self.0.get(metadata.kind.base(), metadata.reference()).ok()
     }
 }
 
@@ -56,8 +56,8 @@ impl Host for Model {
     }
 
     fn derivatives(&mut self, unknowns: &[&str], known: &str) -> Vec<f64> {
-        let unknowns: Vec<u32> = unknowns.iter().map(|name| metadata(name).variable as u32).collect();
-        let known = [metadata(known).variable as u32];
+        let unknowns: Vec<u32> = unknowns.iter().map(|name| metadata(name).reference()).collect();
+        let known = [metadata(known).reference()];
         self.0.directional_derivative(&unknowns, &known, &[1.0], 0.0).unwrap().map(Result::unwrap).collect()
     }
 }
@@ -178,7 +178,7 @@ fn values_change_with_their_declared_dependencies() {
         for metadata in VARIABLES.iter().filter(|metadata| metadata.is_settable()) {
             let known = metadata.name;
             let undo: Box<dyn Fn(&mut Model)> = if metadata.kind == Kind::String {
-                let old = model.0.text(metadata.variable as u32).unwrap().to_string();
+                let old = model.0.text(metadata.reference()).unwrap().to_string();
                 let new = match (known, old.as_str()) {
                     ("record.horizontal", "") => files.path(0),
                     ("record.vertical", "") => files.path(1),

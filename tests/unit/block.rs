@@ -10,15 +10,15 @@ fn metadata(name: &str) -> &'static Metadata {
 fn unit(values: &[(&str, f64)]) -> Unit {
     let mut unit = Unit::new(Interface::CoSimulation);
     for (name, value) in values {
-        let Metadata { kind, variable, .. } = metadata(name);
-        unit.set(kind.base(), &[*variable as u32], &[*value], |value| value).unwrap();
+        let metadata = metadata(name);
+        unit.set(metadata.kind.base(), &[metadata.reference()], &[*value], |value| value).unwrap();
     }
     unit
 }
 
 fn get(unit: &mut Unit, name: &str) -> f64 {
-    let Metadata { kind, variable, .. } = metadata(name);
-    unit.get(kind.base(), *variable as u32).unwrap()
+    let metadata = metadata(name);
+    unit.get(metadata.kind.base(), metadata.reference()).unwrap()
 }
 
 /// Why initialization cannot end with these values.

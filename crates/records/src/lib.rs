@@ -130,7 +130,7 @@ pub fn read_with_doubt(path: &Path, options: &ReadOptions) -> Result<(Record, Op
 /// [`RecordError::Unreadable`].
 pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
     let mut bytes = Vec::new();
-    of_url(path)
+    local_path(path)
         .and_then(File::open)
         .and_then(|file| file.take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes))
         .map_err(|error| RecordError::Unreadable { file: path.display().to_string(), error })?;
@@ -138,7 +138,10 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
 }
 
 /// Returns the path of a file's URL (RFC 8089), and any other path as it is.
-fn of_url(path: &Path) -> io::Result<PathBuf> {
+///
+/// # Errors
+/// The URL is of another machine.
+pub fn local_path(path: &Path) -> io::Result<PathBuf> {
     let text = path.to_string_lossy();
     let Some(rest) = text.strip_prefix("file:").filter(|rest| rest.starts_with('/')) else { return Ok(path.into()) };
     let encoded = match rest.strip_prefix("//") {

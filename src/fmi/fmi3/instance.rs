@@ -8,7 +8,7 @@ use crate::fmi::log::Category;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Interface;
 use crate::unit::instance::exchange::AfterEvent;
-use crate::unit::variables::{Causality, VARIABLES, Variability};
+use crate::unit::variables::{Causality, Metadata, Variability};
 
 pub use crate::fmi::instance::{Answer, write};
 
@@ -50,7 +50,7 @@ impl Fmi3 {
     ) -> Result<Fmi3, String> {
         let mut sets_inputs = false;
         for &reference in required {
-            let known = VARIABLES.get(reference as usize).filter(|known| known.variability == Variability::Continuous);
+            let known = Metadata::of(reference).filter(|known| known.variability == Variability::Continuous);
             let Some(known) = known else {
                 return Err(format!(
                     "requiredIntermediateVariables holds {reference}; expected value references of inputs and continuous outputs"

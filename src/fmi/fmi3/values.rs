@@ -6,7 +6,7 @@ use crate::fmi::fmi3::instance::{Answer, Instance, write};
 use crate::fmi::fmi3::types::Status;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
-use crate::unit::variables::{FMI3_VARIABLES, Fmi3Variable, Kind, Role, VARIABLES};
+use crate::unit::variables::{Causality, FMI3_VARIABLES, Fmi3Variable, Kind, Metadata, Role, VARIABLES};
 
 pub(super) const FLOAT64: &str = "Float64";
 
@@ -23,21 +23,21 @@ fn type_name(kind: Kind) -> &'static str {
 
 /// Returns the variable with this value reference if it exists only in FMI 3.0.
 pub(super) fn fmi3_variable(reference: u32) -> Option<Fmi3Variable> {
-    let index = (reference as usize).checked_sub(VARIABLES.len())?;
+    let index = (reference as usize).checked_sub(VARIABLES.len() + 1)?;
     FMI3_VARIABLES.get(index).map(|metadata| metadata.variable)
 }
 
 /// Returns name and type of a variable.
 pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
-    if let Some(metadata) = VARIABLES.get(reference as usize) {
+    if let Some(metadata) = Metadata::of(reference) {
         return Ok((metadata.name, type_name(metadata.kind)));
     }
     match fmi3_variable(reference) {
         Some(variable @ Fmi3Variable::RecordSamples) => Ok((variable.name(), "UInt64")),
         Some(variable) => Ok((variable.name(), FLOAT64)),
         None => {
-            let last = VARIABLES.len() + FMI3_VARIABLES.len() - 1;
-            Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
+            let last = VARIABLES.len() + FMI3_VARIABLES.len();
+            Err(Fault::new(format!("value reference {reference} does not exist; expected 1 to {last}")))
         }
     }
 }
@@ -59,7 +59,7 @@ pub(super) fn mismatch(reference: u32, wanted: &str) -> Fault {
 
 /// Refuses variables of another kind.
 pub(super) fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
-    let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
+    let wrong = |&&reference: &&u32| Metadata::of(reference).is_none_or(|metadata| metadata.kind != kind);
     references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
 }
 
@@ -141,18 +141,18 @@ impl Instance {
         check(references, Kind::Real)?;
         fits(references.len(), values.len())?;
         self.version.check_required(references)?;
-        let inputs = |&reference: &u32| match VARIABLES[reference as usize].role {
-            Role::Input(input) => Ok((input, &VARIABLES[reference as usize])),
-            Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => {
-                let name = VARIABLES[reference as usize].name;
-                Err(Fault::new(format!("{name} is no input; only inputs are asked for inside a step")))
+        let inputs = || references.iter().filter_map(|&reference| Metadata::of(reference)).zip(values);
+        for (metadata, &value) in inputs() {
+            if metadata.causality != Causality::Input {
+                let name = metadata.name;
+                return Err(Fault::new(format!("{name} is no input; only inputs are asked for inside a step")));
             }
-        };
-        for (reference, &value) in references.iter().zip(values) {
-            inputs(reference)?.1.admits(value).map_err(Fault::new)?;
+            metadata.admits(value).map_err(Fault::new)?;
         }
-        for (reference, &value) in references.iter().zip(values) {
-            self.unit.set_ahead(inputs(reference)?.0, value);
+        for (metadata, &value) in inputs() {
+            if let Role::Input(input) = metadata.role {
+                self.unit.set_ahead(input, value);
+            }
         }
         Ok(Status::Ok)
     }

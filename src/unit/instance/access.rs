@@ -32,16 +32,16 @@ impl Unit {
         let mut states = None;
         self.begin_inputs();
         for (&reference, &value) in references.iter().zip(values) {
-            let (variable, value) = (VARIABLES[reference as usize].variable, real(value));
-            match VARIABLES[reference as usize].role {
+            let (Some(metadata), value) = (Metadata::of(reference), real(value)) else { continue };
+            match metadata.role {
                 Role::Input(input) => self.inputs[input].value = value,
                 // Continuous states are the only outputs that can be set.
                 Role::Output(output) => {
                     state(output).into_iter().for_each(|i| states.get_or_insert(self.states)[i] = value);
                 }
                 Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
-                    self.values[variable] = value;
-                    if Values::is_of_ground(variable) {
+                    self.values[metadata.variable] = value;
+                    if Values::is_of_ground(metadata.variable) {
                         self.ground = None;
                     }
                 }
@@ -121,7 +121,7 @@ impl Unit {
 /// Returns the variable with this value reference, if it has this type.
 #[inline(always)]
 pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
-    match VARIABLES.get(reference as usize) {
+    match Metadata::of(reference) {
         Some(metadata) if metadata.kind.base() == kind => Ok(metadata),
         other => Err(unknown(reference, kind, other)),
     }
@@ -135,7 +135,7 @@ fn unknown(reference: u32, kind: Kind, found: Option<&Metadata>) -> Fault {
         Some(Metadata { name, kind: found, .. }) => {
             format!("{name} (value reference {reference}) is of type {found}, not {kind}")
         }
-        None => format!("value reference {reference} does not exist; expected 0 to {}", VARIABLES.len() - 1),
+        None => format!("value reference {reference} does not exist; expected 1 to {}", VARIABLES.len()),
     })
 }
 

@@ -22,7 +22,7 @@ use rocking_records::{Record, Unit as RecordUnit};
 /// A direction in Initialization Mode: components of inputs, parameters and start time.
 #[derive(Clone, Debug)]
 pub struct Direction {
-    /// Components by value reference.
+    /// Components of variables.
     numbers: [f64; VARIABLES.len()],
     /// Nonzero components of the samples of the horizontal and the vertical record in arrays, by their indices.
     samples: [BTreeMap<usize, f64>; 2],
@@ -49,7 +49,7 @@ impl Direction {
                 )));
             }
         }
-        self.numbers[reference as usize] += finite(metadata.name, component)?;
+        self.numbers[metadata.variable as usize] += finite(metadata.name, component)?;
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::outputs::{OutputRates, source};
-use crate::unit::variables::{Kind, Metadata, Role, VARIABLES};
+use crate::unit::variables::{Kind, Metadata, Role};
 
 impl Unit {
     /// Sets the time derivatives of inputs over the next step. The order is 1.
@@ -23,8 +23,8 @@ impl Unit {
             self.inputs = self.inputs.held();
         }
         for (&reference, &value) in references.iter().zip(values) {
-            if let Role::Input(input) = VARIABLES[reference as usize].role {
-                self.inputs[input].rate = value;
+            if let Some(Metadata { role: Role::Input(input), .. }) = Metadata::of(reference) {
+                self.inputs[*input].rate = value;
             }
         }
         self.take_up_values();

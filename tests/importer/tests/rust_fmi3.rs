@@ -27,7 +27,7 @@ fn library() -> (tempfile::TempDir, Fmi3Binding) {
 }
 
 fn reference(name: &str) -> u32 {
-    VARIABLES.iter().position(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}")) as u32
+    VARIABLES.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}")).reference()
 }
 
 /// The case `sine_eta40` of the reference trajectories, by steps that return at events, which are handled in Event Mode.
