@@ -10,7 +10,7 @@ use rocking_studies::fragility;
 use rocking_studies::output::parts::PartsError;
 use rocking_studies::output::reading::{TableReadError, TableReader};
 use rocking_studies::output::table::{Kind, Series, Table, Values};
-use rocking_studies::output::table_files::TableFiles;
+use rocking_studies::output::table_files::{TableFile, TableFiles};
 
 use crate::options::invalid;
 
@@ -22,11 +22,16 @@ pub fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Vec<Column<'py>>>
     table.into_columns().into_iter().map(|column| shown(py, column)).collect()
 }
 
-/// Returns the files of a folder or of a pattern, and whether they are parts of a study.
+/// The path of a file, the keys in the names of its folders with their values, and the part, such as "3 of 10".
+type FileOfTable = (OsString, Vec<(String, String)>, Option<String>);
+
+/// Returns the files of a folder or of a pattern, and whether they are the parts of one study.
 #[pyfunction]
-pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<OsString>, bool)> {
+pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<FileOfTable>, bool)> {
     let files = files(&path, partial).map_err(invalid)?;
-    Ok((files.files().map(|file| file.as_os_str().to_owned()).collect(), files.are_numbered()))
+    let part = |file: &TableFile| file.part.map(|part| part.to_string());
+    let file = |file: &TableFile| (file.path.as_os_str().to_owned(), file.keys.clone(), part(file));
+    Ok((files.files().iter().map(file).collect(), files.are_numbered()))
 }
 
 fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
