@@ -340,8 +340,8 @@ def for_each_batch(
 
     def read(file: File) -> int:
         keys = {name: value for name, value in file.keys.items() if is_wanted(name)}
-        # Without a buffer, whole columns of a group are in memory.
-        with pyarrow.parquet.ParquetFile(file.path, buffer_size=1 << 16) as content:
+        # By default the columns of all groups that were read stay in memory; without a buffer, those of one.
+        with pyarrow.parquet.ParquetFile(file.path, pre_buffer=False, buffer_size=1 << 16) as content:
             schema, rows = content.schema_arrow, 0
             wanted = list(filter(is_wanted, schema.names))
             for batch in content.iter_batches(_BATCH, columns=wanted, use_threads=False):
@@ -447,16 +447,48 @@ def _read_parquet_files(files: list[File], read: Callable[[File], int]) -> None:
 
 
 def _of_arrow(table: Any) -> Table:
-    import pyarrow
-
-    def values(column: Any) -> npt.NDArray[Any]:
-        if pyarrow.types.is_dictionary(column.type):
-            column = column.cast(column.type.value_type)
-        is_text = pyarrow.types.is_string(column.type) or pyarrow.types.is_large_string(column.type)
-        return np.asarray(column.fill_null("").to_numpy(), dtype=np.str_) if is_text else np.asarray(column.to_numpy())
-
     # The program keeps all units in the metadata of the file, `to_parquet` in those of the columns.
     units = json.loads((table.schema.metadata or {}).get(b"units", "{}"))
     units |= {field.name: field.metadata[b"unit"].decode() for field in table.schema if b"unit" in (field.metadata or {})}
-    named = by_name({name: values(table[name]) for name in table.column_names})
+    named = by_name({name: _values(table[name]) for name in table.column_names})
     return Table(named, {name: unit for name, unit in units.items() if name in named} | named.units)
+
+
+def _values(column: Any) -> npt.NDArray[Any]:
+    """Returns the values of a column of Arrow; missing numbers are nan, and missing texts empty.
+
+    Numbers and texts come from their buffers, since pyarrow's own conversion imports pandas and its 50 MB.
+    """
+    from pyarrow import types
+
+    kind = column.type.value_type if types.is_dictionary(column.type) else column.type
+    if types.is_string(kind) or types.is_large_string(kind):
+        encoded = column if types.is_dictionary(column.type) else column.dictionary_encode()
+        chunks = [_words(chunk) for chunk in encoded.chunks] or [np.empty(0, dtype=np.str_)]
+    elif (types.is_integer(kind) or types.is_floating(kind)) and kind == column.type:
+        chunks = [_numbers(chunk) for chunk in column.chunks] or [np.empty(0, dtype=_dtype(kind))]
+    else:
+        return np.asarray(column.cast(kind).to_numpy())
+    return chunks[0] if len(chunks) == 1 else np.concatenate(chunks)
+
+
+def _words(chunk: Any) -> npt.NDArray[Any]:
+    words: npt.NDArray[Any] = np.array([*chunk.dictionary.to_pylist(), ""], dtype=np.str_)
+    positions: npt.NDArray[np.intp] = np.nan_to_num(_numbers(chunk.indices), nan=len(words) - 1).astype(np.intp)
+    return words[positions]
+
+
+def _numbers(chunk: Any) -> npt.NDArray[Any]:
+    known, content = chunk.buffers()
+    place = slice(chunk.offset, chunk.offset + len(chunk))
+    values = np.frombuffer(content or b"", dtype=_dtype(chunk.type))[place]
+    if chunk.null_count == 0:
+        return values
+    return np.where(np.unpackbits(np.frombuffer(known, dtype=np.uint8), bitorder="little")[place], values, np.nan)
+
+
+def _dtype(kind: Any) -> np.dtype[Any]:
+    from pyarrow import types
+
+    letter = "f" if types.is_floating(kind) else "u" if types.is_unsigned_integer(kind) else "i"
+    return np.dtype(f"{letter}{kind.bit_width // 8}")
