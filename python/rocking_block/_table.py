@@ -356,8 +356,8 @@ def for_each_batch(
     _read_parquet_files(files, read)
 
 
-_BATCH = 1 << 16
-"""Rows of a batch."""
+_BATCH = 1 << 14
+"""Rows of a batch: of larger ones, the names of records and their copies take most of the memory of a fit."""
 
 
 class File(NamedTuple):

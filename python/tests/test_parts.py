@@ -2,7 +2,9 @@
 
 import os
 import re
+import signal
 import subprocess
+import sys
 import time
 from collections import Counter
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -216,6 +218,35 @@ def test_a_lost_task_is_named_and_the_others_are_kept(tmp_path):
     assert len(list(tmp_path.iterdir())) == 3
     with pytest.raises(RuntimeError, match=r"part 2 of 4: the worker is gone$"):
         rb.sweep(STUDY, executor=Failing(2), parts=4)
+
+
+def die_while_writing():
+    """Makes the second part of this worker end within its file."""
+    import rocking_block._parts as parts
+
+    write, written = parts.Folder.write, []
+
+    def writing(self, name, content):
+        if written:
+            (self.path / f".{name}.lost.tmp").write_bytes(content[: len(content) // 2])
+            os.kill(os.getpid(), signal.SIGKILL)
+        written.append(name)
+        write(self, name, content)
+
+    parts.Folder.write = writing
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
+def test_a_killed_worker_loses_only_its_part(processes, whole, tmp_path):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        pool.submit(die_while_writing).result()
+        with pytest.raises(RuntimeError, match=r"part [2-4] of 4: .*terminated abruptly.*; the same call makes the missing parts"):
+            rb.sweep(STUDY, executor=pool, parts=4, out=tmp_path)
+    assert [file.name for file in tmp_path.glob("part-*")] == ["part-00001-of-00004.csv"]
+    kept = (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns
+    rb.sweep(STUDY, executor=processes, parts=4, out=tmp_path)
+    same(rb.read_table(tmp_path), whole)
+    assert (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns == kept
 
 
 class Waiting(Executor):

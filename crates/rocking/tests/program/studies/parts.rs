@@ -144,6 +144,27 @@ fn two_tasks_on_the_same_part_leave_one_whole_file() {
     assert!(read("alone") == read("parts"));
 }
 
+/// A task that is killed while it computes leaves nothing that a reader would take, and no part.
+#[test]
+fn a_task_that_is_killed_leaves_no_part() {
+    let folder = folder(&RECORDED.replace("samples = 20", "samples = 200000"));
+    let path = folder.path();
+    let arguments = ["sweep", "study.toml", "--part", "1/2", "--out", "parts", "--part-format", "csv"];
+    let mut task = program(path, &[&arguments]).stdout(Stdio::null()).spawn().unwrap();
+    // The folder is there once the study has been read.
+    while !path.join("parts").exists() && task.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    task.kill().unwrap();
+    assert!(!task.wait().unwrap().success());
+    assert!(files(&path.join("parts")).iter().all(|name| name.starts_with('.')));
+    fs::write(path.join("study.toml"), RECORDED).unwrap();
+    make_part(path, "1/2", "parts");
+    let visible = |name: &String| !name.starts_with('.');
+    assert_eq!(files(&path.join("parts")).into_iter().filter(visible).collect::<Vec<_>>(), ["part-00001-of-00002.csv"]);
+}
+
 /// A part that does not fit is absent, and one line says why.
 #[cfg(unix)]
 #[test]
