@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Costs of parts and of their tables, as ratios of runs beside each other.
 
-    python benches/parts.py executors STUDY [--rounds 3]
+    python benches/parts.py executors STUDY [--parts N] [--rounds 3]
     python benches/parts.py fit FOLDER [--rows 10000000]
 
 `executors` makes the table of a study on two threads, on one process and on two processes of one thread each, in turn, and prints the
-scaling of the processes and the share of the executor. `fit` writes a Parquet table of planted rows, whose true curve is known,
+scaling of the processes and the share of the executor, both in time and in CPU time, which other work on the machine hardly changes. `fit` writes a Parquet table of planted rows, whose true curve is known,
 and compares the curve of `rocking fragility` with one by NumPy and SciPy; needs `cargo build --release --features rocking/parquet`, SciPy
 and pyarrow. Both need the Python package, and memory is that of Linux.
 """
@@ -33,27 +33,39 @@ def seconds(work: Callable[[], object]) -> float:
     return time.monotonic() - begun
 
 
-def executors(study: Path, rounds: int) -> None:
+def cpu(*pools: ProcessPoolExecutor) -> float:
+    """Returns the CPU time of this process and of the workers of pools [s]."""
+    ticks = 0
+    for pool in pools:
+        for worker in pool._processes:
+            ticks += sum(map(int, Path(f"/proc/{worker}/stat").read_text().rpartition(")")[2].split()[11:13]))
+    return time.process_time() + ticks / os.sysconf("SC_CLK_TCK")
+
+
+def executors(study: Path, parts: int | None, rounds: int) -> None:
     """Prints medians over rounds in which all ways take their turn, so that a busy machine slows all of them."""
     context = get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context) as one, ProcessPoolExecutor(2, mp_context=context) as two:
         ways = {
             "two threads": lambda: rb.sweep(study, threads=2, progress=False),
             "one thread": lambda: rb.sweep(study, threads=1, progress=False),
-            "one process": lambda: rb.sweep(study, executor=one, progress=False),
-            "two processes": lambda: rb.sweep(study, executor=two, progress=False),
+            "one process": lambda: rb.sweep(study, executor=one, parts=parts, progress=False),
+            "two processes": lambda: rb.sweep(study, executor=two, parts=parts, progress=False),
         }
         # Workers start, and read the study.
         for way in ways.values():
             way()
-        times = {name: [] for name in ways}
+        times, costs = {name: [] for name in ways}, {name: [] for name in ways}
         for _ in range(rounds):
             for name, way in ways.items():
+                before = cpu(one, two)
                 times[name].append(seconds(way))
-    medians = {name: float(np.median(found)) for name, found in times.items()}
-    print(", ".join(f"{name} {found:.2f} s" for name, found in medians.items()))
-    print(f"two processes over two threads: {medians['two threads'] / medians['two processes']:.3f} of their speed")
-    print(f"executor: {medians['one process'] / medians['one thread'] - 1:+.1%} of one thread's time")
+                costs[name].append(cpu(one, two) - before)
+    for unit, found in (("time", times), ("CPU time", costs)):
+        median = {name: float(np.median(taken)) for name, taken in found.items()}
+        print(f"{unit}: " + ", ".join(f"{name} {taken:.2f} s" for name, taken in median.items()))
+        print(f"{unit}: two threads over two processes {median['two threads'] / median['two processes']:.3f}")
+        print(f"{unit}: executor {median['one process'] / median['one thread'] - 1:+.1%} of one thread")
 
 
 MEDIAN, BETA = 0.8, 0.45
@@ -131,13 +143,14 @@ def main() -> None:
     kinds = parser.add_subparsers(dest="kind", required=True)
     of_executors = kinds.add_parser("executors")
     of_executors.add_argument("study", type=Path)
+    of_executors.add_argument("--parts", type=int)
     of_executors.add_argument("--rounds", type=int, default=3)
     of_fit = kinds.add_parser("fit")
     of_fit.add_argument("folder", type=Path)
     of_fit.add_argument("--rows", type=int, default=10_000_000)
     options = parser.parse_args()
     if options.kind == "executors":
-        executors(options.study, options.rounds)
+        executors(options.study, options.parts, options.rounds)
     else:
         fit(options.folder, options.rows)
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._pulse import Pulse
@@ -139,7 +140,8 @@ def _results(
                     result = future.result()
                 except Exception as error:
                     raise RuntimeError(f"part {futures[future] + 1} of {len(calls)}: {error}{kept}") from error
-                yield futures[future], result
+                # The future keeps its result.
+                yield futures.pop(future), result
                 tick(done * rows // len(calls), rows)
         finally:
             for future in futures:
@@ -160,20 +162,38 @@ def made(
     task: Callable[..., tuple[Any, str | None]] = _rows if out is None else _file
     calls = [(source, number, count, threads or 1, out) for number in range(1, count + 1)]
     kept = "" if out is None else "; the same call makes the missing parts"
-    failures, tables = [], []
+    failures, table = [], _Rows(study.rows)
     for _, (result, failure) in _results(executor, task, calls, study.rows, kept, progress):
         failures.extend([failure] if failure else [])
         if out is None:
-            tables.append(result)
-    failure = failures[0] if failures else None
-    if out is not None:
-        return None, failure
-    # A part without rows has no columns.
-    filled = [of_columns(table) for table in tables if table]
-    rows_of_parts = Table.concat(filled)
-    ordered = rows_of_parts[np.argsort(rows_of_parts["row"], kind="stable")]
-    # The numbers of the rows are those of the arrays.
-    return of_columns((name, ordered.units.get(name), ordered[name]) for name in ordered if name != "row"), failure
+            table.take(result)
+    return None if out is not None else table.whole(), failures[0] if failures else None
+
+
+class _Rows:
+    """The rows of a study, part by part: there may be no memory for the parts beside their table."""
+
+    def __init__(self, rows: int) -> None:
+        self.rows = rows
+        self.columns: dict[str, tuple[str | None, npt.NDArray[Any]]] = {}
+
+    def take(self, part: list[tuple[str, str | None, npt.NDArray[Any]]]) -> None:
+        """Takes the columns of a part, the first with the numbers of its rows; a part without rows has none."""
+        if not part:
+            return
+        (_, _, places), *columns = part
+        self.columns = self.columns or {name: (unit, np.empty(self.rows, dtype=values.dtype)) for name, unit, values in columns}
+        if [name for name, _, _ in columns] != list(self.columns):
+            raise ValueError("the parts have different columns; expected workers with the same version of rocking_block")
+        for name, unit, values in columns:
+            column = self.columns[name][1]
+            if column.dtype != values.dtype:
+                column = column.astype(np.promote_types(column.dtype, values.dtype))
+                self.columns[name] = (unit, column)
+            column[places] = values
+
+    def whole(self) -> Table:
+        return of_columns((name, unit, column) for name, (unit, column) in self.columns.items())
 
 
 class Settings(NamedTuple):

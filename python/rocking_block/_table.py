@@ -7,7 +7,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -293,7 +293,7 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
     ----------
     path : path
         The file, the folder, or a pattern such as "runs/*.parquet". The rows of parts are in the order of the study, those of other files
-        in the order of the names.
+        in the order of the names. Folders in it that are named as "region=north" give their rows a column of that name.
     partial : bool
         Read parts although others are missing.
 
@@ -305,15 +305,18 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
         The file is no table, or a part is missing, damaged or that of another study; the message names it.
     """
     files, is_part = _files(path, partial)
-    if not _is_parquet(files[0]):
+    if not _is_parquet(files[0].path):
         return of_columns(map(_of_program, _engine.read_table(path, partial)))
     tables: list[Table] = []
 
-    def read(file: str) -> int:
-        tables.append(_read_parquet(file))
+    def read(file: File) -> int:
+        with optional("a Parquet file", "pyarrow"):
+            import pyarrow.parquet
+
+        tables.append(_with_keys(_of_arrow(pyarrow.parquet.read_table(file.path, partitioning=None)), file.keys))
         return tables[-1].rows
 
-    _read_parquet_files(files, is_part, read)
+    _read_parquet_files(files, read)
     if len(tables) == 1:
         return tables[0]
     table = Table.concat(tables)
@@ -325,45 +328,85 @@ def for_each_batch(
 ) -> None:
     """Passes the columns of a table that a fit over the named ones needs on in batches, with whether the rows are those of parts."""
     files, is_part = _files(path, partial)
-    if not _is_parquet(files[0]):
+    if not _is_parquet(files[0].path):
         _engine.read_batches(path, partial, list(named), lambda columns: each(of_columns(map(_of_program, columns)), is_part))
         return
     with optional("a Parquet file", "pyarrow"):
         import pyarrow
         import pyarrow.parquet
 
-    def read(file: str) -> int:
-        # Without a buffer, whole columns of a group are in memory.
-        with pyarrow.parquet.ParquetFile(file, buffer_size=1 << 16) as content:
+    def is_wanted(heading: str) -> bool:
+        return _engine.is_needed(split_heading(heading)[0], list(named))
+
+    def read(file: File) -> int:
+        keys = {name: value for name, value in file.keys.items() if is_wanted(name)}
+        # By default the columns of all groups that were read stay in memory; without a buffer, those of one.
+        with pyarrow.parquet.ParquetFile(file.path, pre_buffer=False, buffer_size=1 << 16) as content:
             schema, rows = content.schema_arrow, 0
-            wanted = [name for name in schema.names if _engine.is_needed(split_heading(name)[0], list(named))]
+            wanted = list(filter(is_wanted, schema.names))
             for batch in content.iter_batches(_BATCH, columns=wanted, use_threads=False):
                 rows += batch.num_rows
-                each(_of_arrow(pyarrow.Table.from_batches([batch], batch.schema.with_metadata(schema.metadata))), is_part)
+                table = pyarrow.Table.from_batches([batch], batch.schema.with_metadata(schema.metadata))
+                each(_with_keys(_of_arrow(table), keys), is_part)
             # An empty file has columns as well.
             if rows == 0:
-                each(_of_arrow(schema.empty_table().select(wanted)), is_part)
+                each(_with_keys(_of_arrow(schema.empty_table().select(wanted)), keys), is_part)
             return rows
 
-    _read_parquet_files(files, is_part, read)
+    _read_parquet_files(files, read)
 
 
-_BATCH = 1 << 16
-"""Rows of a batch."""
+_BATCH = 1 << 14
+"""Rows of a batch: of larger ones, the names of records and their copies take most of the memory of a fit."""
 
 
-def _files(path: str | os.PathLike[str], partial: bool) -> tuple[list[str], bool]:
-    """Returns the files of a table, and whether they are parts."""
+class File(NamedTuple):
+    """A file of a table."""
+
+    path: str
+    keys: dict[str, float | str]
+    """Keys in the names of its folders: columns of its rows."""
+    part: str | None
+    """The part, such as "3 of 10", if the file is one."""
+
+
+def _files(path: str | os.PathLike[str], partial: bool) -> tuple[list[File], bool]:
+    """Returns the files of a table, and whether they are the parts of one study."""
     if os.path.isdir(path) or (not os.path.exists(path) and any(mark in os.fspath(path) for mark in "*?[")):
-        return _engine.table_files(path, partial)
+        files, is_part = _engine.table_files(path, partial)
+        values: dict[str, list[str]] = {}
+        for _, keys, _ in files:
+            for name, value in keys:
+                values.setdefault(name, []).append(value)
+        are_numbers = {name for name in values if name not in ("record", "vertical") and _are_numbers(values[name])}
+        return [
+            File(file, {name: float(value or "nan") if name in are_numbers else value for name, value in keys}, part)
+            for file, keys, part in files
+        ], is_part
     if partial:
         raise ValueError(f"partial has no effect without a folder of parts; found {os.fspath(path)}")
-    return [os.fspath(path)], False
+    return [File(os.fspath(path), {}, None)], False
+
+
+def _are_numbers(texts: list[str]) -> bool:
+    try:
+        for text in texts:
+            float(text or "nan")
+    except ValueError:
+        return False
+    return True
+
+
+def _with_keys(table: Table, keys: Mapping[str, float | str]) -> Table:
+    """Returns a table with a column for each key that it lacks."""
+    more = {name: np.broadcast_to(np.asarray(value), table.rows) for name, value in keys.items() if name not in table}
+    return Table({**table, **more}, table.units) if more else table
 
 
 def _is_parquet(file: str) -> bool:
+    """Returns whether a table is Parquet, by its name or by its content."""
     with open(file, "rb") as content:
-        return content.read(4) == b"PAR1"
+        return file.lower().endswith(".parquet") or content.read(4) == b"PAR1"
 
 
 def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, str | None, npt.NDArray[Any]]:
@@ -374,43 +417,78 @@ def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, 
     return name, unit, values.astype(np.int64) if name in _COUNTS else values
 
 
-def _read_parquet_files(files: list[str], is_part: bool, read: Callable[[str], int]) -> None:
+def _read_parquet_files(files: list[File], read: Callable[[File], int]) -> None:
     """Reads files with a function that returns the number of their rows, and checks parts."""
     with optional("a Parquet file", "pyarrow"):
+        import pyarrow
         import pyarrow.parquet
 
-    first = None
+    first, study_of_first = None, None
     for file in files:
-        rows = read(file)
-        if not is_part:
+        anew = f"; make it anew: delete it, and run part {file.part} again"
+        try:
+            rows = read(file)
+            metadata = pyarrow.parquet.read_schema(file.path).metadata or {}
+        except (pyarrow.ArrowException, OSError) as error:
+            # Errors of the system have a number.
+            if isinstance(error, OSError) and error.errno is not None:
+                raise
+            reason = f"cannot be read as Parquet: {error}"
+            raise ValueError(f"{file.path}: is damaged: {reason}{anew}" if file.part else f"{file.path}: {reason}") from None
+        if file.part is None:
             continue
-        *study, part = (pyarrow.parquet.read_schema(file).metadata or {}).get(b"study", b"").decode().splitlines() or [""]
-        first = study if first is None else first
-        if study != first:
-            raise ValueError(f"{file}: is a part of another study than {files[0]}")
+        *study, part = metadata.get(b"study", b"").decode().splitlines() or [""]
+        if first is None or first.keys != file.keys:
+            first, study_of_first = file, study
+        if study != study_of_first:
+            raise ValueError(f"{file.path}: is a part of another study than {first.path}")
         if not part.endswith(f", {rows} rows"):
-            raise ValueError(f"{file}: is damaged: found {rows} rows, expected those of {part!r}; make it anew")
-
-
-def _read_parquet(path: str | os.PathLike[str]) -> Table:
-    """Reads a table of `Table.to_parquet` or of the program, or another one with headings of the program."""
-    with optional("a Parquet file", "pyarrow"):
-        import pyarrow.parquet
-
-    return _of_arrow(pyarrow.parquet.read_table(os.fspath(path), partitioning=None))
+            raise ValueError(f"{file.path}: is damaged: found {rows} rows, expected those of {part!r}{anew}")
 
 
 def _of_arrow(table: Any) -> Table:
-    import pyarrow
-
-    def values(column: Any) -> npt.NDArray[Any]:
-        if pyarrow.types.is_dictionary(column.type):
-            column = column.cast(column.type.value_type)
-        is_text = pyarrow.types.is_string(column.type) or pyarrow.types.is_large_string(column.type)
-        return np.asarray(column.fill_null("").to_numpy(), dtype=np.str_) if is_text else np.asarray(column.to_numpy())
-
     # The program keeps all units in the metadata of the file, `to_parquet` in those of the columns.
     units = json.loads((table.schema.metadata or {}).get(b"units", "{}"))
     units |= {field.name: field.metadata[b"unit"].decode() for field in table.schema if b"unit" in (field.metadata or {})}
-    named = by_name({name: values(table[name]) for name in table.column_names})
+    named = by_name({name: _values(table[name]) for name in table.column_names})
     return Table(named, {name: unit for name, unit in units.items() if name in named} | named.units)
+
+
+def _values(column: Any) -> npt.NDArray[Any]:
+    """Returns the values of a column of Arrow; missing numbers are nan, and missing texts empty.
+
+    Numbers and texts come from their buffers, since pyarrow's own conversion imports pandas and its 50 MB.
+    """
+    from pyarrow import types
+
+    kind = column.type.value_type if types.is_dictionary(column.type) else column.type
+    if types.is_string(kind) or types.is_large_string(kind):
+        encoded = column if types.is_dictionary(column.type) else column.dictionary_encode()
+        chunks = [_words(chunk) for chunk in encoded.chunks] or [np.empty(0, dtype=np.str_)]
+    elif (types.is_integer(kind) or types.is_floating(kind)) and kind == column.type:
+        chunks = [_numbers(chunk) for chunk in column.chunks] or [np.empty(0, dtype=_dtype(kind))]
+    else:
+        return np.asarray(column.cast(kind).to_numpy())
+    return chunks[0] if len(chunks) == 1 else np.concatenate(chunks)
+
+
+def _words(chunk: Any) -> npt.NDArray[Any]:
+    words: npt.NDArray[Any] = np.array([*chunk.dictionary.to_pylist(), ""], dtype=np.str_)
+    positions: npt.NDArray[np.intp] = np.nan_to_num(_numbers(chunk.indices), nan=len(words) - 1).astype(np.intp)
+    return words[positions]
+
+
+def _numbers(chunk: Any) -> npt.NDArray[Any]:
+    known, content = chunk.buffers()
+    place = slice(chunk.offset, chunk.offset + len(chunk))
+    values = np.frombuffer(content or b"", dtype=_dtype(chunk.type))[place]
+    if chunk.null_count == 0:
+        return values
+    return np.where(np.unpackbits(np.frombuffer(known, dtype=np.uint8), bitorder="little")[place], values, np.nan)
+
+
+def _dtype(kind: Any) -> np.dtype[Any]:
+    from pyarrow import types
+
+    letter = "f" if types.is_floating(kind) else "u" if types.is_unsigned_integer(kind) else "i"
+    return np.dtype(f"{letter}{kind.bit_width // 8}")

@@ -10,7 +10,7 @@ use rocking_studies::fragility;
 use rocking_studies::output::parts::PartsError;
 use rocking_studies::output::reading::{TableReadError, TableReader};
 use rocking_studies::output::table::{Kind, Series, Table, Values};
-use rocking_studies::output::table_files::TableFiles;
+use rocking_studies::output::table_files::{TableFile, TableFiles};
 
 use crate::options::invalid;
 
@@ -19,14 +19,20 @@ pub type Column<'py> = (String, Option<String>, Bound<'py, PyAny>);
 
 /// Returns the columns of a table, numbers without copying them.
 pub fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Vec<Column<'py>>> {
-    table.into_columns().into_iter().map(|column| shown(py, column)).collect()
+    let rows = table.rows();
+    table.into_columns().into_iter().map(|column| shown(py, column, rows)).collect()
 }
 
-/// Returns the files of a folder or of a pattern, and whether they are parts of a study.
+/// The path of a file, the keys in the names of its folders with their values, and the part, such as "3 of 10".
+type FileOfTable = (OsString, Vec<(String, String)>, Option<String>);
+
+/// Returns the files of a folder or of a pattern, and whether they are the parts of one study.
 #[pyfunction]
-pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<OsString>, bool)> {
+pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<FileOfTable>, bool)> {
     let files = files(&path, partial).map_err(invalid)?;
-    Ok((files.files().map(|file| file.as_os_str().to_owned()).collect(), files.are_numbered()))
+    let part = |file: &TableFile| file.part.map(|part| part.to_string());
+    let file = |file: &TableFile| (file.path.as_os_str().to_owned(), file.keys.clone(), part(file));
+    Ok((files.files().iter().map(file).collect(), files.are_numbered()))
 }
 
 fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
@@ -94,8 +100,17 @@ impl From<TableReadError> for Ended {
     }
 }
 
-fn shown<'py>(py: Python<'py>, Series { heading, values }: Series) -> PyResult<Column<'py>> {
-    let array = |list: Bound<'py, PyAny>| PyModule::import(py, "numpy")?.call_method1("asarray", (list,));
+fn shown<'py>(py: Python<'py>, Series { heading, mut values }: Series, rows: usize) -> PyResult<Column<'py>> {
+    let numpy = PyModule::import(py, "numpy")?;
+    let array = |list: Bound<'py, PyAny>| numpy.call_method1("asarray", (list,));
+    // NumPy repeats a single value without memory.
+    let is_repeated = match &mut values {
+        Values::Real(values) => keep_first(values, |one, other| one.to_bits() == other.to_bits()),
+        Values::Integer(values) => keep_first(values, PartialEq::eq),
+        Values::Boolean(values) => keep_first(values, PartialEq::eq),
+        Values::Choice(positions) => keep_first(positions, PartialEq::eq),
+        Values::Text(_) => false,
+    };
     let values = match (values, &heading.kind) {
         (Values::Real(values), _) => PyArray1::from_vec(py, values).into_any(),
         (Values::Integer(values), _) => PyArray1::from_vec(py, values).into_any(),
@@ -105,5 +120,16 @@ fn shown<'py>(py: Python<'py>, Series { heading, values }: Series) -> PyResult<C
         (Values::Choice(_), _) => unreachable!("positions without words"),
         (Values::Text(texts), _) => array(texts.into_pyobject(py)?.into_any())?,
     };
+    let values = if is_repeated { numpy.call_method1("broadcast_to", (values, rows))? } else { values };
     Ok((heading.name, heading.unit, values))
+}
+
+/// Keeps only the first of several values if all are the same; returns whether they are.
+fn keep_first<T>(values: &mut Vec<T>, same: fn(&T, &T) -> bool) -> bool {
+    let are_same = values.len() > 1 && values.iter().all(|value| same(value, &values[0]));
+    if are_same {
+        values.truncate(1);
+        values.shrink_to_fit();
+    }
+    are_same
 }

@@ -1,6 +1,8 @@
 """Fragility curves compared with statsmodels and with known curves."""
 
 import pickle
+import subprocess
+import sys
 import warnings
 
 import matplotlib.pyplot as plt
@@ -344,3 +346,28 @@ def test_parts_in_another_order_have_the_same_intervals(tmp_path):
 
     fit = _engine.Fragility(cases.store, cases.first, "probit", 0.95, 20, 1, lambda done, total: None)
     assert (fit.median_ci, fit.beta_ci) == (whole.median_ci, whole.beta_ci)
+
+
+def test_a_fit_of_a_file_keeps_neither_its_groups_nor_pandas_in_memory(tmp_path):
+    """pyarrow keeps all groups that were read by default, and imports pandas for its own conversion."""
+    pytest.importorskip("pyarrow")
+    import pyarrow.parquet
+
+    random = np.random.default_rng(1)
+    rows, groups = 100_000, 15
+    with pyarrow.parquet.ParquetWriter(tmp_path / "table.parquet", pyarrow.schema({"PGV": "double", "outcome": "string"})) as writer:
+        for _ in range(groups):
+            measure = np.exp(random.normal(-0.4, 0.6, rows))
+            falls = random.random(rows) < measure / (1.0 + measure)
+            writer.write_table(pyarrow.table({"PGV": measure, "outcome": np.where(falls, "overturned", "completed")}))
+    code = f"""
+import sys
+import pyarrow
+import rocking_block as rb
+assert rb.fragility({str(tmp_path / "table.parquet")!r}, "PGV").rows == {rows * groups}
+print("pandas" in sys.modules, pyarrow.default_memory_pool().max_memory())
+"""
+    imported, most = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
+    assert imported == "False"
+    # A batch has some 2 MB, and the measures of all groups 12 MB.
+    assert int(most) < 8e6

@@ -2,7 +2,11 @@
 
 import os
 import re
+import signal
 import subprocess
+import sys
+import time
+from collections import Counter
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -75,6 +79,102 @@ def studies_read():
     return parts._study.cache_info().misses
 
 
+def to_parquet(folder):
+    """Makes parts in Parquet, as a program that knows it writes them, from those in CSV."""
+    import pyarrow.parquet
+
+    for file in list(folder.iterdir()):
+        study = [line[2:] for line in file.read_text().splitlines() if line.startswith("# ")]
+        table = rb.read_table(file).to_arrow().replace_schema_metadata({"study": "\n".join(study)})
+        pyarrow.parquet.write_table(table, file.with_suffix(".parquet"))
+        file.unlink()
+
+
+def without_its_end(content):
+    return content[: len(content) // 2]
+
+
+def empty(content):
+    return b""
+
+
+def spoilt(content):
+    return content[:50] + bytes(100) + content[150:]
+
+
+@pytest.mark.parametrize("damage", [without_its_end, empty, spoilt])
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_damaged_part_is_named_with_its_remedy(damage, ending, whole, tmp_path):
+    with ThreadPoolExecutor(1) as pool:
+        rb.sweep(STUDY, executor=pool, parts=3, out=tmp_path)
+    if ending == "parquet":
+        pytest.importorskip("pyarrow")
+        to_parquet(tmp_path)
+        assert rb.fragility(tmp_path, "PGV", limit=0.3).rows > 0
+    file = tmp_path / f"part-00002-of-00003.{ending}"
+    file.write_bytes(damage(file.read_bytes()))
+    message = rf"{re.escape(str(file))}: is damaged: .*; make it anew: delete it, and run part 2 of 3 again$"
+    if ending == "csv" and damage is spoilt:
+        # The description of the study differs.
+        message = f"{re.escape(str(file))}: is a part of another study"
+    for read in (lambda: rb.read_table(tmp_path), lambda: rb.fragility(tmp_path, "PGV", limit=0.3)):
+        with pytest.raises(ValueError, match=message):
+            read()
+    if ending == "parquet":
+        with pytest.raises(ValueError, match=rf"^{re.escape(str(file))}: cannot be read as Parquet: "):
+            rb.read_table(file)
+    else:
+        file.unlink()
+        with ThreadPoolExecutor(1) as pool:
+            rb.sweep(STUDY, executor=pool, parts=3, out=tmp_path)
+        same(rb.read_table(tmp_path), whole)
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_keys_of_folders_are_columns(ending, tmp_path):
+    """Each folder named key=value has the parts of a study of its own, or other files."""
+    studies = {"north": STUDY, "the%20south": STUDY | {"study": STUDY["study"] | {"seed": 5}}}
+    with ThreadPoolExecutor(1) as pool:
+        for number, (region, study) in enumerate(studies.items(), 1):
+            folder = tmp_path / f"region={region}" / f"year={2010 + number}"
+            rb.sweep(study, executor=pool, parts=number + 1, out=folder)
+            if ending == "parquet":
+                pytest.importorskip("pyarrow")
+                to_parquet(folder)
+    table = rb.read_table(tmp_path)
+    tables = {region.replace("%20", " "): rb.sweep(study) for region, study in studies.items()}
+    assert table.rows == sum(one.rows for one in tables.values())
+    for region, year in (("north", 2011.0), ("the south", 2012.0)):
+        one = table[table["region"] == region]
+        np.testing.assert_array_equal(one["year"], np.full(tables[region].rows, year))
+        np.testing.assert_array_equal(np.sort(one["p"]), np.sort(tables[region]["p"]))
+    fit = rb.fragility(tmp_path, "PGV", limit=0.3)
+    together = rb.Table.concat([rb.Table({name: one[name] for name in one}, one.units) for one in tables.values()])
+    assert fit.rows == table.rows and np.isclose(fit.median, rb.fragility(together, "PGV", limit=0.3).median, rtol=1e-9)
+    np.testing.assert_array_equal(rb.read_table(f"{tmp_path}/region=*/*/*.{ending}")["region"], table["region"])
+    assert "region" not in rb.read_table(tmp_path / "region=north")
+    (tmp_path / f"region=the%20south/year=2012/part-00003-of-00003.{ending}").unlink()
+    with pytest.raises(ValueError, match="region=the%20south/year=2012: lacks 1 of 3 parts: 3"):
+        rb.read_table(tmp_path)
+    assert rb.read_table(tmp_path, partial=True).rows < table.rows
+
+
+def test_keys_of_a_dataset_of_others_are_columns(tmp_path):
+    """pyarrow, as Dask and Spark, leaves the key out of the files; a file with the column keeps its own."""
+    pyarrow = pytest.importorskip("pyarrow")
+    import pyarrow.parquet
+
+    rows = {"PGV": [0.2, 0.3, 0.4, 0.5, 0.6, 0.8], "outcome": ["completed", "overturned"] * 3, "record": ["7", "8", "7", "8", "7", ""]}
+    pyarrow.parquet.write_to_dataset(pyarrow.table(rows), tmp_path / "runs", partition_cols=["record"])
+    table = rb.read_table(tmp_path / "runs")
+    order = np.argsort(table["PGV"])
+    assert table["record"][order].tolist() == rows["record"]
+    assert rb.fragility(tmp_path / "runs", "PGV").independence == rb.fragility(rows, "PGV").independence != "rows"
+    (tmp_path / "own/record=9").mkdir(parents=True)
+    pyarrow.parquet.write_table(pyarrow.table(rows), tmp_path / "own/record=9/a.parquet")
+    assert rb.read_table(tmp_path / "own")["record"].tolist() == rows["record"]
+
+
 def test_a_worker_reads_a_study_and_its_records_once(whole):
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         same(rb.sweep(STUDY, executor=pool, parts=5), whole)
@@ -118,6 +218,110 @@ def test_a_lost_task_is_named_and_the_others_are_kept(tmp_path):
     assert len(list(tmp_path.iterdir())) == 3
     with pytest.raises(RuntimeError, match=r"part 2 of 4: the worker is gone$"):
         rb.sweep(STUDY, executor=Failing(2), parts=4)
+
+
+def die_while_writing():
+    """Makes the second part of this worker end within its file."""
+    import rocking_block._parts as parts
+
+    write, written = parts.Folder.write, []
+
+    def writing(self, name, content):
+        if written:
+            (self.path / f".{name}.lost.tmp").write_bytes(content[: len(content) // 2])
+            os.kill(os.getpid(), signal.SIGKILL)
+        written.append(name)
+        write(self, name, content)
+
+    parts.Folder.write = writing
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
+def test_a_killed_worker_loses_only_its_part(processes, whole, tmp_path):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        pool.submit(die_while_writing).result()
+        with pytest.raises(RuntimeError, match=r"part [2-4] of 4: .*terminated abruptly.*; the same call makes the missing parts"):
+            rb.sweep(STUDY, executor=pool, parts=4, out=tmp_path)
+    assert [file.name for file in tmp_path.glob("part-*")] == ["part-00001-of-00004.csv"]
+    kept = (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns
+    rb.sweep(STUDY, executor=processes, parts=4, out=tmp_path)
+    same(rb.read_table(tmp_path), whole)
+    assert (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns == kept
+
+
+class Waiting(Executor):
+    """Runs the first tasks at once; the others wait for a worker."""
+
+    def __init__(self, begun):
+        self.begun, self.waiting = begun, []
+
+    def submit(self, task, /, *arguments):
+        future = Future()
+        if self.begun:
+            self.begun -= 1
+            future.set_result(task(*arguments))
+        else:
+            self.waiting.append(future)
+        return future
+
+
+def test_ctrl_c_cancels_the_parts_that_have_not_begun(monkeypatch, tmp_path):
+    import contextlib
+
+    import rocking_block._parts as parts
+
+    @contextlib.contextmanager
+    def ticking(progress):
+        def tick(done, total):
+            raise KeyboardInterrupt
+
+        yield tick
+
+    monkeypatch.setattr(parts, "ticking", ticking)
+    executor = Waiting(2)
+    with pytest.raises(KeyboardInterrupt):
+        rb.sweep(STUDY, executor=executor, parts=5, out=tmp_path)
+    assert len(executor.waiting) == 3 and all(future.cancelled() for future in executor.waiting)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+class Slow(ThreadPoolExecutor):
+    """Takes longer for a task than a bar needs to show it."""
+
+    def submit(self, task, /, *arguments):
+        return super().submit(lambda: (time.sleep(0.15), task(*arguments))[1])
+
+
+def test_the_bar_of_an_executor_shows_rows(capsys, whole):
+    pytest.importorskip("tqdm")
+    with Slow(1) as pool:
+        rb.sweep(STUDY, executor=pool, parts=4, progress=True)
+    assert whole.rows == 72
+    assert {"18/72", "36/72", "54/72"} & set(re.findall(r"\d+/\d+", capsys.readouterr().err))
+
+
+class Counting(Executor):
+    """Runs tasks at once, and counts the records that they are given."""
+
+    def __init__(self):
+        self.sent = Counter()
+
+    def submit(self, task, /, *arguments):
+        self.sent.update(id(record) for pair in arguments[1] for record in pair if record is not None)
+        future = Future()
+        future.set_result(task(*arguments))
+        return future
+
+
+def test_a_record_is_sent_once_if_there_are_enough():
+    """With more parts than records, each goes with as few parts as there are."""
+    record = rb.read_record(sorted(RECORDS.glob("*.smc"))[0])
+    records = [rb.Record(record.acceleration * factor, record.dt) for factor in (1.0, 1.1, 1.2, 1.3)]
+    blocks = rb.blocks(alpha=[0.1, 0.2, 0.3], p=2.0)
+    for parts, times in ((2, 1), (4, 1), (8, 2), (100, 3)):
+        executor = Counting()
+        rb.outcomes(blocks, records, executor=executor, parts=parts)
+        assert sorted(executor.sent.values()) == [times] * 4, parts
 
 
 def test_arguments_of_parts_say_what_they_expect(tmp_path):

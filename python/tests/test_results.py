@@ -69,6 +69,20 @@ def test_rows_of_a_table_are_chosen_by_masks_and_numbers():
         rb.Table({"p": [given]})
 
 
+def test_columns_of_one_value_take_no_memory():
+    """They are as others in all else, and a table of parts has the same values."""
+    study = {"study": {"design": "grid"}, "parameters": {"foundation": "rigid", "p": {"from": 1.0, "to": 2.0, "count": 50},
+             "pulse": {"shape": "one-sine", "amplitude": 6.0, "period": 1.0}}}
+    table = rb.sweep(study)
+    repeated = {name for name, column in table.items() if column.strides == (0,)}
+    assert repeated >= {"foundation", "pulse.shape", "pulse.amplitude", "record", "scale", "PGA"}
+    assert not repeated & {"p", "outcome", "end_time", "peak.theta/alpha"}
+    assert set(table["foundation"]) == {"rigid"} and np.isnan(table["PGA"]).all() and (table["pulse.amplitude"] == 6.0).all()
+    assert pickle.loads(pickle.dumps(table)) == table == rb.Table({name: np.array(column) for name, column in table.items()}, table.units)
+    assert table.to_arrow()["pulse.amplitude"].to_pylist() == [6.0] * 50
+    assert rb.sweep(study | {"parameters": study["parameters"] | {"p": 1.0}})["foundation"].tolist() == ["rigid"]
+
+
 def test_pandas_takes_a_table():
     import pandas
 

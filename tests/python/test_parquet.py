@@ -94,3 +94,34 @@ def test_a_table_is_written_whole_and_replaced_only_by_force(program, tmp_path):
         done = subprocess.run([*command, *words], capture_output=True, text=True)
         assert (message is None) == (done.returncode == 0) and (message or "") in done.stderr, done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["study.toml", "table.parquet"]
+
+
+def test_broken_parts_are_made_anew_and_named_by_readers(program, tmp_path):
+    (tmp_path / "study.toml").write_text(SWEEP)
+    runs = tmp_path / "runs"
+
+    def make(number):
+        return run(program, "sweep", tmp_path / "study.toml", "--part", f"{number}/2", "--out", runs, "--part-format", "parquet")
+
+    def fit():
+        command = [program, "fragility", runs, "--im", "PGV", "--limit", "0.1"]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    make(1), make(2)
+    expected = fit()
+    assert expected.returncode == 0, expected.stderr
+    file = runs / "part-00002-of-00002.parquet"
+    content = file.read_bytes()
+    for cut in (0, 3, 100, len(content) // 2, len(content) - 1):
+        file.write_bytes(content[:cut])
+        message = fit().stderr
+        assert message.startswith(f"rocking: {file}: is damaged: cannot be read as Parquet: "), message
+        assert message.endswith("; make it anew: delete it, and run part 2 of 2 again\n"), message
+        make(2)
+        assert file.read_bytes() == content, cut
+    # An end that is intact hides what is before it.
+    file.write_bytes(content[:10] + bytes(100) + content[110:])
+    assert "complete before" in make(2) and "make it anew: delete it" in fit().stderr
+    file.unlink()
+    make(2)
+    assert file.read_bytes() == content and fit().stdout == expected.stdout

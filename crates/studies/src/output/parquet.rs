@@ -289,8 +289,11 @@ fn all<T: DataType>(reader: &mut ColumnReaderImpl<T>, rows: usize, missing: T::T
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::parts::{self, PartState};
     use crate::output::reading::TableReader;
+    use crate::output::resumable::TableHeader;
     use crate::output::table::TableColumn;
+    use crate::output::table_files::TableFiles;
 
     type Row = (u64, f64, &'static str);
 
@@ -353,6 +356,33 @@ mod tests {
         for content in [&b"row,x [m]\n0,1\n"[..], &content[..content.len() / 2], &content[content.len() / 2..]] {
             std::fs::write(&path, content).unwrap();
             assert_eq!(read(&path), None);
+        }
+    }
+
+    /// The part is broken for the program that makes it, and its readers say what to do.
+    #[test]
+    fn a_damaged_part_is_named_with_its_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part-00001-of-00001.parquet");
+        let study = ["a study", "part 1 of 1, 100 rows"].map(String::from);
+        let columns = table(0..0).columns().iter().map(|column| column.heading.clone()).collect();
+        let header = TableHeader { study: study.to_vec(), columns };
+        let content = file(&study, table(0..100)).unwrap();
+        std::fs::write(&path, &content).unwrap();
+        assert_eq!(parts::state(&path, &header, 100).unwrap(), PartState::Complete);
+        let files = TableFiles::of(folder.path()).unwrap();
+        assert_eq!(files.read(&|_| true).unwrap().0.rows(), 100);
+        let mut spoilt = content.clone();
+        spoilt[10..200].fill(0);
+        for content in [&content[..content.len() - 1], &content[..content.len() / 2], b"", &spoilt] {
+            std::fs::write(&path, content).unwrap();
+            let message = files.read(&|_| true).unwrap_err().to_string();
+            let begin = format!("{}: is damaged: cannot be read as Parquet: ", path.display());
+            assert!(message.starts_with(&begin), "{message}");
+            assert!(message.ends_with("; make it anew: delete it, and run part 1 of 1 again"), "{message}");
+            // The footer of a file that is spoilt inside is whole.
+            let state = if content == spoilt { PartState::Complete } else { PartState::Broken };
+            assert_eq!(parts::state(&path, &header, 100).unwrap(), state);
         }
     }
 }

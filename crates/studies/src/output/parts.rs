@@ -201,15 +201,15 @@ pub enum PartsError {
         /// The option that accepts them.
         partial: &'static str,
     },
-    /// A part ends early.
-    #[error("{file}: is damaged: found {found} rows, expected {expected}; make it anew")]
-    Broken {
+    /// A part ends early, or is no table.
+    #[error("{file}: is damaged: {reason}; make it anew: delete it, and run part {part} again")]
+    Damaged {
         /// The file.
         file: String,
-        /// Number of its rows.
-        found: u64,
-        /// Number of rows of the part.
-        expected: u64,
+        /// What was found, and what was expected.
+        reason: String,
+        /// The part.
+        part: PartNumber,
     },
     /// A part cannot be read.
     #[error("{file}: cannot be read: {error}")]
@@ -219,7 +219,7 @@ pub enum PartsError {
         /// The reason.
         error: io::Error,
     },
-    /// A part is no table.
+    /// A file is no table.
     #[error(transparent)]
     Read(#[from] TableReadError),
 }
@@ -256,7 +256,12 @@ pub(super) fn description(path: &Path) -> Result<Vec<String>, PartsError> {
     if is_parquet(path) {
         return Ok(parquet_description(&path.display().to_string(), file)?.0);
     }
-    let comments = BufReader::new(file).lines().map(|line| line.map_err(|error| refused(path, error)));
+    // A damaged file may have bytes that are no text.
+    let text = |line: io::Result<Vec<u8>>| match line {
+        Ok(line) => Ok(String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(&line)).into_owned()),
+        Err(error) => Err(refused(path, error)),
+    };
+    let comments = BufReader::new(file).split(b'\n').map(text);
     let is_comment = |line: &Result<String, PartsError>| line.as_ref().map_or(true, |line| line.starts_with("# "));
     comments.take_while(is_comment).map(|line| Ok(line?["# ".len()..].into())).collect()
 }

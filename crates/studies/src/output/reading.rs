@@ -1,6 +1,7 @@
 //! Tables whose columns are not known → typed columns, one file after the other.
 
 use std::collections::HashMap;
+#[cfg(feature = "parquet")]
 use std::fmt::Display;
 use std::fs::File;
 use std::io::Read;
@@ -50,7 +51,7 @@ pub enum TableReadError {
         /// The reason.
         error: std::io::Error,
     },
-    /// The file is not a table in Parquet, or Parquet is not known.
+    /// The file is not a table in Parquet.
     #[error("{file}: cannot be read as Parquet: {reason}")]
     Parquet {
         /// The table.
@@ -58,6 +59,12 @@ pub enum TableReadError {
         /// The reason.
         reason: String,
     },
+    /// Parquet is not known.
+    #[error(
+        "{0}: cannot be read as Parquet: this program is built without it; expected a table in .csv, or a program built with --features \
+         rocking/parquet"
+    )]
+    NoParquet(String),
     /// The headings are repeated between the rows.
     #[error("{file}: repeats its headings after {rows} rows, as in tables joined by cat; expected one table")]
     Joined {
@@ -85,6 +92,8 @@ pub struct TableReader<'a> {
     /// Headings of all columns, as in the file; none before the first file.
     headings: Vec<String>,
     columns: Vec<Option<Growing>>,
+    /// The last columns: the keys in the names of the file's folders, with their values.
+    keys: Vec<(String, String)>,
     rows: u64,
 }
 
@@ -203,7 +212,12 @@ const BATCH: u64 = 1 << 16;
 impl<'a> TableReader<'a> {
     /// Keeps the columns with wanted names.
     pub fn new(is_wanted: &'a dyn Fn(&str) -> bool) -> TableReader<'a> {
-        TableReader { is_wanted, headings: Vec::new(), columns: Vec::new(), rows: 0 }
+        TableReader { is_wanted, headings: Vec::new(), columns: Vec::new(), keys: Vec::new(), rows: 0 }
+    }
+
+    /// Gives the rows of the next file a column for each key, unless the file has that column.
+    pub(super) fn set_keys(&mut self, keys: &[(String, String)]) {
+        self.keys = keys.to_vec();
     }
 
     /// Number of rows so far.
@@ -215,10 +229,16 @@ impl<'a> TableReader<'a> {
     fn begin(
         &mut self,
         file: &str,
-        headings: Vec<String>,
+        mut headings: Vec<String>,
         column: impl Fn(usize, &str) -> Growing,
     ) -> Result<(), TableReadError> {
+        self.keys.retain(|(name, _)| headings.iter().all(|heading| split_heading(heading).0 != name));
+        let of_file = headings.len();
+        headings.extend(self.keys.iter().map(|(name, _)| name.clone()));
         if self.headings.is_empty() {
+            let column = |number, heading: &str| {
+                if number < of_file { column(number, heading) } else { Growing::of(heading) }
+            };
             let kept = |(number, heading): (usize, &String)| {
                 (self.is_wanted)(split_heading(heading).0).then(|| column(number, heading))
             };
@@ -229,6 +249,17 @@ impl<'a> TableReader<'a> {
             return Err(TableReadError::OtherColumns { file: file.into(), found, expected });
         }
         Ok(())
+    }
+
+    /// Takes note of rows, whose fields are in the columns already, and gives them their keys.
+    fn end_rows(&mut self, rows: usize) {
+        let of_file = self.columns.len() - self.keys.len();
+        for (column, (_, value)) in self.columns[of_file..].iter_mut().zip(&self.keys) {
+            if let Some(column) = column {
+                (0..rows).for_each(|_| column.push_text(value));
+            }
+        }
+        self.rows += rows as u64;
     }
 
     /// Appends the rows of a file, in CSV or Parquet by its name.
@@ -302,7 +333,7 @@ impl<'a> TableReader<'a> {
                     column.push_text(text);
                 }
             }
-            self.rows += 1;
+            self.end_rows(1);
             if (self.rows - before).is_multiple_of(BATCH) {
                 each(self)?;
             }
@@ -317,7 +348,7 @@ impl<'a> TableReader<'a> {
         _: File,
         _: &mut dyn FnMut(&mut Self) -> Result<(), E>,
     ) -> Result<(), E> {
-        Err(not_parquet(file, UNKNOWN).into())
+        Err(TableReadError::NoParquet(file.into()).into())
     }
 
     #[cfg(feature = "parquet")]
@@ -339,7 +370,7 @@ impl<'a> TableReader<'a> {
             let mut group = groups.group(group, &is_wanted).map_err(|error| not_parquet(file, error))?;
             while let Some((rows, columns)) = group.next(BATCH as usize).map_err(|error| not_parquet(file, error))? {
                 self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
-                self.rows += rows as u64;
+                self.end_rows(rows);
                 each(self)?;
             }
         }
@@ -381,14 +412,10 @@ pub(super) fn parquet_description(file: &str, content: File) -> Result<(Vec<Stri
 
 #[cfg(not(feature = "parquet"))]
 pub(super) fn parquet_description(file: &str, _: File) -> Result<(Vec<String>, u64), TableReadError> {
-    Err(not_parquet(file, UNKNOWN))
+    Err(TableReadError::NoParquet(file.into()))
 }
 
-/// The reason of a program that does not know the format.
-#[cfg(not(feature = "parquet"))]
-const UNKNOWN: &str =
-    "this program is built without it; expected a table in .csv, or a program built with --features rocking/parquet";
-
+#[cfg(feature = "parquet")]
 fn not_parquet(file: &str, error: impl Display) -> TableReadError {
     TableReadError::Parquet { file: file.into(), reason: error.to_string() }
 }

@@ -7,18 +7,27 @@ use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_
 use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
 use crate::output::table::{Table, Values};
 
-/// The files of a table: the parts of a folder, all of one set, or other files.
+/// The files of a table: the parts of a folder, all of one set, or other files. Folders named `key=value` split it: each has a set of its own.
 pub struct TableFiles {
     folder: String,
-    /// Number of parts; none for other files.
-    count: u64,
-    files: Vec<(Option<PartNumber>, PathBuf)>,
+    files: Vec<TableFile>,
+}
+
+/// A file of a table.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TableFile {
+    /// Keys in the names of its folders, with their values: columns of its rows.
+    pub keys: Vec<(String, String)>,
+    /// The part, if the file is one.
+    pub part: Option<PartNumber>,
+    /// Its path.
+    pub path: PathBuf,
 }
 
 impl TableFiles {
     /// Whether a path stands for several files: a folder, or a pattern such as `runs/*.parquet`.
     pub fn are_at(path: &Path) -> bool {
-        path.is_dir() || !path.exists() && path.to_string_lossy().contains(['*', '?', '['])
+        path.is_dir() || !path.exists() && is_pattern(path)
     }
 
     /// Lists the parts of a folder, or the files that match a pattern. A folder without parts is a set of files in Parquet or CSV, or of
@@ -29,42 +38,50 @@ impl TableFiles {
     pub fn of(path: &Path) -> Result<TableFiles, PartsError> {
         let folder = path.display().to_string();
         let mut paths = Vec::new();
-        if path.is_dir() {
+        let root = if path.is_dir() {
             list(path, &mut paths)?;
+            path.to_path_buf()
         } else {
             let matches =
                 glob::glob(&path.to_string_lossy()).map_err(|error| refused(path, io::Error::other(error)))?;
             for path in matches {
                 paths.push(path.map_err(|error| refused(error.path(), io::Error::other(error.error().to_string())))?);
             }
-        }
-        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let numbered = |path: PathBuf| (PartNumber::of_file(&name(&path)), path);
-        let mut files: Vec<(Option<PartNumber>, PathBuf)> = paths.into_iter().map(numbered).collect();
-        if files.iter().any(|(part, _)| part.is_some()) {
-            files.retain(|(part, _)| part.is_some());
+            path.components().take_while(|name| !is_pattern(name.as_ref())).collect()
+        };
+        let file = |path: PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            TableFile { keys: keys(path.strip_prefix(&root).unwrap_or(&path)), part: PartNumber::of_file(&name), path }
+        };
+        let mut files: Vec<TableFile> = paths.into_iter().map(file).collect();
+        if files.iter().any(|file| file.part.is_some()) {
+            files.retain(|file| file.part.is_some());
         }
         files.sort();
-        let Some((part, first)) = files.first().cloned() else { return Err(PartsError::None(folder)) };
-        let count = |part: Option<PartNumber>| part.map_or(0, |part| part.count());
-        let other = |(other, path): &&(Option<PartNumber>, PathBuf)| {
-            count(*other) != count(part) || path.extension() != first.extension()
-        };
-        if let Some((_, other)) = files.iter().find(other) {
-            let [first, other] = [&first, other].map(|path| name(path));
-            return Err(PartsError::Sets { folder, first, other });
+        if files.is_empty() {
+            return Err(PartsError::None(folder));
         }
-        Ok(TableFiles { folder, count: count(part), files })
+        let count = |file: &TableFile| file.part.map(PartNumber::count);
+        let are_apart = |one: &TableFile, other: &TableFile| {
+            let of_a_set =
+                one.keys != other.keys || count(one) == count(other) && (one.part.is_none() || one.part != other.part);
+            !of_a_set || one.path.extension() != other.path.extension()
+        };
+        if let Some(pair) = files.windows(2).find(|pair| are_apart(&pair[0], &pair[1])) {
+            let name = |file: &TableFile| file.path.strip_prefix(&root).unwrap_or(&file.path).display().to_string();
+            return Err(PartsError::Sets { folder, first: name(&pair[0]), other: name(&pair[1]) });
+        }
+        Ok(TableFiles { folder, files })
     }
 
-    /// The files, in the order of their numbers, or of their names.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(_, path)| path.as_path())
+    /// The files, in the order of their keys, and of their numbers or names.
+    pub fn files(&self) -> &[TableFile] {
+        &self.files
     }
 
-    /// Whether the files are parts, whose rows have numbers.
+    /// Whether the files are the parts of one study, whose rows have numbers.
     pub fn are_numbered(&self) -> bool {
-        self.count > 0
+        self.files.iter().all(|file| file.part.is_some() && file.keys == self.files[0].keys)
     }
 
     /// Checks that all parts are there.
@@ -72,18 +89,26 @@ impl TableFiles {
     /// # Errors
     /// Names the missing ones, and `partial`, the option that does without them.
     pub fn check_complete(&self, partial: &'static str) -> Result<(), PartsError> {
-        let known: Vec<u64> = self.files.iter().filter_map(|(part, _)| Some((*part)?.number())).collect();
-        let missing: Vec<u64> = (1..=self.count).filter(|number| known.binary_search(number).is_err()).collect();
-        if missing.is_empty() {
-            return Ok(());
+        for set in self.files.chunk_by(|one, other| one.keys == other.keys) {
+            let known: Vec<u64> = set.iter().filter_map(|file| Some(file.part?.number())).collect();
+            let parts = set[0].part.map_or(0, PartNumber::count);
+            let missing: Vec<u64> = (1..=parts).filter(|number| known.binary_search(number).is_err()).collect();
+            if missing.is_empty() {
+                continue;
+            }
+            let shown: Vec<String> = missing.iter().take(10).map(u64::to_string).collect();
+            let more = if missing.len() > 10 { ", …" } else { "" };
+            let folder = match set[0].path.parent() {
+                Some(folder) if !set[0].keys.is_empty() => folder.display().to_string(),
+                _ => self.folder.clone(),
+            };
+            let (count, missing) = (missing.len() as u64, shown.join(", ") + more);
+            return Err(PartsError::Missing { folder, count, parts, missing, partial });
         }
-        let shown: Vec<String> = missing.iter().take(10).map(u64::to_string).collect();
-        let more = if missing.len() > 10 { ", …" } else { "" };
-        let (folder, count, parts) = (self.folder.clone(), missing.len() as u64, self.count);
-        Err(PartsError::Missing { folder, count, parts, missing: shown.join(", ") + more, partial })
+        Ok(())
     }
 
-    /// Reads the wanted columns of all files, of parts in the order of the rows; returns the headings of all columns as well.
+    /// Reads the wanted columns of all files, of the parts of one study in the order of the rows; returns the headings of all columns as well.
     ///
     /// # Errors
     /// A part is damaged or no table, or one of another study.
@@ -108,48 +133,139 @@ impl TableFiles {
     ///
     /// # Errors
     /// Those of [`TableFiles::read`], and of `each`.
-    pub fn read_batches<E: From<PartsError> + From<TableReadError>>(
+    pub fn read_batches<E: From<PartsError>>(
         &self,
         is_wanted: &dyn Fn(&str) -> bool,
         each: &mut TakeBatch<E>,
     ) -> Result<(), E> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);
-        self.visit(&mut reader, |reader, path| reader.read_batches(path, each))
+        self.visit(&mut reader, |reader, path| {
+            reader.read_batches(path, &mut |rows, headings| each(rows, headings).map_err(VisitError::Receiver))
+        })
     }
 
     /// Reads file by file, and checks that the parts are whole.
     fn visit<'a, E: From<PartsError>>(
         &self,
         reader: &mut TableReader<'a>,
-        mut read: impl FnMut(&mut TableReader<'a>, &Path) -> Result<(), E>,
+        mut read: impl FnMut(&mut TableReader<'a>, &Path) -> Result<(), VisitError<E>>,
     ) -> Result<(), E> {
-        let mut first: Option<Vec<String>> = None;
-        for (part, path) in &self.files {
-            let Some(part) = part else {
-                read(reader, path)?;
+        let mut first: Option<(&TableFile, Vec<String>)> = None;
+        for file in &self.files {
+            let TableFile { keys, part, path } = file;
+            reader.set_keys(keys);
+            let Some(part) = *part else {
+                read(reader, path).map_err(|error| error.of(PartsError::Read))?;
                 continue;
             };
-            let file = path.display().to_string();
-            let mut study = description(path)?;
+            let name = || path.display().to_string();
+            let damaged = |reason| PartsError::Damaged { file: name(), reason, part };
+            let unread = |error| damaged_or(error, part);
+            let mut study = description(path).map_err(|error| match error {
+                PartsError::Read(error) => unread(error),
+                other => other,
+            })?;
             let own = study.pop().unwrap_or_default();
-            let rows = own.strip_prefix(&format!("{PART}{part}, ")).and_then(|rows| rows.strip_suffix(" rows"));
-            let Some(expected) = rows.and_then(|rows| rows.parse().ok()) else {
-                return Err(PartsError::Other { file, found: own, expected: format!("{PART}{part}, …") }.into());
+            let begin = format!("{PART}{part}, ");
+            let rows = own.strip_prefix(&begin).and_then(|rows| rows.strip_suffix(" rows"));
+            let expected: u64 = match rows.and_then(|rows| rows.parse().ok()) {
+                Some(expected) => expected,
+                None if own.starts_with(PART) => {
+                    return Err(PartsError::Other { file: name(), found: own, expected: begin + "…" }.into());
+                }
+                None => return Err(damaged(format!("found `{own}`, expected `{begin}…`")).into()),
             };
-            let first = first.get_or_insert_with(|| study.clone());
-            if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
-                return Err(PartsError::Other { file, found: found.clone(), expected: expected.clone() }.into());
+            match &first {
+                Some((other, first)) if other.keys == *keys => {
+                    if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
+                        let (found, expected) = (found.clone(), expected.clone());
+                        return Err(PartsError::Other { file: name(), found, expected }.into());
+                    }
+                }
+                _ => first = Some((file, study)),
             }
             let before = reader.rows();
-            read(reader, path)?;
+            read(reader, path).map_err(|error| error.of(unread))?;
             let found = reader.rows() - before;
-            if found != expected || !is_parquet(path) && !ends_with_line(path)? {
-                return Err(PartsError::Broken { file, found, expected }.into());
+            if found != expected {
+                return Err(damaged(format!("found {found} rows, expected {expected}")).into());
+            }
+            if !is_parquet(path) && !ends_with_line(path)? {
+                return Err(damaged("found no end of its last line".into()).into());
             }
         }
         Ok(())
     }
+}
+
+/// The error of a file that is being read, or of the receiver of its rows.
+enum VisitError<E> {
+    File(TableReadError),
+    Receiver(E),
+}
+
+impl<E> From<TableReadError> for VisitError<E> {
+    fn from(error: TableReadError) -> VisitError<E> {
+        VisitError::File(error)
+    }
+}
+
+impl<E: From<PartsError>> VisitError<E> {
+    fn of(self, file: impl FnOnce(TableReadError) -> PartsError) -> E {
+        match self {
+            VisitError::File(error) => file(error).into(),
+            VisitError::Receiver(error) => error,
+        }
+    }
+}
+
+/// The error of a part that cannot be read: it is damaged if its content is the reason.
+fn damaged_or(error: TableReadError, part: PartNumber) -> PartsError {
+    use TableReadError::{Csv, Empty, Fields, Io, Joined, NoParquet, NoText, OtherColumns, Parquet};
+    let message = error.to_string();
+    match error {
+        Io { .. } | NoParquet(_) | OtherColumns { .. } => PartsError::Read(error),
+        Empty(file)
+        | NoText(file)
+        | Csv { file, .. }
+        | Fields { file, .. }
+        | Parquet { file, .. }
+        | Joined { file, .. } => {
+            let reason = message.strip_prefix(&format!("{file}: ")).unwrap_or(&message).into();
+            PartsError::Damaged { file, reason, part }
+        }
+    }
+}
+
+fn is_pattern(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?', '['])
+}
+
+/// The keys in the names of a file's folders, such as `region=north`, as Dask, Spark and others write them.
+fn keys(path: &Path) -> Vec<(String, String)> {
+    let folders = path.parent().into_iter().flat_map(Path::components);
+    let key = |name: std::path::Component| {
+        let name = name.as_os_str().to_string_lossy();
+        let (key, value) = name.split_once('=').filter(|(key, _)| !key.is_empty())?;
+        let value = if value == "__HIVE_DEFAULT_PARTITION__" { "" } else { value };
+        Some((decoded(key), decoded(value)))
+    };
+    folders.filter_map(key).collect()
+}
+
+/// Decodes characters such as `%20`.
+fn decoded(text: &str) -> String {
+    let mut bytes = Vec::new();
+    let mut rest = text.as_bytes();
+    while let Some((&first, more)) = rest.split_first() {
+        let digit = |place: usize| char::from(*more.get(place)?).to_digit(16);
+        let coded =
+            if first == b'%' { digit(0).zip(digit(1)).map(|(high, low)| (16 * high + low) as u8) } else { None };
+        bytes.push(coded.unwrap_or(first));
+        rest = if coded.is_some() { &more[2..] } else { more };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// Column of the numbers of rows.
@@ -158,7 +274,7 @@ const ROW: &str = "row";
 /// Lists the tables in a folder, or those in its folders if it has none.
 fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), PartsError> {
     let refused = |error| refused(folder, error);
-    let mut folders = Vec::new();
+    let (mut folders, before) = (Vec::new(), paths.len());
     for entry in folder.read_dir().map_err(refused)? {
         let path = entry.map_err(refused)?.path();
         let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(['.', '_']));
@@ -171,7 +287,7 @@ fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), PartsError> {
             paths.push(path);
         }
     }
-    if paths.is_empty() {
+    if paths.len() == before {
         folders.iter().try_for_each(|folder| list(folder, paths))?;
     }
     Ok(())

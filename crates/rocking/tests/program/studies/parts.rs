@@ -113,6 +113,11 @@ fn complete_parts_are_left_alone_and_broken_ones_are_made_anew() {
         make_part(path, "2/2", "parts");
         assert!(fs::read(&file).unwrap() == bytes, "cut at byte {length}");
     }
+    for other in [&b"\xff\xfe\x00"[..], &[0; 5000], b"row,x\n0,1\n"] {
+        fs::write(&file, other).unwrap();
+        make_part(path, "2/2", "parts");
+        assert!(fs::read(&file).unwrap() == bytes, "{other:?}");
+    }
     assert_eq!(files(&path.join("parts")), ["part-00002-of-00002.csv"]);
     fs::write(path.join("study.toml"), SAMPLES.replace("seed = 5", "seed = 6")).unwrap();
     let arguments = ["sweep", "study.toml", "--part", "2/2", "--out", "parts", "--part-format", "csv"];
@@ -137,6 +142,27 @@ fn two_tasks_on_the_same_part_leave_one_whole_file() {
     assert_eq!(files(&path.join("parts")), ["part-00001-of-00002.csv"]);
     let read = |folder: &str| fs::read(path.join(folder).join("part-00001-of-00002.csv")).unwrap();
     assert!(read("alone") == read("parts"));
+}
+
+/// A task that is killed while it computes leaves nothing that a reader would take, and no part.
+#[test]
+fn a_task_that_is_killed_leaves_no_part() {
+    let folder = folder(&RECORDED.replace("samples = 20", "samples = 200000"));
+    let path = folder.path();
+    let arguments = ["sweep", "study.toml", "--part", "1/2", "--out", "parts", "--part-format", "csv"];
+    let mut task = program(path, &[&arguments]).stdout(Stdio::null()).spawn().unwrap();
+    // The folder is there once the study has been read.
+    while !path.join("parts").exists() && task.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    task.kill().unwrap();
+    assert!(!task.wait().unwrap().success());
+    assert!(files(&path.join("parts")).iter().all(|name| name.starts_with('.')));
+    fs::write(path.join("study.toml"), RECORDED).unwrap();
+    make_part(path, "1/2", "parts");
+    let visible = |name: &String| !name.starts_with('.');
+    assert_eq!(files(&path.join("parts")).into_iter().filter(visible).collect::<Vec<_>>(), ["part-00001-of-00002.csv"]);
 }
 
 /// A part that does not fit is absent, and one line says why.
@@ -188,9 +214,20 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
     refused(path, &["fragility", "other", "--im", "PGV", "--where", "p=99"], &["other: no row has p = 99"]);
     let missing = path.join("parts/part-00003-of-00004.csv");
     let bytes = fs::read(&missing).unwrap();
-    fs::write(&missing, &bytes[..bytes.len() - 1]).unwrap();
     let arguments = ["fragility", "parts", "--im", "PGV"];
-    refused(path, &arguments, &["parts/part-00003-of-00004.csv: is damaged", "make it anew"]);
+    for (content, reason) in [
+        (&bytes[..bytes.len() - 1], "found no end of its last line"),
+        (&bytes[..bytes.len() - 20], "row 29 has "),
+        (&bytes[..0], "found ``, expected `part 3 of 4, …`"),
+        (&bytes[..300], "found `"),
+        (b"\xff\xfe\x00", "found ``, expected `part 3 of 4, …`"),
+    ] {
+        fs::write(&missing, content).unwrap();
+        let refusal = refusal(path, &arguments);
+        let begin = format!("parts/part-00003-of-00004.csv: is damaged: {reason}");
+        assert!(refusal.starts_with(&begin), "{refusal}");
+        assert!(refusal.ends_with("; make it anew: delete it, and run part 3 of 4 again"), "{refusal}");
+    }
     fs::remove_file(&missing).unwrap();
     assert_eq!(
         refusal(path, &arguments),
@@ -211,6 +248,56 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
         &["fragility", "whole.csv", "--im", "PGV", "--partial"],
         &["--partial has no effect without a folder"],
     );
+}
+
+/// Folders named `key=value`, as Dask and Spark write them, have a set of parts or other files each; the key is a column.
+#[test]
+fn keys_of_folders_are_columns() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    let fit = |table: &str, condition: &[&str]| {
+        let arguments = ["fragility", table, "--im", "PGV", "--limit", "0.3", "--bootstrap", "20", "--json"];
+        let printed = rocking(path, &[&arguments[..], condition].concat());
+        assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
+        let mut json: serde_json::Value = serde_json::from_slice(&printed.stdout).unwrap();
+        json.as_object_mut().unwrap().remove("table").unwrap();
+        json
+    };
+    for (region, count, seed) in [("north", 2, "seed = 3"), ("the%20south", 3, "seed = 4")] {
+        fs::write(path.join("study.toml"), RECORDED.replace("seed = 3", seed)).unwrap();
+        fs::create_dir_all(path.join("runs")).unwrap();
+        make_parts(path, count, &format!("runs/region={region}"));
+        stdout(path, &["sweep", "study.toml", "--csv", &format!("{}.csv", &region[..5])]);
+    }
+    let rows = |json: &serde_json::Value| json["rows"]["all"].as_u64();
+    let both = fit("runs", &[]);
+    assert_eq!(rows(&both), Some(240));
+    // Rows are in the order of the folders, and in them in that of the files.
+    let median = |json: &serde_json::Value| json["measures"][0]["median"].as_f64().unwrap();
+    for (region, table) in [("north", "north.csv"), ("the south", "the%2.csv")] {
+        let condition = format!("region={region}");
+        let [one, other] = [fit("runs", &["--where", &condition]), fit(table, &[])];
+        assert_eq!((rows(&one), rows(&other)), (Some(120), Some(120)));
+        assert!((median(&one) / median(&other) - 1.0).abs() < 1e-9);
+        assert!((median(&one) / median(&both) - 1.0).abs() > 1e-4);
+    }
+    assert_eq!(fit("runs/region=*/*.csv", &[]), both);
+    // A folder of one key has no key, and its rows have numbers.
+    assert_eq!(fit("runs/region=north", &[]), fit("north.csv", &[]));
+    refused(path, &["fragility", "runs/region=north", "--im", "PGV", "--where", "region=north"], &["no column region"]);
+    refused(path, &["fragility", "runs", "--im", "PGV", "--where", "region=west"], &["runs: no row has region = west"]);
+    let lost = path.join("runs/region=north/part-00002-of-00002.csv");
+    fs::rename(&lost, path.join("lost.csv")).unwrap();
+    let refusal = refusal(path, &["fragility", "runs", "--im", "PGV"]);
+    assert!(refusal.starts_with("runs/region=north: lacks 1 of 2 parts: 2; make these"), "{refusal}");
+    assert_eq!(rows(&fit("runs", &["--partial"])), Some(180));
+    // Other folders with the same parts are not told apart.
+    fs::create_dir_all(path.join("copies/a")).unwrap();
+    fs::create_dir_all(path.join("copies/b")).unwrap();
+    fs::copy(path.join("lost.csv"), path.join("copies/a/part-00002-of-00002.csv")).unwrap();
+    fs::copy(path.join("lost.csv"), path.join("copies/b/part-00002-of-00002.csv")).unwrap();
+    let sets = "parts of different sets, a/part-00002-of-00002.csv and b/part-00002-of-00002.csv";
+    refused(path, &["fragility", "copies", "--im", "PGV"], &[sets]);
 }
 
 fn rows_of(part: &[u8]) -> u64 {
