@@ -97,8 +97,6 @@ class Fragility(_engine.Fragility):
     """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", or "half_cycles>20"."""
     ci: float
     """Confidence level of intervals and bands."""
-    rows: int
-    """Number of rows in the fit."""
     failed: int
     """Rows omitted because their runs failed."""
     undecided: int

@@ -313,7 +313,7 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
         with optional("a Parquet file", "pyarrow"):
             import pyarrow.parquet
 
-        tables.append(_with_keys(_of_arrow(pyarrow.parquet.read_table(file.path, partitioning=None)), file.keys))
+        tables.append(_with_keys(_of_arrow(pyarrow.parquet.ParquetFile(file.path).read()), file.keys))
         return tables[-1].rows
 
     _read_parquet_files(files, read)

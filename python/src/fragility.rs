@@ -83,7 +83,7 @@ impl Fragility {
         Ok(Fragility(assessment.map_err(invalid)?))
     }
 
-    /// Number of rows.
+    /// Number of rows in the fit.
     #[getter]
     fn rows(&self) -> usize {
         self.0.rows

@@ -2,7 +2,7 @@
 //!
 //! Names every parameter of modelDescription.xml, once.
 
-use crate::block::restraints::{LinkKind, Tie, Ties, tie};
+use crate::block::restraints::{Tie, Ties};
 use crate::block::{
     Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Restraints, Springs,
     Supports,
@@ -11,6 +11,7 @@ use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 use crate::unit::fmi3_variables::Fmi3Values;
+use crate::unit::links::LINKS;
 use crate::unit::variables::{Choice, Parameter, Text, VARIABLES, Variable, choices};
 
 /// Values of all parameters that the importer sets.
@@ -59,73 +60,6 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
-/// A tie or damper among the variables: its name and its parameters. A damper has no variables of pretension and slack, which are 0.
-pub type LinkVariables = (&'static str, Tie<Option<Variable>>);
-
-/// The ties and dampers among the variables, in the order of their numbers.
-pub const TIES: [LinkVariables; tie::VARIABLES] = [
-    (
-        "tie_1",
-        Tie {
-            block: [Some(Variable::Tie1BlockX), Some(Variable::Tie1BlockZ)],
-            ground: [Some(Variable::Tie1GroundX), Some(Variable::Tie1GroundZ)],
-            stiffness: Some(Variable::Tie1Stiffness),
-            pretension: Some(Variable::Tie1Pretension),
-            slack: Some(Variable::Tie1Slack),
-            damping: Some(Variable::Tie1Damping),
-            strength: Some(Variable::Tie1Strength),
-            yield_force: Some(Variable::Tie1YieldForce),
-            hardening: Some(Variable::Tie1Hardening),
-            kind: LinkKind::Tie,
-        },
-    ),
-    (
-        "tie_2",
-        Tie {
-            block: [Some(Variable::Tie2BlockX), Some(Variable::Tie2BlockZ)],
-            ground: [Some(Variable::Tie2GroundX), Some(Variable::Tie2GroundZ)],
-            stiffness: Some(Variable::Tie2Stiffness),
-            pretension: Some(Variable::Tie2Pretension),
-            slack: Some(Variable::Tie2Slack),
-            damping: Some(Variable::Tie2Damping),
-            strength: Some(Variable::Tie2Strength),
-            yield_force: Some(Variable::Tie2YieldForce),
-            hardening: Some(Variable::Tie2Hardening),
-            kind: LinkKind::Tie,
-        },
-    ),
-    (
-        "damper_1",
-        Tie {
-            block: [Some(Variable::Damper1BlockX), Some(Variable::Damper1BlockZ)],
-            ground: [Some(Variable::Damper1GroundX), Some(Variable::Damper1GroundZ)],
-            stiffness: Some(Variable::Damper1Stiffness),
-            pretension: None,
-            slack: None,
-            damping: Some(Variable::Damper1Damping),
-            strength: Some(Variable::Damper1Strength),
-            yield_force: Some(Variable::Damper1YieldForce),
-            hardening: Some(Variable::Damper1Hardening),
-            kind: LinkKind::Damper,
-        },
-    ),
-    (
-        "damper_2",
-        Tie {
-            block: [Some(Variable::Damper2BlockX), Some(Variable::Damper2BlockZ)],
-            ground: [Some(Variable::Damper2GroundX), Some(Variable::Damper2GroundZ)],
-            stiffness: Some(Variable::Damper2Stiffness),
-            pretension: None,
-            slack: None,
-            damping: Some(Variable::Damper2Damping),
-            strength: Some(Variable::Damper2Strength),
-            yield_force: Some(Variable::Damper2YieldForce),
-            hardening: Some(Variable::Damper2Hardening),
-            kind: LinkKind::Damper,
-        },
-    ),
-];
-
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 
 impl Values {
@@ -146,7 +80,7 @@ impl Values {
             self.block_on_supports()?;
         }
         let ties = self.ties(|variable| self[variable]);
-        for (tie, (name, _)) in ties.iter().zip(TIES) {
+        for (tie, (name, _)) in ties.iter().zip(LINKS) {
             // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
                 name,
@@ -180,8 +114,8 @@ impl Values {
 
     /// Returns the ties up to the last one that has a stiffness, with the parameters from `of`.
     pub fn ties<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
-        let count = TIES.iter().rposition(|(_, tie)| self.is_present(tie)).map_or(0, |last| last + 1);
-        TIES[..count].iter().map(|(_, tie)| tie.map(|variable| variable.map_or(T::from(0.0), &of))).collect()
+        let count = LINKS.iter().rposition(|(_, tie)| self.is_present(tie)).map_or(0, |last| last + 1);
+        LINKS[..count].iter().map(|(_, tie)| tie.map(|variable| variable.map_or(T::from(0.0), &of))).collect()
     }
 
     /// Returns the parameters of the block from `of`.
@@ -292,7 +226,7 @@ impl Values {
     }
 
     fn has_ties(&self) -> bool {
-        TIES.iter().any(|(_, tie)| self.is_present(tie))
+        LINKS.iter().any(|(_, tie)| self.is_present(tie))
     }
 
     /// Whether a tie has a stiffness.

@@ -3,7 +3,8 @@
 use crate::run::outcome::Holds;
 use rocking_block::block::restraints::{LinkKind, Tie, tie};
 use rocking_block::block::{Block, BlockError, Physical, Springs, Supports};
-use rocking_block::unit::values::{TIES, Values};
+use rocking_block::unit::links::LINKS;
+use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 
 /// Slack of a tie over R0, as that of a strap that was tightened by hand.
@@ -126,14 +127,14 @@ impl Change {
 pub(super) fn holds_of_variables(is_positive: impl Fn(Variable) -> bool) -> Holds {
     let is = |variable: Option<Variable>| variable.is_some_and(&is_positive);
     let last = |kind| {
-        let of_kind = TIES.iter().filter(|(_, tie)| tie.kind == kind);
+        let of_kind = LINKS.iter().filter(|(_, tie)| tie.kind == kind);
         (1..).zip(of_kind).filter(|(_, (_, tie))| is(tie.stiffness)).map(|(number, _)| number).last().unwrap_or(0)
     };
     Holds {
         friction: is(Some(Variable::Friction)),
         ties: last(LinkKind::Tie),
         dampers: last(LinkKind::Damper),
-        yields: TIES.iter().any(|(_, tie)| is(tie.yield_force)),
+        yields: LINKS.iter().any(|(_, tie)| is(tie.yield_force)),
     }
 }
 
