@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::output::table::{Series, Values};
-use crate::run::limit::{KnownPeaks, Limit};
+use crate::run::limit::Limit;
 use crate::run::outcome::End;
 
 /// The outcome of a row, relative to a limit.
@@ -107,20 +107,10 @@ impl SweepTable {
         }
         let ends = self.ends()?;
         let known = |name: &str| self.column(name).ok();
-        // A limit on the rotation needs the peaks; for others they only serve the efficiency.
-        let mut peaks = known("peak.theta/alpha");
-        let [mut slips, mut balances, mut half_cycles] = [None; 3];
-        let mut plastic = Vec::new();
-        match limit {
-            Limit::Overturned => (),
-            Limit::Balance => balances = Some(self.over_balance()?),
-            Limit::Rotation(_) => peaks = Some(self.column("peak.theta/alpha")?),
-            Limit::Slip(_) => slips = Some(self.column("peak.slip")?),
-            Limit::Plastic(_) => plastic = self.plastic_elongations()?,
-            Limit::HalfCycles(_) => half_cycles = Some(self.half_cycles()?),
-        }
-        let liftoffs = known("events.liftoffs");
+        let peaks = known("peak.theta/alpha");
         let is_ensemble = self.column("ensemble.samples").is_ok();
+        let limited = if is_ensemble { Vec::new() } else { self.limited(limit)? };
+        let liftoffs = known("events.liftoffs");
         let probabilities = match is_ensemble {
             true => Some(self.column(&format!("P({limit})"))?),
             false => None,
@@ -154,14 +144,10 @@ impl SweepTable {
             if let Some(number) = motion {
                 motions.first[number] = motions.first[number].min(place(row));
             }
-            let of_links = plastic.iter().map(|column| self.number(column, row)).collect::<Result<Vec<_>, _>>()?;
-            let response = KnownPeaks {
-                rotation: peak,
-                over_balance: number(balances, row)?,
-                slip: number(slips, row)?,
-                plastic: of_links.into_iter().flatten().reduce(f64::max),
-                half_cycles: number(half_cycles, row)?,
-            };
+            let mut response = None;
+            for column in &limited {
+                response = self.number(column, row)?.into_iter().chain(response).reduce(f64::max);
+            }
             let fraction = match is_ensemble {
                 // Empty if no sample is known.
                 true => number(probabilities, row)?,

@@ -216,22 +216,22 @@ impl SweepTable {
         }
     }
 
-    /// The peak rotations over the balance angles of their sides; without ties, even blocks have them in `peak.theta/alpha`.
-    pub(super) fn over_balance(&self) -> Result<&Series, SweepTableError> {
+    /// The columns whose greatest value a limit refers to.
+    pub(super) fn limited(&self, limit: Limit) -> Result<Vec<&Series>, SweepTableError> {
+        let all_of = |is_one: fn(&str) -> bool, expected: &str| -> Result<Vec<&Series>, SweepTableError> {
+            let found: Vec<_> = self.table.columns().iter().filter(|column| is_one(&column.heading.name)).collect();
+            if found.is_empty() { self.column(expected).map(|column| vec![column]) } else { Ok(found) }
+        };
+        // Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
-        self.column(if is_even { "peak.theta/alpha" } else { OVER_BALANCE })
-    }
-
-    /// The peaks of the plastic elongations of ties and dampers.
-    pub(super) fn plastic_elongations(&self) -> Result<Vec<&Series>, SweepTableError> {
-        let found: Vec<_> = self.table.columns().iter().filter(|column| is_plastic(&column.heading.name)).collect();
-        if found.is_empty() { self.column("peak.damper_1.plastic").map(|column| vec![column]) } else { Ok(found) }
-    }
-
-    /// The half cycles of plastic elongations.
-    pub(super) fn half_cycles(&self) -> Result<&Series, SweepTableError> {
-        let found = self.table.columns().iter().find(|column| column.heading.name.starts_with(fatigue::COLUMN));
-        found.map_or_else(|| self.column(fatigue::COLUMN), Ok)
+        match limit {
+            Limit::Overturned => Ok(Vec::new()),
+            Limit::Balance if !is_even => self.column(OVER_BALANCE).map(|column| vec![column]),
+            Limit::Balance | Limit::Rotation(_) => self.column("peak.theta/alpha").map(|column| vec![column]),
+            Limit::Slip(_) => self.column("peak.slip").map(|column| vec![column]),
+            Limit::Plastic(_) => all_of(is_plastic, "peak.damper_1.plastic"),
+            Limit::HalfCycles(_) => all_of(|name| name.starts_with(fatigue::COLUMN), fatigue::COLUMN),
+        }
     }
 
     /// The usual limit: overturning, or the balance of blocks with ties, which may hold a block beyond it at rest or in motion.

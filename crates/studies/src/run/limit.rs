@@ -21,32 +21,23 @@ pub enum Limit {
     HalfCycles(f64),
 }
 
-/// The peaks of a run that limits refer to, as far as they are known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct KnownPeaks {
-    /// Of the rotation |θ|/α (1).
-    pub rotation: Option<f64>,
-    /// Of the rotation over the balance angle of its side (1).
-    pub over_balance: Option<f64>,
-    /// Of the slip (m).
-    pub slip: Option<f64>,
-    /// Of the plastic elongations of all ties and dampers (m).
-    pub plastic: Option<f64>,
-    /// The greatest number of half cycles of any tie or damper.
-    pub half_cycles: Option<f64>,
-}
-
 impl Limit {
+    /// The value that the response exceeds; `None` for overturning.
+    fn threshold(self) -> Option<f64> {
+        match self {
+            Limit::Overturned => None,
+            Limit::Balance => Some(1.0),
+            Limit::Rotation(limit) | Limit::Slip(limit) | Limit::Plastic(limit) | Limit::HalfCycles(limit) => {
+                Some(limit)
+            }
+        }
+    }
+
     /// Whether a run exceeds the limit, or `None` if that is unknown: the run failed, or it ended before the limit and its motion goes on.
-    pub fn verdict(self, end: End, response: KnownPeaks) -> Option<bool> {
-        let beyond = match self {
-            Limit::Overturned => false,
-            Limit::Balance => response.over_balance.is_some_and(|over| over > 1.0),
-            Limit::Rotation(limit) => response.rotation.is_some_and(|rotation| rotation > limit),
-            Limit::Slip(limit) => response.slip.is_some_and(|slip| slip > limit),
-            Limit::Plastic(limit) => response.plastic.is_some_and(|plastic| plastic > limit),
-            Limit::HalfCycles(limit) => response.half_cycles.is_some_and(|count| count > limit),
-        };
+    ///
+    /// `response` is the greatest value of the limit's quantity, for [`Limit::Balance`] of |θ| over the balance of its side, if it is known.
+    pub fn verdict(self, end: End, response: Option<f64>) -> Option<bool> {
+        let beyond = self.threshold().zip(response).is_some_and(|(limit, response)| response > limit);
         match end {
             End::Overturned => Some(true),
             End::Completed => Some(beyond),
@@ -80,17 +71,16 @@ impl FromStr for Limit {
             "balance" => return Ok(Limit::Balance),
             _ => (),
         }
-        let named: [(&str, fn(f64) -> Limit); 4] = [
-            ("theta/alpha", Limit::Rotation),
-            ("slip", Limit::Slip),
-            ("plastic", Limit::Plastic),
-            ("half_cycles", Limit::HalfCycles),
-        ];
-        let of = |name: &str| lower.strip_prefix(name)?.strip_prefix([':', '>']);
-        let found = named.into_iter().find_map(|(name, kind)| Some((kind, of(name)?)));
-        let (kind, number) = found.unwrap_or((Limit::Rotation, &lower));
+        let (quantity, number) = lower.split_once([':', '>']).unwrap_or(("theta/alpha", &lower));
         let limit = number.parse().ok().filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
-        limit.map(kind).ok_or_else(|| {
+        let found = limit.and_then(|limit| match quantity {
+            "theta/alpha" => Some(Limit::Rotation(limit)),
+            "slip" => Some(Limit::Slip(limit)),
+            "plastic" => Some(Limit::Plastic(limit)),
+            "half_cycles" => Some(Limit::HalfCycles(limit)),
+            _ => None,
+        });
+        found.ok_or_else(|| {
             format!(
                 "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, one in metres for the slip, as in \
                  slip:0.1, or for the plastic elongation of ties and dampers, as in plastic:0.02, or one for their half cycles, as in \
@@ -106,10 +96,7 @@ mod tests {
 
     #[test]
     fn a_run_that_ends_before_the_limit_and_the_motion_has_no_verdict() {
-        let verdicts = |limit: Limit, rotation: f64| {
-            let response = KnownPeaks { rotation: Some(rotation), ..KnownPeaks::default() };
-            End::ALL.map(|end| limit.verdict(end, response))
-        };
+        let verdicts = |limit: Limit, rotation: f64| End::ALL.map(|end| limit.verdict(end, Some(rotation)));
         let [no, yes] = [false, true].map(Some);
         // Completed, overturned, separated, undecided, failed.
         assert_eq!(verdicts(Limit::Overturned, 2.0), [no, yes, None, None, None]);

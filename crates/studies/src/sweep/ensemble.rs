@@ -8,7 +8,7 @@ use toml::de::DeTable;
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::output::table::TableColumn;
-use crate::run::limit::{KnownPeaks, Limit};
+use crate::run::limit::Limit;
 use crate::run::outcome::{End, Outcome};
 use crate::spec::study::SpreadTable;
 use crate::statistics::normal;
@@ -140,10 +140,16 @@ impl Ensemble {
 
 /// Whether a sample, with the slenderness of its block (rad), exceeds a limit.
 fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
-    let (Peaks { theta, slip, plastic, .. }, over_balance) = (outcome.peaks, Some(outcome.lean.over_balance));
-    let plastic = plastic.into_iter().reduce(f64::max);
-    let (rotation, slip, half_cycles) = (Some(theta / alpha), Some(slip), None);
-    limit.verdict(outcome.end, KnownPeaks { rotation, over_balance, slip, plastic, half_cycles })
+    let Peaks { theta, slip, plastic, .. } = outcome.peaks;
+    let response = match limit {
+        // Half cycles are counted in the run of the row only.
+        Limit::Overturned | Limit::HalfCycles(_) => None,
+        Limit::Balance => Some(outcome.lean.over_balance),
+        Limit::Rotation(_) => Some(theta / alpha),
+        Limit::Slip(_) => Some(slip),
+        Limit::Plastic(_) => plastic.into_iter().reduce(f64::max),
+    };
+    limit.verdict(outcome.end, response)
 }
 
 /// Keys other than parameters.

@@ -74,13 +74,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         }
     }
     check_ensemble(&study, source, ensemble.as_ref(), without_records, &strengths)?;
-    let friction_demand = study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?;
-    let half_cycles = study.number("half_cycles", |x| x > 0.0, "an amplitude > 0 m")?;
-    for key in ["friction_demand", "half_cycles"] {
-        if let (Strengths::Least(..), Some(value)) = (&strengths, study.get(key)) {
-            return Err(study.wrong(key, value, "none beside least, which makes many runs per row"));
-        }
-    }
+    let [friction_demand, half_cycles] = of_one_run(&study, &strengths)?;
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let parameters =
         given.iter().map(|g| SweptParameter { parameter: g.parameter, values: g.values.clone() }).collect();
@@ -109,12 +103,22 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         remarks,
     };
     check(&sweep, &given, &study, source)?;
-    if let (false, Some(value)) = (sweep.holds().yields, study.get("half_cycles")) {
-        return Err(study.wrong("half_cycles", value, "none without a tie or damper with yield_force"));
-    }
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts()).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)
+}
+
+/// Reads the quantities of single runs: the coefficient of friction and the amplitude of half cycles.
+fn of_one_run(study: &Section, strengths: &Strengths) -> Result<[Option<f64>; 2], StudyFileError> {
+    for key in ["friction_demand", "half_cycles"] {
+        if let (Strengths::Least(..), Some(value)) = (strengths, study.get(key)) {
+            return Err(study.wrong(key, value, "none beside least, which makes many runs per row"));
+        }
+    }
+    Ok([
+        study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?,
+        study.number("half_cycles", |x| x > 0.0, "an amplitude > 0 m")?,
+    ])
 }
 
 /// Checks that a building has records to shake it, and that a measure of floors has a building.
@@ -303,6 +307,9 @@ fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: Study
         })
     };
     let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());
+    if let (false, Some(value)) = (sweep.holds().yields, study.get("half_cycles")) {
+        return Err(study.wrong("half_cycles", value, "none without a tie or damper with yield_force"));
+    }
     let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
     let combinations = sweep.combinations();
     let rows = combinations.and_then(|count| count.checked_mul(per_combination)).filter(|rows| *rows <= MAX_ROWS);
