@@ -5,7 +5,7 @@
 //! | [`variables`] | modelDescription.xml → a table of variables |
 //! | [`fmi3_variables`] | values of the parameters that exist only in FMI 3.0 |
 //! | [`inputs`] | the variables of inputs ↔ ramps |
-//! | [`links`] | a tie or damper of the FMU → the variables of its parameters |
+//! | [`links`] | a restraint of the FMU → the variables of its parameters |
 //! | [`values`] | values of parameters → block, pulse, settings |
 //! | [`records`] | files or arrays of samples → the FMU's own ground motion |
 //! | [`derived`] | a calculated parameter → the source of its value |
