@@ -27,6 +27,10 @@ VARIANTS = [
     {"study": {"design": "grid", "hunt": {"im": "PGV", "first": 1.0}}},
     {"study": {"design": "grid", "least": {"im": "PGV", "from": 1.0, "to": 2.0, "points": 3, "resolution": 0.5}}},
     {"study": {"design": "grid", "scales": [1.0], "ensemble": {"samples": 2, "seed": 1, "scale": 0.1, "alpha": 0.1}}},
+    {
+        "study": {"design": "grid", "scales": [1.0], "half_cycles": 0.01},
+        "parameters": {"foundation": "rigid", "mass": 1000.0, "damper_1": {"ground_z": -1.0, "stiffness": 1e5, "yield_force": 1e3}},
+    },
     {"parameters": {"alpha": {"from": 0.1, "to": 0.2, "count": 2}}},
     {"building": {"floor_masses": [1e5, 1e5], "storey_stiffnesses": [1e8, 1e8], "rayleigh": {"damping": 0.05, "modes": [1, 2]}}},
     {"assess": {"title": "Block", "hazard": {"file": str(ROOT / "examples/hazard.csv")}}},
