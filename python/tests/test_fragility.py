@@ -200,7 +200,7 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     [
         ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
         ({"im": "outcome"}, "column 'outcome' has .*; expected numbers"),
-        ({"limit": -1}, 'limit = -1; expected "overturned", "balance", a rotation .* > 0, or a slip'),
+        ({"limit": -1}, 'limit = -1; expected "overturned", "balance", a rotation .* > 0, in metres "slip'),
         ({"limit": float("nan")}, 'limit = nan; expected "overturned", "balance", a rotation'),
         ({"limit": 0.5, "table": {"PGV": [1.0], "outcome": ["completed"]}}, "there is no column 'peak.theta/alpha'"),
         ({"table": {"PGV": [1.0, 2.0], "outcome": ["overturned", "fell"]}}, 'outcome = .*fell.* in row 1; expected one of "completed"'),
