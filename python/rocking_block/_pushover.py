@@ -45,8 +45,8 @@ class Cycle:
     """Equivalent viscous damping ratio of yielding alone [1]: `E_D/(2π M_A A)`, with the energy E_D lost in a cycle of amplitude A and the mean M_A
     of the moments at its ends (Jacobsen 1930). Landings take energy beside it. NaN where the moments do not resist."""
     recentring_ratio: float
-    """Moment of weight, supports and ties over that of the dampers at the amplitude [1]; infinite without dampers. Above 1 the block
-    returns upright."""
+    """Moment of weight, supports and ties over that of the dampers at the amplitude [1]; infinite without dampers. Above 1 a lifted
+    corner lands again; on supports `residual_theta` may remain."""
     residual_theta: float
     """Greatest rotation left when the lateral force is taken away slowly after the amplitude [rad]."""
 

@@ -20,7 +20,7 @@ use std::f64::consts::FRAC_PI_2;
 use rocking_block::block::restraints::{self, LinkKind, RestraintEvent};
 use rocking_block::block::{Block, Corner};
 use statics::Equilibrium;
-use walk::{ROUNDING, Stopped, Walk};
+use walk::{ROUNDING, Walk};
 
 /// A slow rotation of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,7 @@ pub enum PushoverError {
 }
 
 /// Greatest number of steps.
-pub const MAX_POINTS: u32 = 1_000_000;
+pub const MAX_POINTS: u32 = 100_000;
 
 /// What happens at a landmark.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +156,8 @@ pub struct Cycle {
     pub equivalent_damping: f64,
     /// Recentring ratio λ at the amplitude (1): the moment of weight, supports and ties over that of the dampers. Infinite without dampers.
     ///
-    /// A block with λ above 1 returns to its upright position. NZS 3101:2006, appendix B, has λ ≥ 1.15 for hybrid walls.
+    /// With λ above 1 a lifted corner lands again; on supports a rotation in full contact may remain. NZS 3101:2006, appendix B, asks for at
+    /// least the overstrength of the dampers, 1.15 or more.
     pub recentring: f64,
     /// Greatest rotation left when the lateral force is taken away slowly after the amplitude (rad).
     pub residual: f64,
@@ -181,7 +182,7 @@ impl Pushover {
         let end = to.unwrap_or_else(|| block.alpha_of(over));
         let (mut rows, mut landmarks) = (Vec::new(), Vec::new());
         let mut walk = Walk::new(block, sign, true, &mut rows, &mut landmarks)?;
-        if walk.to(sign * end, end / f64::from(points))? == Stopped::AtTarget {
+        if walk.to(sign * end, end / f64::from(points))? {
             walk.end();
         }
         let peak =
@@ -208,7 +209,7 @@ impl Cycle {
             if ends.len() == 3 {
                 lost_before = walk.lost;
             }
-            if walk.to(turn * sign * amplitude, step)? == Stopped::Early {
+            if !walk.to(turn * sign * amplitude, step)? {
                 let theta = walk.at().theta;
                 return Err(PushoverError::Amplitude { amplitude, theta, reason: walk.reason() });
             }

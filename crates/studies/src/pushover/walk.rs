@@ -27,15 +27,6 @@ enum Watched {
     Force,
 }
 
-/// The end of a path before its target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stopped {
-    /// The target is reached.
-    AtTarget,
-    /// No lateral force holds the block any more: the balance, lost contact, or sliding.
-    Early,
-}
-
 /// The block on its way along a path of rotations.
 pub(super) struct Walk<'a> {
     block: Block,
@@ -118,7 +109,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Records the balance, where the force is zero but for round-off.
+    /// Records the balance, with a force of exactly zero.
     fn record_balance(&mut self) {
         let at = Equilibrium { force: 0.0, moment: 0.0, ..self.at };
         self.landmarks.push(Landmark { kind: LandmarkKind::Balance, at });
@@ -129,7 +120,9 @@ impl<'a> Walk<'a> {
     }
 
     /// Walks to a rotation in steps of at most this length (rad).
-    pub fn to(&mut self, target: f64, step: f64) -> Result<Stopped, PushoverError> {
+    ///
+    /// Returns whether it gets there: not beyond the balance, nor where the block slides or leaves the ground.
+    pub fn to(&mut self, target: f64, step: f64) -> Result<bool, PushoverError> {
         let direction = if target >= self.at.theta { 1.0 } else { -1.0 };
         if direction != self.direction {
             self.direction = direction;
@@ -141,7 +134,7 @@ impl<'a> Walk<'a> {
             let Some((watched, next)) = self.first_fall(step.min(left))? else {
                 if left <= step {
                     self.commit(target)?;
-                    return Ok(Stopped::AtTarget);
+                    return Ok(true);
                 }
                 self.commit(from + step * direction)?;
                 continue;
@@ -153,8 +146,8 @@ impl<'a> Walk<'a> {
             if next != from {
                 self.commit(next)?;
             }
-            if self.pass(watched)? == Stopped::Early {
-                return Ok(Stopped::Early);
+            if !self.pass(watched)? {
+                return Ok(false);
             }
         }
     }
@@ -264,13 +257,13 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Passes an event at the present rotation.
-    fn pass(&mut self, watched: Watched) -> Result<Stopped, PushoverError> {
+    /// Passes an event at the present rotation; returns whether the path continues.
+    fn pass(&mut self, watched: Watched) -> Result<bool, PushoverError> {
         match watched {
             Watched::Load(corner) => {
                 if self.stretch.regime.pivot() == Some(corner) {
                     self.record(LandmarkKind::Separation);
-                    return Ok(Stopped::Early);
+                    return Ok(false);
                 }
                 self.stand(Regime::on(corner.other()));
                 self.record(LandmarkKind::LiftOff(corner));
@@ -280,7 +273,7 @@ impl<'a> Walk<'a> {
                     self.stand(Regime::FullContact);
                     self.record(LandmarkKind::Landing(corner));
                 }
-                Foundation::Rigid => return self.pivot().map(|()| Stopped::AtTarget),
+                Foundation::Rigid => return self.pivot().map(|()| true),
             },
             Watched::Restraint(function) => {
                 let kinematics = self.at.kinematics;
@@ -290,19 +283,19 @@ impl<'a> Walk<'a> {
             }
             Watched::Grip => {
                 self.record(LandmarkKind::Slides);
-                return Ok(Stopped::Early);
+                return Ok(false);
             }
             Watched::Growth => {
                 self.grew = false;
-                return Ok(Stopped::AtTarget);
+                return Ok(true);
             }
             Watched::Force => {
                 self.record_balance();
-                return Ok(Stopped::Early);
+                return Ok(false);
             }
         }
         self.resume()?;
-        Ok(Stopped::AtTarget)
+        Ok(true)
     }
 
     /// Changes the corners in contact; the block keeps its horizontal place.

@@ -29,50 +29,45 @@ fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f
     (rows, stops)
 }
 
-/// A free motion ends at rest, with the forces that dampers lock in, long before the greatest time of the stopping rule.
-#[test]
-fn a_block_whose_dampers_have_yielded_comes_to_rest() {
-    for supports in [Supports::HOUSNER, Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 })] {
-        let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
-        let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
-        let (b, weight) = (block.b, block.mass * block.gravity);
-        let links = [-1.0, 1.0].map(|side| Tie {
-            block: [side * b, 0.0],
-            ground: [side * b, -b],
-            stiffness: 3.0 * weight / b,
-            yield_force: 0.05 * weight,
-            hardening: 0.1,
-            kind: LinkKind::Damper,
-            ..Tie::default()
-        });
-        let at_rest = Run::at_rest(block.with_ties(&links).unwrap(), Settings::default());
-        let run = Run { initial: Initial { theta: 0.1, ..Initial::default() }, ..at_rest };
-        let outcome = run.outcome();
-        assert!(outcome.end == End::Completed && outcome.end_time < 60.0, "{outcome:?}");
-        let mut simulation = run.begin();
-        simulation.advance(outcome.end_time, &Inputs::default(), &mut |_| ()).unwrap();
-        let [left, right, ..] = simulation.plastic_elongations();
-        assert!(left.abs() + right.abs() > 1e-4 * b && stopping_rule::is_at_rest(&simulation), "{left} {right}");
-    }
-}
-
-/// Half cycles counted at events are those between the turning points of a fine history, whatever the stops.
-#[test]
-fn half_cycles_lie_between_the_turning_points_of_the_history() {
-    let supports = Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 });
+/// Returns the run at rest of a block with a damper under each corner, of this stiffness (M g/b), yield force (M g) and hardening.
+fn with_dampers(supports: Supports<Ratios>, [stiffness, yield_force, hardening]: [f64; 3]) -> Run {
     let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
     let (b, weight) = (block.b, block.mass * block.gravity);
     let links = [-1.0, 1.0].map(|side| Tie {
         block: [side * b, 0.0],
         ground: [side * b, -b],
-        stiffness: 20.0 * weight / b,
-        yield_force: 0.05 * weight,
-        hardening: 0.05,
+        stiffness: stiffness * weight / b,
+        yield_force: yield_force * weight,
+        hardening,
         kind: LinkKind::Damper,
         ..Tie::default()
     });
-    let at_rest = Run::at_rest(block.with_ties(&links).unwrap(), Settings::default());
+    Run::at_rest(block.with_ties(&links).unwrap(), Settings::default())
+}
+
+/// A free motion ends at rest, with the forces that dampers lock in, long before the greatest time of the stopping rule.
+#[test]
+fn a_block_whose_dampers_have_yielded_comes_to_rest() {
+    for supports in [Supports::HOUSNER, Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 })] {
+        let at_rest = with_dampers(supports, [3.0, 0.05, 0.1]);
+        let run = Run { initial: Initial { theta: 0.1, ..Initial::default() }, ..at_rest };
+        let outcome = run.outcome();
+        assert!(outcome.end == End::Completed && outcome.end_time < 60.0, "{outcome:?}");
+        let mut simulation = run.begin();
+        simulation.advance(outcome.end_time, &Inputs::default(), &mut |_| ()).unwrap();
+        let [left, right, ..] = simulation.plastic_elongations();
+        assert!(
+            left.abs() + right.abs() > 1e-4 * run.block.b && stopping_rule::is_at_rest(&simulation),
+            "{left} {right}"
+        );
+    }
+}
+
+/// Half cycles counted at events are those between the turning points of a fine history, whatever the stops.
+#[test]
+fn half_cycles_lie_between_the_turning_points_of_the_history() {
+    let at_rest = with_dampers(Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }), [20.0, 0.05, 0.05]);
     let initial = Initial { theta: 0.12, ..Initial::default() };
     let run = Run { initial, duration: Some(12.0), output_step: 1e-3, ..at_rest };
     let history = run.history(|_| ()).unwrap();
