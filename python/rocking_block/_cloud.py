@@ -156,9 +156,9 @@ def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[st
     ...         "outcome": ["completed"] * 5 + ["overturned"]}
     >>> found = rb.cloud(rb.Table(rows, {"PGV": "m/s"}), "PGV")
     >>> found
-    <Cloud over PGV [m/s]: |θ|/α = 0.9818 IM^0.981, beta 0.0658 of 5 runs; 1 of 6 overturn>
+    <Cloud over PGV [m/s]: |θ|/α = 0.9765 IM^0.978, beta 0.0657 of 5 runs; 1 of 6 overturn>
     >>> found.curve([0.2, 0.4, 0.8], limit=0.4).round(3)
-    array([0.   , 0.469, 1.   ])
+    array([0.   , 0.476, 1.   ])
     """
     table, im = _runs(table, im)
     outcome, measure, peak = outcomes_of(table), numbers(table, im), numbers(table, "peak.theta/alpha")

@@ -100,7 +100,7 @@ class Tie(_Link):
     --------
     >>> import rocking_block as rb
     >>> guy = rb.Tie(block_z=3.0, ground_x=4.0, stiffness=2e5, slack=0.01)
-    >>> rb.Block(ties=[guy]).ties[0].ground_x
+    >>> rb.Block(mass=5000, ties=[guy]).ties[0].ground_x
     4.0
     """
 

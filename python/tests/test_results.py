@@ -1,13 +1,8 @@
-"""Frames, files and pictures of results, examples in docstrings, and types."""
+"""Frames, files and pictures of results."""
 
-import doctest
-import importlib
-import inspect
 import math
 import pickle
-import subprocess
 import sys
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -16,7 +11,6 @@ import pytest
 import rocking_block as rb
 
 PULSE = rb.Pulse("one-sine", 6.0, 1.25)
-PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def test_a_run_becomes_a_frame(record):
@@ -265,67 +259,10 @@ def test_notebooks_show_results_as_tables(record):
     assert "<th>PGV [m/s]</th>" in hazard and hazard.count("<tr>") == 11 and "<td>0.01</td><td>100</td>" in hazard
 
 
-def test_signatures_in_help_are_short():
-    """`Union[numpy._typing…]` of expanded aliases filled screens."""
-    for name, value in public():
-        if callable(value):
-            text = str(inspect.signature(value))
-            assert len(text) < 1000 and "numpy._typing" not in text and "Union[" not in text, (name, text)
-    assert "p: 'npt.ArrayLike'" in str(inspect.signature(rb.spectrum))
-
-
 def test_what_is_not_installed_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ModuleNotFoundError, match="to_frame needs pandas; python -m pip install pandas"):
         rb.Block().run(theta=0.1, duration=0.1).to_frame()
-
-
-def public():
-    for name in rb.__all__:
-        value = getattr(rb, name)
-        yield name, value
-        if inspect.isclass(value):
-            yield from ((f"{name}.{member}", getattr(value, member)) for member in vars(value) if member[0] != "_")
-
-
-@pytest.mark.parametrize("name", [name for name, _ in public()])
-def test_everything_public_is_documented(name):
-    value = dict(public())[name]
-    if callable(value) or isinstance(value, property):
-        assert inspect.getdoc(value)
-
-
-def test_the_examples_in_docstrings_hold():
-    found = doctest.DocTestFinder()
-    modules = ["_block", "_fmu", "foundations", "_fragility", "_pulse", "_rate", "_record", "_run", "_search", "_studies", "_table", "_toml"]
-    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
-    for name in modules:
-        for test in found.find(importlib.import_module(f"rocking_block.{name}")):
-            runner.run(test)
-    assert runner.failures == 0 and runner.tries > 30
-
-
-def check(*command, cwd=PACKAGE):
-    result = subprocess.run([sys.executable, "-m", *command], capture_output=True, text=True, cwd=cwd)
-    assert result.returncode == 0, result.stdout + result.stderr
-
-
-@pytest.mark.check
-def test_mypy_finds_the_package_and_its_use_well_typed():
-    pytest.importorskip("mypy")
-    check("mypy", "--strict", "rocking_block", "tests/usage.py")
-
-
-@pytest.mark.check
-def test_pyright_finds_the_package_and_its_use_well_typed():
-    pytest.importorskip("pyright")
-    check("pyright", "--pythonpath", sys.executable, "rocking_block", "tests/usage.py")
-
-
-@pytest.mark.check
-def test_the_compiled_part_is_as_its_types_say(tmp_path):
-    pytest.importorskip("mypy")
-    check("mypy.stubtest", "--ignore-missing-stub", "rocking_block._engine", cwd=tmp_path)
 
 
 def test_a_duration_that_is_too_short_leaves_a_run_undecided(record):

@@ -100,6 +100,8 @@ mod tests {
         let [no, yes] = [false, true].map(Some);
         // Completed, overturned, separated, undecided, failed.
         assert_eq!(verdicts(Limit::Overturned, 2.0), [no, yes, None, None, None]);
+        assert_eq!(verdicts(Limit::Balance, 1.1), [yes, yes, yes, yes, None]);
+        assert_eq!(verdicts(Limit::Balance, 1.0), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.4), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.6), [yes, yes, yes, yes, None]);
     }
