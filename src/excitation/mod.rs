@@ -78,22 +78,37 @@ impl Inputs {
     }
 
     /// Returns the inputs with another reference time.
+    #[inline]
     pub fn moved_to(&self, time: f64) -> Inputs {
-        let elapsed = time - self.time;
-        Inputs { time, ..self.with(self, |ramp, _| ramp.moved(elapsed)) }
+        let mut moved = *self;
+        moved.move_to(time);
+        moved
     }
 
     /// Gives the inputs another reference time.
     #[inline]
     pub fn move_to(&mut self, time: f64) {
         if time != self.time {
-            *self = self.moved_to(time);
+            let elapsed = time - self.time;
+            for ramp in self.ramps() {
+                *ramp = ramp.moved(elapsed);
+            }
+            self.time = time;
         }
     }
 
-    /// Returns the values at the reference time, held constant.
-    pub fn held(&self) -> Inputs {
-        self.with(self, |ramp, _| Ramp::held(ramp.value))
+    /// Holds the inputs constant at their values at the reference time.
+    #[inline]
+    pub fn hold(&mut self) {
+        for ramp in self.ramps() {
+            *ramp = Ramp::held(ramp.value);
+        }
+    }
+
+    #[inline(always)]
+    fn ramps(&mut self) -> [&mut Ramp; 5] {
+        let Inputs { time: _, a_gx, a_gz, f_x, f_z, m_y } = self;
+        [a_gx, a_gz, f_x, f_z, m_y]
     }
 
     /// Returns the line from these values to those of `end`, each at its reference time.

@@ -105,8 +105,12 @@ impl Simulation {
     }
 
     /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
+    #[inline]
     pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        self.apply_pending(inputs, observer, |_| ()).map(|_| ())
+        if self.pending.is_some() {
+            self.apply_pending(inputs, observer, |_| ())?;
+        }
+        Ok(())
     }
 
     /// Applies the event at which a step has ended, as [`Simulation::settle`] does, and returns the rates right after it, if there is one.

@@ -135,13 +135,9 @@ impl Simulation {
             input.spend(budget, self.pose.time, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
-            let made;
             let swing = match known.take() {
                 Some(known) => known,
-                None => {
-                    made = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
-                    &made
-                }
+                None => &Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed),
             };
             if let Some(place) = input.swing {
                 place.set(Some(*swing));

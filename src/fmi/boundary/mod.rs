@@ -57,6 +57,7 @@ struct Turn<'a> {
 
 impl Turn<'_> {
     /// Takes the turn, or returns `None` if it is in none of the states `from`.
+    #[inline]
     fn take<'a>(turn: &'a AtomicU8, from: &[u8]) -> Option<Turn<'a>> {
         let taken = |&after: &u8| turn.compare_exchange(after, BUSY, Ordering::Acquire, Ordering::Relaxed).ok();
         from.iter().find_map(taken).map(|after| Turn { turn, after })

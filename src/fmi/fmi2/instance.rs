@@ -31,6 +31,7 @@ impl Instance {
     }
 
     /// `fmi2DoStep`. Allocates no memory unless it fails.
+    #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
         let log = &self.log;
         let progress = self.unit.advance(time, step, &mut |event| {
@@ -83,6 +84,7 @@ impl Instance {
     }
 
     /// `fmi2SetRealInputDerivatives`, order 1 only.
+    #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         self.unit.set_input_derivatives(references, orders, values)?;
         Ok(Status::Ok)

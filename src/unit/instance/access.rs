@@ -54,6 +54,7 @@ impl Unit {
         Ok(())
     }
 
+    #[inline]
     fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
         let Metadata { name, causality, variability, role, .. } = metadata;
         if let Role::Output(output) = *role

@@ -203,13 +203,14 @@ impl Unit {
     /// Advances by `step` (s) from `time` (s), the present time up to a master's rounding, and reports each event.
     ///
     /// Allocates no memory unless it fails.
+    #[inline]
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
         let present = self.time();
         let until = self.begin_step(time, step)?;
         self.inputs.move_to(present);
         self.inputs.time = time;
         if !self.rates_are_new {
-            self.inputs = self.inputs.held();
+            self.inputs.hold();
         }
         let (progress, _) = self.advance_by_intervals(until, |simulation, until, acting| {
             simulation.advance(until, acting, observer).map(|progress| (progress, false))
@@ -260,10 +261,13 @@ impl Unit {
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
-        *observed = ObservationCache::default();
+        (*acting, *observed) = (None, ObservationCache::default());
         let mut piece = (!ground.is_empty()).then(|| ground.piece_at(simulation.time()));
         let (progress, stopped) = loop {
-            let acting = acting.insert(piece.as_ref().map_or(*inputs, |piece| piece.inputs.plus(inputs)));
+            let acting = match &piece {
+                Some(piece) => &*acting.insert(piece.inputs.plus(inputs)),
+                None => &*inputs,
+            };
             let end = piece.as_ref().map_or(until, |piece| piece.end.min(until));
             match (advance(simulation, end, acting), &mut piece) {
                 (Ok((Progress::Reached, false)), Some(piece)) if end < until => ground.next_interval(piece),
@@ -296,7 +300,7 @@ impl Unit {
     fn begin_inputs(&mut self) {
         self.inputs.move_to(self.time());
         if self.at_end.take().is_some() {
-            self.inputs = self.inputs.held();
+            self.inputs.hold();
         }
     }
 

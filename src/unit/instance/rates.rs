@@ -10,6 +10,7 @@ use crate::unit::variables::{Kind, Metadata, Role};
 
 impl Unit {
     /// Sets the time derivatives of inputs over the next step. The order is 1.
+    #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let (_, metadata) = input(reference, "has set derivatives")?;
@@ -20,7 +21,7 @@ impl Unit {
         }
         self.begin_inputs();
         if !std::mem::replace(&mut self.rates_are_new, true) {
-            self.inputs = self.inputs.held();
+            self.inputs.hold();
         }
         for (&reference, &value) in references.iter().zip(values) {
             if let Some(Metadata { role: Role::Input(input), .. }) = Metadata::of(reference) {
