@@ -198,8 +198,13 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
         flags.push(folder);
         flags.push(format!("=/{name}"));
     }
-    if variable("TARGET")?.ends_with("-windows-gnu") {
+    let target = variable("TARGET")?;
+    if target.ends_with("-windows-gnu") {
         flags.push("\u{1f}-Clink-arg=-Wl,--no-insert-timestamp");
+    }
+    // With musl Rust links the C library statically by default, and makes no shared libraries then.
+    if target.ends_with("-musl") {
+        flags.push("\u{1f}-Ctarget-feature=-crt-static");
     }
     Ok(flags)
 }
