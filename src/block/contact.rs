@@ -71,7 +71,7 @@ impl Regime {
         }
     }
 
-    /// Returns the number of the regime in the paper and the FMU: −1, 0, 1 or 2.
+    /// Returns the regime's number in the paper and the FMU: −1, 0, 1 or 2.
     pub fn number(self) -> i32 {
         self as i32
     }
@@ -88,7 +88,7 @@ impl std::fmt::Display for Regime {
     }
 }
 
-/// The slide of the standing corner while the other one is held and the middle of the base slides.
+/// The slide of the standing corner while the other is held and the base slides.
 ///
 /// The velocities of both points differ by `b sin θ θ̇`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -104,8 +104,8 @@ pub enum StandingSlide {
 pub enum Contact<T = f64> {
     /// Standing on its support, or on the rigid base.
     Bearing,
-    /// On its support without load, while the support creeps to its free height: full contact would lift the corner, and the regime
-    /// without it would press it back. See docs/model.md.
+    /// On its support without load, while the support creeps to its free height. Full contact would lift the corner, and the regime without
+    /// it would press it back. See docs/model.md.
     Held(Creep<T>, StandingSlide),
     /// Off its support, which creeps back to its free height.
     Lifted(Creep<T>),
@@ -132,7 +132,7 @@ impl<T: Elementary> Contacts<T> {
     /// Both corners bear.
     pub const FULL: Contacts<T> = Contacts([Contact::Bearing; 2]);
 
-    /// Returns contacts in which these corners bear; the supports of the others are at their free height.
+    /// Returns contacts in which these corners bear. The supports of the others are at their free height.
     pub fn touching(touching: [bool; 2], time: T) -> Contacts<T> {
         let free = Contact::Lifted(Creep { depth: T::from(0.0), since: time });
         Contacts(touching.map(|touches| if touches { Contact::Bearing } else { free }))
@@ -193,7 +193,7 @@ impl<T: Elementary> Contacts<T> {
         }
     }
 
-    /// Returns the height of a support's top above its position at rest (m), and its rate (m/s). Both are zero if the corner bears.
+    /// Returns the height of a support's top above rest (m), and its rate (m/s). Both are zero if the corner bears.
     #[inline]
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match self.of(corner) {

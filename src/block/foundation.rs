@@ -16,7 +16,7 @@ pub enum Foundation {
     Rigid = 2,
 }
 
-/// What carries the block, with its parameters: supports given as `V`, [`Ratios`] or [`Springs`], or a rigid base.
+/// The foundation with its parameters: supports `V`, as [`Ratios`] or [`Springs`], or a rigid base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Supports<V, T = f64> {
     /// A vertical Kelvin–Voigt support under each corner.
@@ -84,7 +84,7 @@ impl<V, T> Supports<V, T> {
         }
     }
 
-    /// The same foundation with the parameters of its supports from `of_supports` and the factor from `of_factor`.
+    /// Converts the parameters of the supports by `of_supports`, and a rigid base's factor by `of_factor`.
     pub fn map<W, U>(self, of_supports: impl FnOnce(V) -> W, of_factor: impl FnOnce(T) -> U) -> Supports<W, U> {
         match self {
             Supports::Viscoelastic(supports) => Supports::Viscoelastic(of_supports(supports)),
@@ -94,13 +94,13 @@ impl<V, T> Supports<V, T> {
         }
     }
 
-    /// The same foundation with the parameters of its supports from `of`.
+    /// Converts the parameters of the supports, and leaves a rigid base as it is.
     pub fn with<W>(self, of: impl FnOnce(V) -> W) -> Supports<W, T> {
         self.map(of, |factor| factor)
     }
 }
 
-/// Recovery of a support after its corner has left it, by creep to the free height δ_s.
+/// Recovery of a support after its corner left, by creep to its free height δ_s.
 ///
 /// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping recovers at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -111,11 +111,11 @@ pub struct Creep<T = f64> {
     pub since: T,
 }
 
-/// The time after lift-off, times the rate of the creep, from which a support stands at its free height: e⁻⁵⁰ is far below round-off.
+/// Time after lift-off, times the creep rate, that ends the creep. The remaining e⁻⁵⁰ is far below round-off.
 pub(crate) const RECOVERED: f64 = 50.0;
 
 impl<T: Elementary> Creep<T> {
-    /// Returns the height of the support's top above its position at rest (m), and its rate (m/s).
+    /// Returns the height of the support's top above rest (m), and its rate (m/s).
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match block.foundation {
             Foundation::Rigid => Sample::default(),
@@ -137,7 +137,7 @@ impl<T: Elementary> Creep<T> {
 }
 
 impl Block {
-    /// Returns a warning if the supports of a block without restraints are too soft to keep it upright: 2 K b² ≤ M g h.
+    /// Returns a warning if supports are too soft to keep a block without restraints upright. They are if 2 K b² ≤ M g h.
     pub fn soft_supports(&self) -> Option<String> {
         let Block { mass, gravity, b, h, stiffness, .. } = *self;
         let (eta, least) = (self.eta(), mass * gravity * h / (2.0 * b * b));

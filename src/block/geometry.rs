@@ -65,7 +65,7 @@ impl Corner {
     }
 }
 
-/// The point of the base that touches the ground and does not slide while the block grips.
+/// The point of the base on the ground that cannot slide while the block grips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Foot {
     /// The middle of the base, in full contact.
@@ -84,7 +84,7 @@ pub struct Lever<T> {
 }
 
 impl<T> Lever<T> {
-    /// Returns the lever at a rotation with this sine and cosine, from the horizontal and vertical distance (m) of the upright block.
+    /// Returns the lever at a rotation with this sine and cosine. The distances (m) are those of the upright block.
     #[inline(always)]
     pub fn of<P: Copy>(offset: P, h: P, sin: T, cos: T) -> Lever<T>
     where
@@ -95,19 +95,20 @@ impl<T> Lever<T> {
 }
 
 impl<P: Scalar> Block<P> {
-    /// Returns the horizontal distance of the middle of the base from a corner (m): b from L, −b from R.
+    /// Returns the horizontal position of the base's middle relative to a corner (m). It is b from L, and −b from R.
     #[inline(always)]
     pub fn half_base(&self, corner: Corner) -> P {
         self.b * corner.sign()
     }
 
-    /// Returns the horizontal distance of the centre of mass from a corner of the upright block (m): `b + e_x` from L, `e_x − b` from R.
+    /// Returns the horizontal position of the upright block's centre relative to a corner (m). It is `b + e_x` from L, and `e_x − b` from
+    /// R.
     #[inline(always)]
     pub fn offset(&self, corner: Corner) -> P {
         self.half_base(corner) + self.eccentricity
     }
 
-    /// Returns the horizontal distance of the centre of mass from the foot of the upright block (m): e_x from the middle of the base.
+    /// Returns the horizontal position of the upright block's centre relative to the foot (m). It is e_x from the middle of the base.
     #[inline(always)]
     pub fn offset_from(&self, foot: Foot) -> P {
         match foot {
@@ -116,7 +117,7 @@ impl<P: Scalar> Block<P> {
         }
     }
 
-    /// Returns the horizontal distance of a corner from the foot (m), positive to the right; `None` for the foot itself.
+    /// Returns the position of a corner relative to the foot (m), positive to the right. `None` for the foot itself.
     #[inline(always)]
     pub fn from_foot(&self, corner: Corner, foot: Foot) -> Option<P> {
         match foot {
@@ -126,7 +127,7 @@ impl<P: Scalar> Block<P> {
         }
     }
 
-    /// Returns the position of the centre of mass relative to the foot, at a rotation with this sine and cosine.
+    /// Returns the position of the centre of mass relative to the foot. The rotation has this sine and cosine.
     #[inline(always)]
     pub fn lever<T: CombinesWith<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
         Lever::of(self.offset_from(foot), self.h, sin, cos)

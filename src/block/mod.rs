@@ -54,7 +54,7 @@ pub struct Block<T = f64> {
     pub h: T,
     /// Frequency parameter p (rad/s), eq. (3).
     pub p: T,
-    /// Vertical circular frequency ω_v in full contact on supports (rad/s); as the next three, 0 on a rigid base.
+    /// Vertical circular frequency ω_v in full contact on supports (rad/s). Like the next three, 0 on a rigid base.
     pub omega_v: T,
     /// Vertical damping ratio ξ_v (1).
     pub xi_v: T,
@@ -64,9 +64,9 @@ pub struct Block<T = f64> {
     pub damping: T,
     /// I0/M (m²).
     pub i0: T,
-    /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right.
+    /// Distance e_x of the centre of mass from the middle (m), positive to the right.
     pub eccentricity: T,
-    /// The shares of the weight that L and R bear at rest (1), ½ each without eccentricity.
+    /// The fractions of the weight on L and R at rest (1), ½ without eccentricity.
     pub share: [T; 2],
     /// Coulomb's μ (1); 0 means no limit.
     pub friction: T,
@@ -75,7 +75,10 @@ pub struct Block<T = f64> {
 }
 
 impl Block {
-    /// Makes a block with the paper's parameters. An error names the first invalid parameter.
+    /// Makes a block with the paper's parameters.
+    ///
+    /// # Errors
+    /// The first invalid parameter, with its value and the valid ones.
     pub fn from_dimensionless(d: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         open_range("alpha", d.alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
@@ -90,7 +93,10 @@ impl Block {
         Block::of_dimensionless(d, common).checked()
     }
 
-    /// Makes a block with these sizes. An error names the first invalid parameter.
+    /// Makes a block with these sizes.
+    ///
+    /// # Errors
+    /// The first invalid parameter, with its value and the valid ones.
     pub fn from_physical(physical: &Physical, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         positive("width", physical.width)?;
@@ -108,7 +114,10 @@ impl Block {
         Block::of_physical(physical, common).checked()
     }
 
-    /// Makes a block with these parameters. An error names the first invalid parameter.
+    /// Makes a block with these parameters.
+    ///
+    /// # Errors
+    /// The first invalid parameter, with its value and the valid ones.
     pub fn from_parameters(parameterization: &Parameterization, common: &Common) -> Result<Block, BlockError> {
         match parameterization {
             Parameterization::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
@@ -163,15 +172,15 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether the block is uneven, restrained, or has a limit of friction, unlike the paper's: its horizontal position then matters, and is
-    /// kept when the foot changes.
+    /// Whether the block, unlike the paper's, is uneven, restrained, or has a limit of friction. Its horizontal position then has an
+    /// effect, and is kept when the foot changes.
     pub fn is_extended(&self) -> bool {
         self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.restraints.is_empty()
     }
 }
 
 impl<T: Scalar> Block<T> {
-    /// Returns the rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
+    /// Returns the rate K/C at which a lifted support creeps to its free height (1/s). Infinite without damping.
     pub fn creep_rate(&self) -> T {
         self.stiffness / self.damping
     }
@@ -313,12 +322,12 @@ impl<T: Elementary> Block<T> {
         self.gravity / (self.omega_v * self.omega_v)
     }
 
-    /// Static deflection of the support under a corner (m): the free height of that support above its height at rest.
+    /// Static deflection of the support under a corner (m): its free height above rest.
     pub fn free_height(&self, corner: Corner) -> T {
         self.static_deflection() * (self.share[corner.index()] * 2.0)
     }
 
-    /// Slenderness angle of a corner (rad): the rotation that puts the centre of mass over it, `arctan((b ± e_x)/h)` with + on L.
+    /// Slenderness angle of a corner (rad), `arctan((b ± e_x)/h)` with + on L. At this rotation the centre of mass is over the corner.
     pub fn alpha_of(&self, corner: Corner) -> T {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
     }
@@ -352,7 +361,7 @@ impl<T: Elementary> Block<T> {
         momentum / (gamma + 1.0 + (cross + square) * uneven)
     }
 
-    /// Least coefficient of friction at which a corner that slides along a rigid base may jam (1).
+    /// Least coefficient of friction at which a corner that slides on a rigid base may jam (1).
     ///
     /// `2 √(k (k + 1))` with k = I0/(M R²) and the distance R of the centre of mass from the farther corner.
     pub fn jamming_friction(&self) -> T {

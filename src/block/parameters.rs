@@ -28,7 +28,7 @@ pub struct Physical<T = f64> {
     pub inertia: Option<T>,
 }
 
-/// The parameters of a block in one of the two parameterizations, from which the other follows.
+/// The parameters of a block in one of two parameterizations. The other one follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameterization<T = f64> {
     /// The paper's parameters.
@@ -48,7 +48,7 @@ pub struct Common<T = f64> {
     pub epsilon: T,
     /// Gravity g (m/s²).
     pub gravity: T,
-    /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right; `|e_x| < b`.
+    /// Distance e_x of the mass centre from the middle (m), positive to the right; `|e_x| < b`.
     pub eccentricity: T,
     /// Coulomb's coefficient of friction μ of the feet (1); 0 means no limit.
     pub friction: T,
@@ -94,7 +94,7 @@ pub enum BlockError {
         /// Half the width of the base (m).
         half_width: f64,
     },
-    /// A friction with which a corner that slides on the rigid base may jam: the equations of motion have no solution, or two.
+    /// A friction with which a corner that slides on the rigid base may jam. The equations of motion have no solution, or two.
     #[error(
         "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or no \
          limit"

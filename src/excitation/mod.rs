@@ -1,4 +1,6 @@
-//! Records, inputs over a step and the built-in pulse → the forcing, per unit of the block's mass, at any time of a smooth piece.
+//! Records, inputs over a step and the built-in pulse → the forcing at any time of a smooth piece.
+//!
+//! Forcing is per unit of the block's mass.
 
 mod pulse;
 pub mod records;
@@ -147,7 +149,7 @@ impl Inputs {
     }
 }
 
-/// The forcing at one instant, per unit of the block's mass: ground accelerations less the loads' share.
+/// The forcing at one instant: ground accelerations less the loads', per unit of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forcing<T> {
     /// `a_gx − F_x/M` (m/s²).
@@ -156,7 +158,7 @@ pub struct Forcing<T> {
     pub z: T,
     /// `M_y/M` (m²/s²).
     pub moment: T,
-    /// The states of the restraints at this instant; those that act are loads that depend on the motion of the block.
+    /// The states of the restraints. Those that act are loads that depend on the motion.
     pub restraints: States<T>,
 }
 
@@ -214,7 +216,7 @@ pub struct Excitation<T = f64> {
 }
 
 impl<T: Elementary> Excitation<T> {
-    /// Returns the excitation of a block of this mass (kg), with a pulse that acts, if any.
+    /// Returns the excitation of a block of this mass (kg), with any acting pulse.
     #[inline]
     pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
         let mut x = inputs.a_gx.minus(inputs.f_x, mass);
@@ -256,7 +258,7 @@ impl<T: Scalar> Excitation<T> {
         Excitation { time, x, z, moment: Ramp::held(T::from(0.0)), wave: None }
     }
 
-    /// Adds the rate of a pulse's acceleration (m/s³) at one instant to the excitation, for [`Excitation::rate_at`].
+    /// Adds the rate of a pulse's acceleration (m/s³) to the excitation, for [`Excitation::rate_at`].
     #[inline(always)]
     pub fn with_rate(mut self, of_pulse: T) -> Excitation<T> {
         self.x.rate = self.x.rate + of_pulse;
@@ -316,7 +318,7 @@ impl<T: Scalar> Excitation<T> {
         series
     }
 
-    /// Whether the power series has a simple form: that of a sine, or of no wave.
+    /// Whether the power series has a simple form, as for a sine or no wave.
     #[inline]
     pub fn has_series(&self) -> bool {
         self.wave.is_none_or(|wave| wave.is_sine())
@@ -349,7 +351,7 @@ impl Excitation {
         Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
     }
 
-    /// Copies another excitation number by number: a block copy would stall until the processor has stored all of them.
+    /// Copies another excitation number by number. A block copy would stall until the processor has stored all of them.
     #[cfg(feature = "lanes")]
     #[inline(always)]
     pub fn adopt(&mut self, other: &Excitation) {
@@ -367,7 +369,8 @@ impl Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
     }
 
-    /// Returns reference time (s), linear accelerations, horizontal and vertical, and pulse; `None` if a moment acts.
+    /// Returns reference time (s), linear accelerations and pulse, or `None` if a moment acts. The accelerations are the horizontal and the
+    /// vertical one.
     #[inline]
     pub fn without_moment(&self) -> Option<(f64, [Ramp; 2], Option<Wave>)> {
         (self.moment == Ramp::default()).then_some((self.time, [self.x, self.z], self.wave))

@@ -110,7 +110,7 @@ impl Pulse {
 }
 
 impl<T: Elementary> Pulse<T> {
-    /// Returns its duration (s): a number of periods T_p, (n + ½ − φ/π) for type Cn.
+    /// Returns its duration (s) from the period T_p. Type Cn has n + ½ − φ/π periods.
     ///
     /// Ricker wavelets end where their acceleration is below 1e-8 a_p.
     pub fn duration(&self) -> T {
@@ -189,8 +189,8 @@ impl<T: Elementary> Pulse<T> {
     }
 }
 
-/// φ of a type-C1 pulse (rad), 0.0697π: the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's
-/// condition `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ, for n = 1.
+/// φ of a type-C1 pulse (rad), 0.0697π. It is the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's condition
+/// `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ, for n = 1.
 const C1_PHASE: f64 = 0.21897952247562566;
 
 /// φ of a type-C2 pulse (rad), 0.0410π: n = 2.
@@ -290,7 +290,7 @@ impl<T: Scalar> Wave<T> {
         self.form == Form::Sine
     }
 
-    /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
+    /// Adds the power series of a sine in the time elapsed since `time` (s).
     #[inline(always)]
     pub(super) fn add_series<const TERMS: usize, N: CombinesWith<T>>(&self, time: N, series: &mut [N; TERMS]) {
         const { assert!(TERMS <= FACTORS.len()) };
@@ -370,7 +370,7 @@ impl<T: Elementary> Wave<T> {
 }
 
 impl Wave {
-    /// Returns its greatest circular frequency (rad/s); for Ricker wavelets about twice ω_p, above which little of their spectrum lies.
+    /// Returns its greatest circular frequency (rad/s). For Ricker wavelets it is about 2 ω_p, above which little of their spectrum lies.
     pub fn frequency(&self) -> f64 {
         match self.form {
             Form::Sine => self.omega,

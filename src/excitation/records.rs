@@ -7,7 +7,7 @@ use crate::numerics::gradient::DirectionalDual;
 use crate::numerics::scalar::Elementary;
 use rocking_records::Record;
 
-/// Ground motion from records, each with its own time step; linear between samples and zero outside.
+/// Ground motion from records, linear between samples and zero outside. Each has its own time step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
     /// Horizontal ground acceleration (m/s²), positive to the right.
@@ -88,13 +88,13 @@ impl Ground {
         self.piece_from(beginning.unwrap_or(time))
     }
 
-    /// Returns the inputs from `time` (s) on, and the end of their validity: the next sample of any record (s).
+    /// Returns the inputs from `time` (s) to any record's next sample, and its time (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
         let RecordInterval { inputs, end, .. } = self.piece_from(time);
         (inputs, end)
     }
 
-    /// Returns the piece from `time` (s), the reference time of its inputs, to the next sample of any record.
+    /// Returns the piece from `time` (s) to the next sample of any record. `time` is the reference time of its inputs.
     pub fn piece_from(&self, time: f64) -> RecordInterval {
         let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
         let samples = [guess(&self.horizontal), guess(&self.vertical)];
@@ -109,7 +109,7 @@ impl Ground {
         self.find_piece(piece.end, piece);
     }
 
-    /// Makes `piece` the one from `time` (s) on; the search for the samples before `time` begins at those of `piece`.
+    /// Makes `piece` the one from `time` (s) on. The search for the samples before `time` begins at those of `piece`.
     #[inline(always)]
     fn find_piece(&self, time: f64, piece: &mut RecordInterval) {
         // Number by number: a copy of all at once would wait until the processor has stored them.
@@ -126,7 +126,7 @@ impl Ground {
     }
 }
 
-/// Describes a record in one line that distinguishes it from any other, independent of its path.
+/// Describes a record in a line that no other one has, independent of its path.
 pub fn fingerprint(record: &Record) -> String {
     let Record { acceleration, time_step, start_time, processing, .. } = record;
     let processing = if processing.is_none() { String::new() } else { format!("; {processing}") };
@@ -140,7 +140,7 @@ pub fn checksum(record: &Record) -> String {
     format!("crc32 {:08x}", hasher.finalize())
 }
 
-/// Returns the line of a record from `time` (s) on, and the time of its end (s).
+/// Returns the line of a record from `time` (s) on, and its end (s).
 ///
 /// `near` is the index of [`Record::sample_near`] and receives the index found.
 #[inline]
@@ -153,13 +153,13 @@ fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
     }
 }
 
-/// Returns the line from sample `a` to the next one, with its reference time `elapsed` after `a`.
+/// Returns the line from sample `a` to the next one. Its reference time is `elapsed` after `a`.
 fn line<T: Elementary>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
     let rate = (b - a) / step;
     Ramp { value: a + rate * elapsed, rate }
 }
 
-/// A record with the derivatives of its samples and of its time axis in a direction.
+/// A record with derivatives of its samples and its time axis in a direction.
 pub struct VariedRecord<'a, F> {
     /// The record.
     pub record: &'a Record,
@@ -186,7 +186,7 @@ impl<F: Fn(usize) -> f64> VariedRecord<'_, F> {
         line(a, b, step, time - (start + step * i as f64)).value
     }
 
-    /// Returns the derivative of the peak ground acceleration (m/s²): that of the sample of largest magnitude.
+    /// Returns the derivative of the peak ground acceleration (m/s²). It is that of the sample of largest magnitude.
     ///
     /// Of equal samples, the one whose magnitude grows most counts.
     pub fn peak(&self) -> f64 {

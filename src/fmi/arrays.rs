@@ -37,6 +37,9 @@ fn refused(name: &str, pointer: *const (), multiple: usize, count: size_t) -> Fa
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
+///
+/// # Errors
+/// The pointer is null or not aligned, or the elements would not fit into memory.
 #[inline(always)]
 pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Result<&'a [T], Fault> {
     if count == 0 {
@@ -59,6 +62,9 @@ pub struct OutputArray<'a, T> {
 /// # Safety
 /// `pointer` is null or points to memory for `count` elements that nothing else uses meanwhile (standard, 2.1.7), except
 /// arrays that are read by [`OutputArray::read_input`].
+///
+/// # Errors
+/// Those of [`read`].
 pub unsafe fn output_array<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<OutputArray<'a, T>, Fault> {
     if count > 0 {
         usable(name, pointer, count)?;
@@ -71,6 +77,9 @@ impl<'a, T> OutputArray<'a, T> {
     ///
     /// # Safety
     /// As for [`read`].
+    ///
+    /// # Errors
+    /// Those of [`read`].
     pub unsafe fn read_input<U: Copy>(
         &self,
         name: &str,
@@ -104,6 +113,9 @@ impl<'a, T> OutputArray<'a, T> {
 
 impl OutputArray<'_, u8> {
     /// Copies bytes to the beginning of the array.
+    ///
+    /// # Errors
+    /// The array is shorter than the bytes.
     pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let (found, needed) = (self.count, bytes.len());
         let elements = self.elements().get_mut(..needed);
@@ -118,6 +130,9 @@ impl OutputArray<'_, u8> {
 ///
 /// # Safety
 /// As for [`output_array`], with one element.
+///
+/// # Errors
+/// The pointer is null or not aligned.
 pub unsafe fn single_output<'a, T>(name: &str, pointer: *mut T) -> Result<OutputArray<'a, T>, Fault> {
     if pointer.is_null() {
         return Err(Fault::new(format!("{name} is NULL; expected a pointer to memory for the result")));
@@ -139,6 +154,9 @@ pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
 ///
 /// # Safety
 /// As for [`read`], and each element is null or points to a string that ends with 0 (standard, 2.1.2) and does not change meanwhile.
+///
+/// # Errors
+/// Those of [`read`], a null element, or a string that is not UTF-8.
 pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t) -> Result<Vec<&'a str>, Fault> {
     // SAFETY: by contract an array of `count` pointers (standard, 2.1.5).
     let pointers = unsafe { read(name, pointer, count) }?;

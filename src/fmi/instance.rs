@@ -34,6 +34,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Refuses a call that is illegal in the present state.
+    ///
+    /// # Errors
+    /// The call is illegal in this state; the error names the states in which it is legal.
     pub fn admit(&self, call: V::Call) -> Result<(), Fault> {
         call.admitted_in(self.unit.phase(), self.unit.interface()).map_err(Fault)
     }
@@ -44,6 +47,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Chooses the categories that are logged.
+    ///
+    /// # Errors
+    /// An unknown category.
     pub fn set_debug_logging(&mut self, logging: bool, names: &[&str]) -> Answer {
         let categories = names
             .iter()
@@ -59,6 +65,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Sets tolerance, start and stop of the run.
+    ///
+    /// # Errors
+    /// Those of [`Unit::plan`].
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
         match (tolerance, self.unit.plan(tolerance, start, stop)?) {
             (Some(tolerance), Some(used)) => {
@@ -70,6 +79,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Makes a block of the values, or refuses the call so that they can be corrected.
+    ///
+    /// # Errors
+    /// Those of [`Unit::exit_initialization_mode`].
     pub fn exit_initialization_mode(&mut self) -> Answer {
         let unread = self.unit.exit_initialization_mode()?;
         let unset = self.unit.unset_sizes();
@@ -88,24 +100,36 @@ impl<V: Version> Instance<V> {
     }
 
     /// Ends the run.
+    ///
+    /// # Errors
+    /// None.
     pub fn terminate(&mut self) -> Answer {
         self.unit.terminate();
         Ok(Status::Ok)
     }
 
     /// Returns to the state after instantiation.
+    ///
+    /// # Errors
+    /// None.
     pub fn reset(&mut self) -> Answer {
         self.unit = Unit::new(self.unit.interface());
         Ok(Status::Ok)
     }
 
     /// Sets values of one type, all or none.
+    ///
+    /// # Errors
+    /// Those of [`Unit::set`].
     pub fn set<T: Copy>(&mut self, kind: Kind, references: &[u32], values: &[T], real: impl Fn(T) -> f64) -> Answer {
         self.unit.set(kind, references, values, real)?;
         Ok(Status::Ok)
     }
 
     /// Reads values of one type.
+    ///
+    /// # Errors
+    /// Those of [`Unit::check`] and [`Unit::get`].
     pub fn get<T>(
         &mut self,
         kind: Kind,
@@ -143,12 +167,18 @@ impl<V: Version> Instance<V> {
     }
 
     /// Sets texts, all or none.
+    ///
+    /// # Errors
+    /// Those of [`Unit::set_texts`].
     pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Answer {
         self.unit.set_texts(references, texts)?;
         Ok(Status::Ok)
     }
 
     /// Reads texts.
+    ///
+    /// # Errors
+    /// Those of [`Unit::text`].
     pub fn get_texts(&mut self, references: &[u32]) -> Result<&[CString], Fault> {
         let text = |&reference| {
             let text = self.unit.text(reference)?;
@@ -159,6 +189,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Returns the time derivatives of outputs, of order 1.
+    ///
+    /// # Errors
+    /// Those of [`Unit::output_derivatives`].
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -169,6 +202,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Returns derivatives in a direction of variables and, in FMI 3.0, of time.
+    ///
+    /// # Errors
+    /// Those of [`Unit::directional_derivative`].
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -184,42 +220,63 @@ impl<V: Version> Instance<V> {
     }
 
     /// Enters Event Mode.
+    ///
+    /// # Errors
+    /// None.
     pub fn enter_event_mode(&mut self) -> Answer {
         self.unit.enter_event_mode();
         Ok(Status::Ok)
     }
 
     /// Model Exchange: applies an event. One call suffices.
+    ///
+    /// # Errors
+    /// Those of [`Unit::pass_events`].
     pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         let log = &self.log;
         self.unit.pass_events(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))
     }
 
     /// Enters Continuous-Time Mode.
+    ///
+    /// # Errors
+    /// None.
     pub fn enter_continuous_time_mode(&mut self) -> Answer {
         self.unit.enter_continuous_time_mode();
         Ok(Status::Ok)
     }
 
     /// Accepts a step of the importer's solver. It never requires an event.
+    ///
+    /// # Errors
+    /// None.
     pub fn completed_integrator_step(&mut self) -> Answer {
         self.unit.complete_step();
         Ok(Status::Ok)
     }
 
     /// Sets the time (s).
+    ///
+    /// # Errors
+    /// Those of [`Unit::set_time`].
     pub fn set_time(&mut self, time: f64) -> Answer {
         self.unit.set_time(time)?;
         Ok(Status::Ok)
     }
 
     /// Sets the continuous states.
+    ///
+    /// # Errors
+    /// Those of [`Unit::set_states`].
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Answer {
         self.unit.set_states(states)?;
         Ok(Status::Ok)
     }
 
     /// Returns all numbers that `of` computes: states, derivatives, event indicators or nominal values.
+    ///
+    /// # Errors
+    /// An array of another length than `N`, and the errors of `of`.
     pub fn get_all<const N: usize>(
         &mut self,
         of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
@@ -234,6 +291,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Restores a saved state.
+    ///
+    /// # Errors
+    /// Those of [`Instance::check_restorable`].
     pub fn restore(&mut self, saved: &Unit) -> Answer {
         self.check_restorable(saved)?;
         self.unit.clone_from(saved);
@@ -241,6 +301,9 @@ impl<V: Version> Instance<V> {
     }
 
     /// Refuses a state of the other interface type, or one that only another version of FMI can reach.
+    ///
+    /// # Errors
+    /// The refused state, with the expected one.
     pub fn check_restorable(&self, saved: &Unit) -> Result<(), Fault> {
         let (found, expected) = (saved.interface(), self.unit.interface());
         if found != expected {
@@ -257,6 +320,9 @@ impl<V: Version> Instance<V> {
 }
 
 /// Writes results to the importer's memory.
+///
+/// # Errors
+/// The first error among the results.
 pub fn write<T>(results: impl Iterator<Item = Result<T, Fault>>, elements: &mut [MaybeUninit<T>]) -> Answer {
     for (result, element) in results.zip(elements) {
         element.write(result?);

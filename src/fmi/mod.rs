@@ -32,7 +32,10 @@ pub trait Call: Copy {
     /// Returns its name in the standard.
     fn name(self) -> &'static str;
 
-    /// Refuses a call that is illegal in this state; the error names the states in which it is legal.
+    /// Refuses a call that is illegal in this state.
+    ///
+    /// # Errors
+    /// The states in which the call is legal.
     fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String>;
 
     /// Whether an instance of this interface type can reach this state.

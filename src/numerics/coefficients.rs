@@ -1,6 +1,7 @@
-//! Coefficients of the pairs, rounded to double precision: DOP853 of E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
-//! Differential Equations I", 2nd ed., Springer 1993, section II.5, and their Fortran code dop853.f; and the pair 5(4) of
-//! C. Tsitouras, Comput. Math. Appl. 62 (2011) 770–775, doi:10.1016/j.camwa.2011.06.002.
+//! Coefficients of the pairs, rounded to double precision.
+//!
+//! DOP853 of E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., Springer 1993, section II.5, and
+//! their Fortran code dop853.f; and the pair 5(4) of C. Tsitouras, Comput. Math. Appl. 62 (2011) 770–775, doi:10.1016/j.camwa.2011.06.002.
 
 /// `Σ coefficient · k(stage)` over the coefficients that are not zero, written out.
 macro_rules! combine {
@@ -10,7 +11,7 @@ macro_rules! combine {
 }
 pub(super) use combine;
 
-/// Nodes c of the stages: 0–11 of the step, 12 its end, 13–15 of the dense output.
+/// Nodes c of the stages: 0–11 of the step, 12 its end, 13–15 inside.
 pub(super) const NODES: [f64; 16] = [
     0.0,
     0.05260015195876773,
@@ -80,7 +81,7 @@ macro_rules! increment {
 }
 pub(super) use increment;
 
-/// Differences to the embedded results of order 5 and 3 (error = h · Σ e_j k_j).
+/// Differences from the embedded results of order 5 and 3 (error = h · Σ e_j k_j).
 macro_rules! difference {
     ($k:expr, 5) => {
         combine!($k; 0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502, 7: 1.6643771824549864, 8: -0.35032884874997366, 9: 0.3341791187130175, 10: 0.08192320648511571, 11: -0.022355307863886294)
@@ -108,10 +109,10 @@ macro_rules! dense {
 }
 pub(super) use dense;
 
-/// Nodes of the stages of the pair of order 5: 0–5, and the end of the step.
+/// Nodes of the stages of the pair of order 5, and of the end.
 pub(super) const SHORT_NODES: [f64; 6] = [0.0, 0.161, 0.327, 0.9, 0.9800255409045097, 1.0];
 
-/// `Σ a_ij k_j` of the stage `$i` of the pair of order 5; 6 is the result of the step.
+/// `Σ a_ij k_j` of the stage `$i` of the pair of order 5. Stage 6 is the result of the step.
 macro_rules! short_increment {
     ($k:expr, 1) => {
         combine!($k; 0: 0.161)
@@ -134,7 +135,7 @@ macro_rules! short_increment {
 }
 pub(super) use short_increment;
 
-/// Difference of its results of order 5 and 4, without the term of the end of the step.
+/// Difference of its results of order 5 and 4, without the term of the end.
 macro_rules! short_difference {
     ($k:expr) => {
         combine!($k; 0: -0.001780011052225777, 1: -0.0008164344596567469, 2: 0.007880878010261995, 3: -0.1447110071732629, 4: 0.5823571654525552, 5: -0.45808210592918697)

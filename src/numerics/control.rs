@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::numerics::Real;
 
-/// Longest step, times the fastest circular frequency (1): a third of its period, so that a step has at most one extremum.
+/// Longest step, times the fastest circular frequency (1). It is a third of its period, so that a step has at most one extremum.
 pub const LONGEST: f64 = 2.0;
 
-/// Growth of the size up to which short steps are tried again after a rejection, since the motion may have become slower.
+/// Growth of the size up to which short steps are tried again after a rejection. The motion may have become slower.
 const SHORT_GROWTH: f64 = 1.1;
 
 /// Smallest factor on the size of a short step after one was rejected.
@@ -36,7 +36,7 @@ pub fn short_factor<R: Real>(error: R) -> R {
     R::from(1.0) / error.sqrt().sqrt()
 }
 
-/// Returns the shortest useful step from `time` towards `stop`: the resolution of the clock at the later of both.
+/// Returns the shortest useful step from `time` to `stop`: the clock's resolution at the later one.
 pub fn shortest(time: f64, stop: f64) -> f64 {
     (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE)
 }
@@ -46,7 +46,7 @@ pub fn is_resolved(remaining: f64, longest: f64) -> bool {
     f64::EPSILON * remaining < longest
 }
 
-/// Returns the fraction of a peak that a value must reach at an end of a step to exceed the peak inside.
+/// Returns the least value at an end of a step, over a peak, for a new peak inside.
 ///
 /// In a step h an oscillation of amplitude A and circular frequency ω rises by at most A (ωh)²/8 above its ends. The margin is eight
 /// times larger, since the value may be a sum of larger ones, and at most half, the rise of a sinusoid in the longest step.
@@ -72,7 +72,7 @@ pub struct Attempt {
     /// Whether it ends at the stop.
     pub last: bool,
     grow: bool,
-    /// Whether only rejected steps kept a short step from being taken; longer ones are then tried later.
+    /// Whether only rejected steps prevented a short step. Longer ones are then tried later.
     grow_short: bool,
 }
 
@@ -142,7 +142,7 @@ impl StepControl {
         }
     }
 
-    /// Records a rejected step and returns the next attempt, after which the size does not grow.
+    /// Records a rejected step and returns the next attempt. The size does not grow after it.
     pub fn reject(&mut self, attempt: &Attempt, factor: f64) -> Attempt {
         self.size = attempt.size * factor;
         Attempt { size: self.size, last: false, grow: false, ..*attempt }

@@ -28,7 +28,7 @@ pub struct DenseStep<const N: usize = 4> {
     rates: StageRates<f64, N>,
 }
 
-/// Number of evaluations of the right-hand side per attempted step, without the first stage, which is known.
+/// Evaluations of the right-hand side per attempted step, without the known first stage.
 pub const EVALUATIONS_PER_STEP: u64 = 11;
 
 /// Number of stages, with the one at the beginning of the step.
@@ -77,7 +77,7 @@ impl<const N: usize> DenseStep<N> {
     }
 }
 
-/// Takes the step of [`DenseStep::attempt`] in a loop, with one copy of the right-hand side: faster to compile, but half as fast with plain
+/// Takes the step of [`DenseStep::attempt`] in a loop, with one copy of the right-hand side. Faster to compile, but half as fast with plain
 /// numbers.
 ///
 /// Returns the state at its end and the work. The first of `rates` is that at `start`; the others are written.
@@ -107,7 +107,7 @@ fn at_end<R: Real, const N: usize>(
     (start + increment!(rates.states, 12).times(size), increment!(rates.quadratures, 12).times(size))
 }
 
-/// Returns the estimated error of a step with these rates, in units of the allowed error: a step above 1 is repeated.
+/// Returns the estimated error of a step, in units of the allowed error. A step above 1 is repeated.
 ///
 /// `weights` are the reciprocals of the errors allowed in each component of the state. A NaN in a stage makes the error NaN, and the step
 /// is repeated as well.
@@ -193,10 +193,10 @@ impl<const N: usize> DenseStep<N> {
     }
 }
 
-/// Coefficients of the dense output, the first equal to the value at the beginning; see [`evaluate`].
+/// Coefficients of the dense output, the first one the initial value. See [`evaluate`].
 pub type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
 
-/// Returns the dense output of a step with all its stages `k`, from the state at its beginning and its change.
+/// Returns the dense output of a step from its initial state and its change. `k` has all its stages.
 pub fn polynomial<T: Scalar, const N: usize>(
     start: Numbers<T, N>,
     change: Numbers<T, N>,
@@ -226,7 +226,7 @@ fn cubic<T: Scalar, const N: usize>(
     [start, change, bend, change - *last * size - bend, none, none, none, none]
 }
 
-/// The motion inside a step: polynomials of degree 7 or less that match states and rates at both ends.
+/// The motion inside a step, as polynomials of degree 7 or less. They match states and rates at both ends.
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOutput<const N: usize = 4> {
     /// Time at the step's beginning (s).

@@ -15,7 +15,7 @@ pub struct Dual<R> {
     pub eps: R,
 }
 
-/// Implements operators between a dual of `$number` and a constant of that type, for types other than `f64`.
+/// Implements operators between a dual of `$number` and a constant of that type. The type is not `f64`.
 macro_rules! constants_with_duals {
     ([$($generics:tt)*] $number:ty) => {
         impl<$($generics)*> From<$number> for Dual<$number> {

@@ -85,7 +85,7 @@ pub struct MultiDual<D> {
 /// A number with its derivatives in N directions.
 pub type Gradient<const N: usize> = MultiDual<[f64; N]>;
 
-/// A number with its derivative in one direction; unlike a [`Dual`], its value has the bits of a plain number.
+/// A number with its derivative in one direction. Unlike a [`Dual`], its value has the bits of a plain number.
 pub type DirectionalDual = Gradient<1>;
 
 impl<D: Directions> MultiDual<D> {
@@ -95,7 +95,7 @@ impl<D: Directions> MultiDual<D> {
         MultiDual { re, eps }
     }
 
-    /// Applies the chain rule to a function of two numbers with this value and these partial derivatives.
+    /// Applies the chain rule to a function of two numbers. Its value and partial derivatives are given.
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
         MultiDual { re, eps: self.eps.times(by_self).plus(other.eps.times(by_other)) }
@@ -243,7 +243,7 @@ impl<D: Directions> Scalar for MultiDual<D> {
     }
 }
 
-/// Four numbers as one vector, and the derivatives of each, so that the sums of a step are sums of vectors.
+/// Four numbers as one vector, with the derivatives of each. Sums of a step are thus sums of vectors.
 #[cfg(feature = "lanes")]
 #[derive(Clone, Copy, Debug)]
 pub struct SoaDuals<D> {

@@ -39,7 +39,7 @@ use numbers::Numbers;
 /// The state of a second-order system: `[x, ẋ, y, ẏ, …]`.
 pub type State<R = f64, const N: usize = 4> = Numbers<R, N>;
 
-/// Quantities that are integrated beside the state without feedback on it: their rates, or their integrals.
+/// Quantities integrated beside the state without feedback on it: rates, or integrals.
 pub type Quadratures<R = f64> = Numbers<R, 2>;
 
 /// The result of a right-hand side.
@@ -82,7 +82,7 @@ pub trait LinearSpace: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> LinearSpace for S {}
 
-/// A right-hand side that may use the number of the stage, counted from 1, to look up a precomputed excitation.
+/// A right-hand side that may look up a precomputed excitation by the stage. Stages count from 1.
 pub trait Stages<R: Scalar = f64, const N: usize = 4> {
     /// Returns the rate of a state at the time (s) of a stage.
     fn rate_at(&self, stage: usize, time: R, state: &State<R, N>) -> Rate<R, N>;

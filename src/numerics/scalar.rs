@@ -73,7 +73,7 @@ pub fn greatest<T: Scalar>(a: T, b: T) -> T {
     T::select_less(a.value(), b.value(), b, a)
 }
 
-/// A number that combines with parameters of type `P`: the same type, or a dual number with plain parameters.
+/// A number that combines with parameters of type `P`. It is of the same type, or a dual number with plain parameters.
 pub trait CombinesWith<P>:
     Scalar + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + From<P>
 {

@@ -3,7 +3,7 @@
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
 use crate::numerics::{Equations, LinearSpace, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
 
-/// Number of evaluations of the right-hand side in a short step, without those at its ends.
+/// Evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
 
 /// Number of stages, with the one at the beginning of the step.
@@ -23,7 +23,7 @@ pub struct ShortStep<const N: usize = 4> {
     /// Integrals of the quadratures over the step.
     pub work: Quadratures,
     size: f64,
-    /// Error estimate over the size of the step, without the term of the rate at its end.
+    /// Error estimate over the size of the step, without the term of its end.
     stage_error: Rate<f64, N>,
 }
 
@@ -51,7 +51,7 @@ impl<const N: usize> ShortStep<N> {
         ShortStep { end, work, size, stage_error: difference(&rates) }
     }
 
-    /// Returns the estimated error of the step with this rate at its end, in units of the allowed error; see [`squared_error`].
+    /// Returns the estimated error of the step, in units of the allowed error. The rate is that at its end; see [`squared_error`].
     #[inline(always)]
     pub fn error(&self, end: Rate<f64, N>, weights: State<f64, N>, work_weight: f64) -> f64 {
         self.size * squared_error(self.stage_error, end, weights, work_weight).sqrt()
@@ -85,13 +85,13 @@ fn at_end<R: Real, const N: usize>(
     (start + short_increment!(rates.states, 6).times(size), short_increment!(rates.quadratures, 6).times(size))
 }
 
-/// Returns the estimated error of a step over its size, without the term of the rate at its end.
+/// Returns the estimated error of a step over its size, without the end's term.
 #[inline(always)]
 pub fn difference<R: Real, const N: usize>(rates: &StageRates<R, N, STAGES>) -> Rate<R, N> {
     Rate { state: short_difference!(rates.states), quadratures: short_difference!(rates.quadratures) }
 }
 
-/// Returns the square of a step's estimated error over its size, in units of the allowed error.
+/// Returns the squared error of a step over its size, over the allowed error's square.
 ///
 /// `stage_error` is its [`difference`], `end` the rate at its end. `weights` are those of [`dop853::error`](super::dop853::error),
 /// `work_weight` that of the works.

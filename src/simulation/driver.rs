@@ -26,14 +26,15 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventFunction, EventKind, Transition, TransitionCounts};
 use crate::system::instant::Pose;
 
-/// A bound on the time that a call advances, relative to [`MAX_STEPS`] divided by the fastest circular frequency: far more than
-/// the longest step, and little enough that the clock resolves the motion.
+/// Bound on the time that a call advances, as a multiple of [`MAX_STEPS`] over the fastest circular frequency. It is far more than the
+/// longest step, and little enough for the clock to resolve the motion.
 const OUT_OF_REACH: f64 = 1e3;
 
 impl Simulation {
-    /// A block at its beginning at `time`, with the excitation of that time.
+    /// Places a block at its beginning at `time` (s), with the excitation of that time.
     ///
-    /// A support that nothing touches stands at its free height.
+    /// A support that nothing touches stands at its free height. A tolerance outside [`Settings::TOLERANCES`] becomes the nearer limit:
+    /// callers that refuse it ask [`Settings::admits_tolerance`] before.
     pub fn new(
         block: Block,
         settings: Settings,
@@ -73,11 +74,14 @@ impl Simulation {
         simulation
     }
 
-    /// Advances to `until` (s), which is not before the present time, under inputs that are linear in time, and reports each event
-    /// to `observer` as it happens.
+    /// Advances to `until` (s) under inputs that are linear in time. Reports each event to `observer` as it happens. `until` is not before
+    /// the present time.
     ///
     /// Stops at the end of the run if that comes first. After the end nothing advances, or only time does if the block is held. No
     /// memory is allocated. On an error the state is that of the last good step.
+    ///
+    /// # Errors
+    /// The solver cannot go on: see [`SimulationError`].
     pub fn advance(
         &mut self,
         until: f64,
@@ -88,10 +92,14 @@ impl Simulation {
         self.pieces(until, inputs, None, observer)
     }
 
-    /// As [`Simulation::advance`], but stops at the first event later than `after` (s) without applying it, and returns `None`.
+    /// Advances as [`Simulation::advance`] does, but not past the first event later than `after` (s). That event is not yet applied, and
+    /// the result is `None`.
     ///
     /// [`Simulation::settle`] then applies it; continuing under the same inputs gives the bits of an uninterrupted run. An event
     /// that ends the run is applied.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::advance`].
     pub fn advance_to_event(
         &mut self,
         until: f64,
@@ -105,6 +113,9 @@ impl Simulation {
     }
 
     /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
+    ///
+    /// # Errors
+    /// The event leaves no regime that lasts.
     #[inline]
     pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         if self.pending.is_some() {
@@ -113,7 +124,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// Applies the event at which a step has ended, as [`Simulation::settle`] does, and returns the rates right after it, if there is one.
+    /// Applies a pending event as [`Simulation::settle`] does, and returns the rates right after it.
+    ///
+    /// # Errors
+    /// The event leaves no regime that lasts.
     #[cfg(feature = "lanes")]
     pub fn settle_with_rates(
         &mut self,
@@ -123,7 +137,7 @@ impl Simulation {
         self.apply_pending(inputs, observer, Rates::of)
     }
 
-    /// Applies a pending event as [`Simulation::settle`] does, and returns what `inspect` makes of the block right after it.
+    /// Applies a pending event, and returns the result of `inspect` for the block right after it.
     fn apply_pending<R>(
         &mut self,
         inputs: &Inputs,
@@ -137,7 +151,7 @@ impl Simulation {
         self.apply(function, &now, observer).map(|after| Some(inspect(&after)))
     }
 
-    /// Advances over the smooth pieces of the excitation to `until` (s), or to the first event later than `stop_after` (s).
+    /// Advances over smooth pieces of the excitation to `until` (s). Stops at the first event later than `stop_after` (s).
     fn pieces(
         &mut self,
         until: f64,
@@ -162,8 +176,7 @@ impl Simulation {
         }
     }
 
-    /// Steps from the present time to `stop` (s), over which the excitation is smooth, or to the end of the run, or to an event at
-    /// which the motion is to stop.
+    /// Steps over a smooth piece of the excitation to `stop` (s). The end of the run, or an event that stops the motion, comes first.
     fn smooth_piece(
         &mut self,
         stop: f64,
@@ -194,7 +207,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
+    /// Returns the stop, or an earlier one if the clock would not resolve the motion up to it. No call reaches that one: by then the block
     /// rests, or the call has failed.
     fn within_reach(&self, stop: f64) -> f64 {
         let Block { omega_v, p, .. } = *self.block();
@@ -202,7 +215,7 @@ impl Simulation {
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
 
-    /// Whether the motion stops at `now`, before an event that is later than `after` (s) and does not end the run.
+    /// Whether the motion stops at `now`, before an event. That event is later than `after` (s), and does not end the run.
     fn stops(&self, after: f64, function: EventFunction, now: &Evaluation) -> bool {
         if now.time <= after {
             return false;
@@ -217,7 +230,7 @@ impl Simulation {
         !ends
     }
 
-    /// Applies the event at `now`, where `function` has fallen through zero, and returns the block right after it.
+    /// Applies the event at `now` of a function that fell through zero. Returns the block right after it.
     pub(super) fn apply<'a>(
         &mut self,
         function: EventFunction,

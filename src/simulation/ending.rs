@@ -5,17 +5,17 @@ use serde::{Deserialize, Serialize};
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// The last touching corner lifted from a block that may still come down on its base.
+    /// The last touching corner lifted from a block that may still come down.
     Separated,
-    /// The last touching corner lifted from a block that is on its way over, |θ| ≥ α and θ θ̇ > 0: both separated and
-    /// overturned. On supports a block that topples leaves them before it lies on its side.
+    /// The last touching corner lifted from a block on its way over: separated and overturned. There |θ| ≥ α and θ θ̇ > 0. On supports a
+    /// block that topples leaves them before it lies on its side.
     Toppled,
     /// The block reached a quarter turn.
     Overturned,
 }
 
 impl Ending {
-    /// The ending of a run in which the block leaves its last support at the rotation θ (rad) and the rate θ̇ (rad/s); `alpha`
+    /// Returns the ending of a run whose block leaves its last support. It does so at the rotation θ (rad) and the rate θ̇ (rad/s); `alpha`
     /// (rad) is the slenderness angle of the side to which it tilts. docs/model.md gives the rate of misjudged runs.
     pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
         if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }

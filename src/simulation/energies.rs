@@ -22,18 +22,18 @@ pub struct EnergySums {
     pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
+    /// Energy gained as the horizontal constraint changes at lift-off. `impacts` includes it with the opposite sign.
     pub constraint: f64,
 }
 
 impl EnergySums {
-    /// The works that a solver outside integrates: of the excitation, and the energies taken by the dashpots, by friction and by the
-    /// restraints.
+    /// The works that an outside solver integrates: of the excitation, dashpots, friction and restraints. The last three are energies that
+    /// they take.
     pub(super) fn works(&self) -> [f64; WORKS] {
         forces::joined([self.input, self.dashpots, self.friction], self.restraints.into_array())
     }
 
-    /// The same sums with these works.
+    /// Replaces these works.
     pub(super) fn with_works(self, [input, dashpots, friction, restraints @ ..]: [f64; WORKS]) -> EnergySums {
         EnergySums {
             input,
@@ -95,7 +95,7 @@ pub struct Energies {
     pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
+    /// Energy gained as the horizontal constraint changes at lift-off. `impacts` includes it with the opposite sign.
     pub constraint: f64,
     /// The balance: `total − initial − input + dashpots + friction + restraints + impacts`, round-off and integration error.
     pub residual: f64,
@@ -122,7 +122,7 @@ pub(super) fn powers(now: &Evaluation) -> [f64; WORKS] {
 }
 
 impl EnergySums {
-    /// The energies (J) of a block of this mass (kg), from its kinetic and potential energy per unit mass (m²/s²).
+    /// The energies (J) of a block of this mass (kg). Its kinetic and potential energy are per unit mass (m²/s²).
     pub(super) fn energies(&self, (kinetic, potential): (f64, f64), mass: f64) -> Energies {
         let &EnergySums { initial, input, dashpots, friction, restraints, impacts, constraint } = self;
         let [kinetic, potential, initial, input, dashpots, friction, impacts, constraint] =

@@ -1,5 +1,6 @@
-//! A run one step at a time, with the event at the end of a step before it is applied: for those who integrate other quantities
-//! beside the motion, such as its derivatives.
+//! A run → one step at a time, with the event at its end not yet applied.
+//!
+//! Serves integration of other quantities beside the motion, such as its derivatives.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -28,7 +29,7 @@ use crate::system::swing::tangent::NO_TANGENTS;
 pub enum StepKind {
     /// It stayed where it was: an event happens at once.
     Stayed,
-    /// By a step of order 8, or by a part of one up to an event.
+    /// By a step of order 8, or by its beginning up to an event.
     Step,
     /// By a [short step](crate::numerics::short).
     ShortStep,
@@ -70,7 +71,7 @@ pub struct ReachedEvent {
     pub rates: Rates,
     /// Rate of its function (1/s of its unit).
     pub rate: f64,
-    /// Whether the function hardly falls below zero before it rises again: a neighbouring run has no such event.
+    /// Whether the function hardly falls below zero before it rises again. A neighbouring run lacks such an event.
     pub grazes: bool,
 }
 
@@ -84,14 +85,17 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// The steps of a run on the way to `until` (s): to there, or to where its pulse begins or ends.
+    /// The steps of a run towards `until` (s). They end earlier if the pulse begins or ends before.
     pub fn towards(simulation: &Simulation, until: f64) -> Steps {
         let stop = simulation.pulse.next_kink(simulation.pose.time).map_or(until, |kink| kink.min(until));
         Steps { stop, begins: true, budget: MAX_STEPS, kind: StepKind::Stayed }
     }
 
-    /// Takes the next step under these inputs, and returns its kind and the fall at its end. [`Simulation::settle_with_rates`]
-    /// applies that event. None if the run has reached the stop, or has ended.
+    /// Takes the next step under these inputs; returns its kind and its final event. [`Simulation::settle_with_rates`] applies that event.
+    /// `None` if the run has reached the stop, or has ended.
+    ///
+    /// # Errors
+    /// The solver cannot go on: see [`SimulationError`].
     pub fn next(
         &mut self,
         simulation: &mut Simulation,
@@ -170,8 +174,8 @@ pub struct Samples<'a, T> {
     pub seen: &'a mut dyn FnMut(&Pose<T>),
 }
 
-/// State and footing at `end` (s), and the block at the times of the samples, in numbers with derivatives, by the formulas of the run's step
-/// from `pose`.
+/// Repeats a step of a run from `pose` in numbers with derivatives. Returns state and footing at `end` (s), and the block at the times of
+/// the samples.
 pub fn repeat_step(
     block: &Block<Number>,
     pose: &Pose<Number>,
@@ -258,7 +262,7 @@ type Stages<const N: usize> = [State<Number, N>; dop853::DENSE_STAGES];
 
 /// A mode under which steps are repeated.
 trait Repeats<const N: usize> {
-    /// The end of a step of a motion under this mode; its stages go to `stages`.
+    /// The end of a step under this mode; `stages` receives its stages.
     fn repeat(
         &self,
         motion: &Motion<AnyMode, N, Number>,

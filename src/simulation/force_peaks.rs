@@ -1,4 +1,5 @@
-//! Forces over a part of a step on the rigid base → the peaks of N, H and the friction demand in it: one search for a run and for lanes.
+//! Forces over a fraction of a step on the rigid base → the peaks of N, H and the friction demand in it. Single runs and lanes share the
+//! search.
 
 use crate::numerics::Real;
 use crate::numerics::bernstein::{DEGREE, Highest, Pair, Row};
@@ -7,10 +8,10 @@ use crate::simulation::outputs::{MAX_FRICTION_DEMAND, Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
 
-/// The least reaction, as a part of the weight, above which a corner is pressed on in spite of the series' error.
+/// Least reaction, over the weight, that presses a corner on despite the series' error.
 pub(super) const PRESSED: f64 = 1e-6;
 
-/// A limit of the search for a peak of the friction demand, which takes two or three rounds.
+/// Most rounds of the search for a peak of the friction demand, which takes two or three.
 const MAX_ROUNDS: u32 = 8;
 
 /// The least part of a peak that a force must reach to be searched for.
@@ -77,7 +78,7 @@ impl Runs<f64> for bool {
     }
 }
 
-/// Two forces per mass (m/s²) over a part of a step, as polynomials on [0, 1].
+/// Two forces per mass (m/s²) over a fraction of a step, as polynomials on [0, 1].
 pub(super) trait ForcePair {
     type Number: Real;
     type Runs: Runs<Self::Number>;
@@ -143,7 +144,8 @@ pub(super) struct ForcePeaks<R> {
 }
 
 impl<R: Real> ForcePeaks<R> {
-    /// The runs in which bounds of N/M and |H|/M (m/s²) show that the corner is pressed on all the time, and that no force exceeds its peak.
+    /// The runs in which bounds of N/M and |H|/M (m/s²) exclude new peaks. There the corner is pressed on all the time, and no force
+    /// exceeds its peak.
     #[inline(always)]
     pub(super) fn are_above<S: Runs<R>>(&self, [least, most]: [R; 2], horizontal: R, [mass, gravity]: [R; 2]) -> S {
         S::less(gravity * PRESSED, least)
@@ -161,8 +163,7 @@ impl<R: Real> ForcePeaks<R> {
         self.friction_demand = runs.choose(greatest(self.friction_demand, demand), self.friction_demand);
     }
 
-    /// Includes the forces on a segment of some runs, in those `with_end` also the forces at its end. Returns the runs in which all peaks are
-    /// known.
+    /// Includes the forces on a segment of some runs; `with_end` also those at its end. Returns the runs in which all peaks are known.
     #[inline(always)]
     pub(super) fn raise<G: ForceSegment>(
         &mut self,
@@ -195,8 +196,9 @@ impl<R: Real> ForcePeaks<R> {
         runs.except(exceeds.except(self.search(exceeds, segment, &[(forces, n)], forces, [mass, visible])))
     }
 
-    /// Includes the forces at the places in some runs at which one of the `reactions`/M, H/M or the friction demand exceeds its peak and its
-    /// values at both ends. `resultant` is the sum of the reactions, and H/M. Returns the runs in which all of these places are known.
+    /// Includes the forces inside a segment of some runs where one exceeds its peak. These are one of the `reactions`/M, H/M or the
+    /// friction demand; there they also exceed their values at both ends. `resultant` is the sum of the reactions, and H/M. Returns the
+    /// runs in which all of these places are known.
     #[inline(always)]
     pub(super) fn search<G: ForceSegment>(
         &mut self,
@@ -267,7 +269,7 @@ impl Peaks {
         ForcePeaks { reaction, horizontal, friction_demand, evaluations: 0.0 }
     }
 
-    /// Raises the peaks of forces, and returns the number of evaluations of the equations of motion.
+    /// Raises the peaks of forces. Returns the number of evaluations of the equations of motion.
     #[inline]
     pub(super) fn raise_forces(&mut self, raise: impl FnOnce(&mut ForcePeaks<f64>)) -> u64 {
         let mut forces = self.of_forces();

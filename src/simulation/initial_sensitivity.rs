@@ -1,4 +1,4 @@
-//! Initial values and parameters with their derivatives in a direction → exact derivatives of all outputs at the beginning.
+//! Initial values and parameters, with derivatives in a direction → exact derivatives of all outputs at the beginning.
 
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::Excitation;
@@ -14,7 +14,7 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::forces::energy;
 use crate::system::instant::{Footing, Instant, Pose};
 
-/// A block before the first step, in a direction of parameters, initial values and start time.
+/// A block before its first step. Its parameters, initial values and start time vary in a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// The block.
@@ -39,7 +39,7 @@ pub struct InitialDerivatives {
 }
 
 impl Start {
-    /// Derivatives of the beginning in this direction, of a block that moves by the rules of `system`, or `is_frozen`.
+    /// Derivatives of the beginning in this direction. The block moves by the rules of `system`, or `is_frozen`.
     ///
     /// The regimes are those through which the block goes: where one of them begins or ends, the derivative is that of the
     /// side on which the block is.
@@ -71,9 +71,8 @@ impl Start {
     }
 }
 
-/// The upright block at rest on the rigid base, moved in a direction: it leans to the side to which it is tilted or thrown, on that
-/// corner. Displacements and the rates of the centre of mass change as there; accelerations and reactions would jump, and are those of
-/// rest.
+/// Leans the upright block at rest on the rigid base to the side of its tilt or throw. It stands on that corner. Displacements and the
+/// rates of the centre of mass change as there; accelerations and reactions would jump, and are those of rest.
 fn lean(rest: &mut Evaluation<DirectionalDual>, &Initial { theta, theta_dot, .. }: &Initial<DirectionalDual>) {
     let lean = if theta.eps[0] != 0.0 { theta.eps[0] } else { theta_dot.eps[0] };
     if lean == 0.0 {

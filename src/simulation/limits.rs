@@ -18,8 +18,9 @@ pub(super) struct Limits<const N: usize = 4> {
     pub(super) short_fraction: f64,
 }
 
-/// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
-/// of the error of others, in the motion and in the works, unless the tolerance is loose.
+/// Error of a short step over that of other steps, in the motion and in the works.
+///
+/// Frequent stops, as under a record, add up the errors of more steps than the motion needs. A loose tolerance lifts this limit.
 const SHORT_FRACTION: f64 = 0.1;
 
 /// The smallest loose tolerance: from it on a short step may make the whole error.

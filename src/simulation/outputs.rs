@@ -11,7 +11,7 @@ use crate::system::evaluation::Evaluation;
 use crate::system::forces;
 use crate::system::instant::Instant;
 
-/// Greatest friction demand that is reported without a limit of friction: the ratio has no bound as the vertical reaction vanishes.
+/// Greatest reported friction demand of a block without a limit of friction. The ratio has no bound as the vertical reaction vanishes.
 pub const MAX_FRICTION_DEMAND: f64 = 1e6;
 
 /// Motion, reactions and corners at one instant.
@@ -25,13 +25,13 @@ pub struct Observation<T> {
     pub theta_dot: T,
     /// θ̈ (rad/s²).
     pub theta_ddot: T,
-    /// Height of the centre of mass above its place at rest, relative to the ground (m).
+    /// Height of the centre of mass above rest, relative to the ground (m).
     pub v: T,
     /// v̇ (m/s).
     pub v_dot: T,
     /// v̈ (m/s²).
     pub v_ddot: T,
-    /// Horizontal motion of the centre of mass relative to the ground (m), positive to the right.
+    /// Horizontal displacement of the centre of mass relative to the ground (m), positive to the right.
     pub u: T,
     /// u̇ (m/s).
     pub u_dot: T,
@@ -47,13 +47,13 @@ pub struct Observation<T> {
     pub corner: [T; 2],
     /// Their heights above their supports (m), zero for a corner that touches.
     pub uplift: [T; 2],
-    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most μ, or [`MAX_FRICTION_DEMAND`] without a limit.
+    /// Friction demand `|H|/(N_L + N_R)` (1). It is at most μ, or [`MAX_FRICTION_DEMAND`] without a limit.
     pub friction_demand: T,
-    /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
+    /// Sliding velocity of the foot (m/s), positive to the right. Zero where it grips, and in flight.
     pub slip_rate: T,
     /// The restraints, by their numbers.
     pub restraints: [ObservedRestraint<T>; restraints::MAX],
-    /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
+    /// Powers of the excitation and of the dashpots (W). The second is positive for dissipation.
     pub power: [T; 2],
     /// Power taken by friction (W).
     pub friction_power: T,
@@ -98,7 +98,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     }
 }
 
-/// The quantities of an observation whose greatest values are peaks, besides θ; units are those of [`Observation`].
+/// The observed quantities besides θ that have peaks, in the units of [`Observation`].
 pub struct Strain<T> {
     /// Vertical reactions.
     pub reaction: [T; 2],
@@ -184,7 +184,7 @@ impl<T: Scalar> Observation<T> {
         }
     }
 
-    /// The observation of a block that is held: no rates, accelerations and reactions, and all derivatives zero.
+    /// The observation of a held block: no rates, accelerations or reactions. All derivatives are zero.
     pub fn frozen(&self) -> Observation<T> {
         self.map(|x| T::constant(x.value())).without_motion()
     }
@@ -217,7 +217,7 @@ impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: CombinesWith<R>,
 {
-    /// The observed quantities with their exact rates of change along the motion in the dual parts.
+    /// The observed quantities with their exact rates along the motion in the dual parts.
     #[inline(always)]
     pub fn observe_rates(&self) -> Observation<Dual<R>> {
         let support_heights = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
@@ -233,7 +233,7 @@ impl Evaluation<'_> {
         observe(self.block, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
     }
 
-    /// The observed quantities with their exact derivatives in the dual parts: with respect to the forcing in a direction, and to
+    /// The observed quantities with exact derivatives in the dual parts. They are with respect to the forcing in a direction, and to
     /// `time`, with which supports creep.
     pub fn observe_direction(&self, direction: Forcing<f64>, time: f64) -> Observation<Dual64> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);

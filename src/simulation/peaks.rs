@@ -1,4 +1,4 @@
-//! Observations with their rates at the ends of a step → the greatest values since the start, also inside the step.
+//! Observations and their rates at the ends of a step → peaks since the start, also inside the step.
 
 use std::ops::Neg;
 
@@ -82,7 +82,7 @@ impl<R: Copy + Neg<Output = R>> Channels<R> {
     }
 }
 
-/// Repeats a body for each of the [`Channels::candidates`], so that no branch at run time decides which one it is.
+/// Repeats a body for each of the [`Channels::candidates`]. No branch at run time decides between them.
 macro_rules! each_candidate {
     (|$i:ident| $body:expr) => {
         each_candidate!(@ $i $body; 0 1 2 3 4 5 6 7 8)
@@ -144,14 +144,14 @@ impl Peaks {
         self.include_plastic(&now.plastic_elongations());
     }
 
-    /// Includes plastic elongations (m), which have no peak inside a step: yielding ends at an event where they turn.
+    /// Includes plastic elongations (m). They have no peak inside a step: yielding ends at an event, where they turn.
     pub fn include_plastic(&mut self, elongations: &[f64; restraints::MAX]) {
         for (peak, plastic) in self.plastic.iter_mut().zip(elongations) {
             *peak = greater(*peak, plastic.abs());
         }
     }
 
-    /// Includes the pulls of a step between two instants; `inside` gives the instant at a time after the first one.
+    /// Includes the pulls of a step between two instants; `inside` gives an instant between them.
     pub fn include_pulls_of_step<'a>(
         &mut self,
         here: &Evaluation,
@@ -178,7 +178,7 @@ impl Peaks {
         self.pull[number] = greater(self.pull[number], pull);
     }
 
-    /// Whether a value may rise to a new peak between two instants, above those at both.
+    /// Whether a value may exceed its peak and both ends between two instants.
     #[inline(always)]
     pub fn may_rise_inside(&self, start: &Channels, end: &Channels, duration: f64) -> bool {
         let mut may = false;
@@ -229,7 +229,7 @@ impl Peaks {
         }
     }
 
-    /// The rate at which a peak rises: with a value that stands at it and grows.
+    /// The rate of a value that equals its peak and grows, otherwise zero.
     pub fn rate(&self, channel: Channel, now: &Channels) -> f64 {
         // The value at the step's last instant and the observed one are the same number up to rounding.
         const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
@@ -241,8 +241,8 @@ impl Peaks {
 }
 
 impl Channels {
-    /// The derivatives of the peaks of a motion that begins with these values, whose rates are derivatives in a direction. If
-    /// several values are greatest, or all are zero, the one that grows most counts.
+    /// The derivatives of the peaks of a motion that begins with these values. Rates of `values` are derivatives in a direction. If several
+    /// values are greatest, or all are zero, the one that grows most counts.
     pub fn peak_sensitivity(&self) -> Peaks {
         // Both reactions of a block at rest are the same number up to rounding.
         const SAME: f64 = 1.0 - 1e-13;

@@ -1,4 +1,4 @@
-//! A block at rest on the rigid base → its forces and peaks, to the end of the piece or to the lift-off of a corner.
+//! A block at rest on the rigid base → its forces and peaks, until a corner lifts or the piece ends.
 
 use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
@@ -21,7 +21,7 @@ fn is_pressed_down(now: &Evaluation) -> bool {
     now.instant.reaction.iter().all(|&reaction| reaction > rounding)
 }
 
-/// The forces on a block at rest over a step, N_L/M, N_R/M and H/M (m/s²), as series in powers of the elapsed part.
+/// Forces on a block at rest over a step: N_L/M, N_R/M and H/M (m/s²). They are series in powers of the elapsed fraction.
 struct RestForceSeries([[f64; ORDER + 1]; 3]);
 
 impl RestForceSeries {
@@ -72,7 +72,7 @@ impl RestForceSeries {
     }
 }
 
-/// Two polynomials from their coefficients of each power, in powers of the elapsed part of a `part`.
+/// Two polynomials in powers of the elapsed fraction of a `fraction`, from their coefficients.
 #[inline(always)]
 fn pair(part: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
     let (mut powers, mut power) = ([[0.0; 2]; ORDER + 1], 1.0);
@@ -104,8 +104,8 @@ impl<L: MotionMode> ForceSegment for RestSegment<'_, '_, L> {
 }
 
 impl Simulation {
-    /// Stays at rest to the end of a piece in which the excitation changes linearly, if no corner lifts before; returns whether it did.
-    /// Reactions are linear, too, and the friction demand, their quotient, has its peak at an end.
+    /// Stays at rest while the excitation changes linearly, if no corner lifts before the end. Returns whether it did. Reactions are
+    /// linear, too, and the friction demand, their quotient, has its peak at an end.
     #[inline(always)]
     pub(super) fn stays_upright(
         &mut self,
@@ -147,7 +147,7 @@ impl Simulation {
         self.commit(there, Powers::zeros());
     }
 
-    /// Stays at rest under a pulse, to the end of the piece or until a corner lifts.
+    /// Stays at rest under a pulse until a corner lifts or the piece ends.
     ///
     /// Returns `None`, having done nothing, where it is unclear whether one does.
     #[inline(never)]

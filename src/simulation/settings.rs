@@ -27,8 +27,8 @@ pub enum OnOverturning {
 /// Settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Relative tolerance of the integrator, 1e-14…1e-1: error allowed in a step, as an equivalent velocity in units of
-    /// the rocking velocity α p.
+    /// Relative tolerance of the integrator, 1e-14…1e-1. It is the error allowed in a step, as an equivalent velocity over the rocking
+    /// velocity α p.
     pub tolerance: f64,
     /// At complete separation.
     pub on_separation: OnSeparation,
@@ -37,10 +37,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The smallest and the largest tolerance; one outside is replaced by the nearer of the two.
+    /// The smallest and the largest tolerance. [`Simulation::new`](crate::simulation::Simulation::new) replaces one outside by the nearer
+    /// one.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
 
-    /// The tolerance of studies, which need only the outcome and the peak rotation; docs/performance.md gives its effect.
+    /// The tolerance of studies, which need only outcome and peak rotation. docs/performance.md gives its effect.
     pub const OF_STUDIES: f64 = 1e-6;
 
     /// Whether a user may ask for this tolerance.

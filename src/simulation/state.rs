@@ -40,7 +40,7 @@ pub struct Counts {
 /// The slip of the foot since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// Displacement of the foot from its place at the start (m), positive to the right; in flight, that of the last contact.
+    /// Displacement of the foot since the start (m), positive to the right. In flight, that of the last contact.
     pub now: f64,
     /// Length of its path on the ground (m).
     pub total: f64,
@@ -74,13 +74,13 @@ pub struct Simulation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pending {
     pub(super) function: EventFunction,
-    /// Beginning of the smooth piece of the excitation that leads to the event (s); a piece that ends at the event still acts.
+    /// Beginning of the smooth piece of the excitation that leads to the event (s). A piece that ends at the event still acts.
     pub(super) piece: f64,
 }
 
 impl Simulation {
-    /// Whether a state from outside can be resumed: all numbers are finite, and the tolerance is within its limits. The caller, who
-    /// knows the parameters, checks the block.
+    /// Whether a state from outside can be resumed. Its numbers are finite, and the tolerance is within its limits. The caller, who knows
+    /// the parameters, checks the block.
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
         let others = [*last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
@@ -107,7 +107,7 @@ impl Simulation {
         self.pose.time = time;
     }
 
-    /// Lets time pass to `until` (s) if the block is held; only steps take any other block there.
+    /// Lets time pass to `until` (s) for a held block. Only steps take any other block there.
     pub fn wait(&mut self, until: f64) {
         if self.is_frozen() {
             self.pose.time = until;
@@ -216,7 +216,7 @@ impl Simulation {
         Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
     }
 
-    /// Whether the run has ended and the block is held: nothing moves, and no support bears it.
+    /// Whether the run has ended and the block is held, without motion or support.
     pub fn is_frozen(&self) -> bool {
         match self.ending {
             None => false,
@@ -235,14 +235,14 @@ impl Simulation {
         self.now(self.block(), &Excitation::none()).plastic_elongations()
     }
 
-    /// The energy that a restraint with this number has lost by yielding since the start (J), up to the last step: its yield force times the
-    /// path of its plastic elongation.
+    /// Energy lost by yielding of the restraint with this number since the start (J). It is the yield force times the path of its plastic
+    /// elongation, up to the last step.
     pub fn plastic_work(&self, number: usize) -> f64 {
         self.plastic_paths[number] * restraints::yield_force(self.block(), number)
     }
 
-    /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has
-    /// lifted. The next step counts that event.
+    /// The observed quantities right after these inputs begin to act. A corner that the rigid base would have to pull has lifted. The next
+    /// step counts that event.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
         let seen = self.shown(inputs, |now| now.observe());
         if self.is_frozen() { seen.frozen() } else { seen }
@@ -260,8 +260,8 @@ impl Simulation {
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// [`Simulation::observe`] with exact derivatives in the dual parts, in the direction whose components are the values of
-    /// `direction` and `time`. State and regime are kept.
+    /// [`Simulation::observe`] with exact derivatives in the dual parts. The components of the direction are the values of `direction` and
+    /// `time`. State and regime are kept.
     pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
         let time = if self.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(direction, time);
@@ -269,7 +269,7 @@ impl Simulation {
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// The change of the forcing in the direction of these inputs, and of time by the pulse.
+    /// The change of the forcing in a direction of inputs, and of time by the pulse.
     pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
         let block = self.block();
         let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
@@ -311,7 +311,7 @@ impl Simulation {
         })
     }
 
-    /// Derivatives of the beginning in the direction of `start`, whose values are those from which this block has begun.
+    /// Derivatives of the beginning in the direction of `start`. The values of `start` are those from which this block began.
     pub fn initial_sensitivity(&self, start: &Start) -> InitialDerivatives {
         start.derivatives(&self.system, self.is_frozen())
     }

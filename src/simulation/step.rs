@@ -21,7 +21,7 @@ pub(super) struct StepsInput<'a> {
     pub(super) excitation: &'a Excitation,
     /// Where steps end (s).
     pub(super) stop: f64,
-    /// End of the piece (s); if it is later than `stop`, only a block at rest reaches it.
+    /// End of the piece (s). If it is later than `stop`, only a block at rest reaches it.
     pub(super) end: f64,
     /// Whether the piece begins at the present time.
     pub(super) begins_piece: bool,
@@ -40,7 +40,7 @@ pub(super) enum FirstStep<'a> {
     Open,
     /// It is not a short one, which made too great an error.
     NotShort,
-    /// It is of order 8, and at most this attempt: greater ones made too great errors.
+    /// It is of order 8, and at most this attempt. Greater ones made too great errors.
     Attempt(Attempt),
     /// It is this step of order 8.
     Made(&'a DenseStep),
@@ -58,7 +58,7 @@ pub(super) enum StepsOutcome<'a> {
 }
 
 impl<'a> StepsInput<'a> {
-    /// All steps under the present mode from the beginning of a piece to a stop and an end (s).
+    /// Describes all steps under the present mode from here to a stop (s).
     pub(super) fn of_piece(block: &'a Block, excitation: &'a Excitation, [stop, end]: [f64; 2]) -> StepsInput<'a> {
         StepsInput {
             block,

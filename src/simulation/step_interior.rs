@@ -15,11 +15,10 @@ use crate::system::swing::Swing;
 /// without error, so the error never limits the step; but the heights of its corners follow the sine of the angle.
 pub(super) const MAX_TURN: f64 = 1.0;
 
-/// The largest rotation in a step (rad) whose ends alone tell whether a corner came down inside: the height is then a cubic up
-/// to `turn⁴/384` R0.
+/// Largest rotation in a step (rad) whose ends alone show whether a corner landed inside. The height is then a cubic up to `turn⁴/384` R0.
 pub(super) const SMALL_TURN: f64 = 0.1;
 
-/// A bound on the rotation (rad) of a flying block in a step of `size` (s); zero if the block stands.
+/// Bound on the rotation (rad) of a flying block in a step of `size` (s). Zero if the block stands.
 ///
 /// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
 #[inline(always)]
@@ -38,7 +37,7 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
     first.abs().max(between.abs()).max(last.abs())
 }
 
-/// Round-off of a watched function whose values at the ends of a step are `start` and `end`.
+/// Round-off of a watched function with the values `start` and `end` at the ends of a step.
 ///
 /// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
@@ -49,7 +48,7 @@ fn rounding(mode: impl MotionMode, function: EventFunction, block: &Block, [star
     if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(block) }
 }
 
-/// Whether a function may fall through zero between samples at both ends of a step: on supports by their bounds.
+/// Whether a function may fall through zero between the samples at both ends of a step. On supports their bounds decide.
 #[inline(always)]
 fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     match mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
@@ -86,12 +85,12 @@ pub(super) struct EventCrossing {
     pub(super) elapsed: f64,
     /// The event function.
     pub(super) function: EventFunction,
-    /// Whether the function begins at zero and seems to fall at once although the mode that has just begun lets it rise: it rises
-    /// for a time that is too short for this step.
+    /// Whether the function begins at zero and seems to fall, against its rate in the mode. It rises for a time that is too short for this
+    /// step.
     pub(super) rise_unseen: bool,
 }
 
-/// The first event function that falls through zero between two instants, in a step of at most `longest` (s).
+/// The first event function that falls through zero between two instants. Their step is at most `longest` (s).
 #[inline(always)]
 pub(super) fn first_event<L: MotionMode, const N: usize>(
     here: &Evaluation,
@@ -169,7 +168,7 @@ pub(super) fn event_time(function: EventFunction, time: f64, elapsed: f64) -> f6
 pub(super) enum Between<'s, const N: usize = 4> {
     /// A dense output that is known.
     Known(DenseOutput<N>),
-    /// The dense output of a step with this rate at its end, computed when it is first asked for.
+    /// The dense output of a step with this final rate, computed on first use.
     Within(&'s DenseStep<N>, Rate<f64, N>),
     /// A swing about a corner of the rigid base, from this time (s) on.
     Swing(f64, &'s Swing),
@@ -208,7 +207,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
         }
     }
 
-    /// Whether the compiler knows the mode, of a block on supports, and leaves out what a single quantity does not need.
+    /// Whether the mode is one on supports that the compiler knows. It then leaves out all work that a single quantity does not need.
     #[inline(always)]
     fn is_on_supports(&self) -> bool {
         L::STATIC && self.motion.mode().foundation() == Foundation::Viscoelastic
@@ -281,7 +280,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
         Channels { uplift, ..Channels::default() }
     }
 
-    /// Includes the peaks of the motion from `here` to `there`, which begins with the step; see [`Peaks::channels_at_ends`].
+    /// Includes the peaks from `here` to `there`, which lie in the step. See [`Peaks::channels_at_ends`].
     #[inline(always)]
     pub(super) fn include_in(&mut self, peaks: &mut Peaks, here: &Evaluation, there: &Evaluation, near: f64) {
         let duration = there.time - here.time;

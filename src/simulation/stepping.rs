@@ -36,17 +36,17 @@ pub(super) enum Finished {
     Lasts,
 }
 
-/// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
+/// The fraction of a step tried next if a function rises and falls unseen within it. Such a function begins at zero.
 const SHORTENED: f64 = 0.125;
 
-/// The part of the longest step below which such a rise is taken for none: the fall is placed at the end of the step.
+/// The fraction of the longest step below which such a rise is none. The fall is then placed at the end of the step.
 const SHORTEST_RISE: f64 = 1e-10;
 
 /// The part of a step that the clock resolves where a shorter one is tried.
 const MIN_SHORTENED: f64 = 1e-2;
 
 impl Simulation {
-    /// Steps under the present mode to the end of the piece or of the mode, or to the first event.
+    /// Steps under the present mode to its first event or end, or the piece's end.
     #[inline(always)]
     pub(super) fn steps<'a>(
         &mut self,
@@ -160,7 +160,7 @@ impl Simulation {
         self.control.short_step(stop - self.pose.time, limits.longest)
     }
 
-    /// Takes a short step to `stop` if nothing happens on the way; returns whether it did.
+    /// Takes a short step to `stop` if nothing happens on the way, and returns whether it did.
     #[inline(always)]
     fn short_step<'a, L: MotionMode, const N: usize>(
         &mut self,
@@ -203,7 +203,7 @@ impl Simulation {
         true
     }
 
-    /// A step within the tolerance, from `here` towards `stop`: this `attempt`, if there is one, or a shorter one.
+    /// Returns a step within the tolerance, from `here` towards `stop`. It is this `attempt`, or a shorter one.
     #[inline(always)]
     fn accepted_step<'a, L: MotionMode, const N: usize>(
         &mut self,
@@ -249,7 +249,7 @@ impl Simulation {
         }
     }
 
-    /// Goes from `here` to the end of a step, or to the first event inside, with the peaks on the way.
+    /// Advances from `here` to the first event or end of a step, with its peaks.
     #[inline(always)]
     pub(super) fn finish<'a, L: MotionMode, const N: usize>(
         &mut self,
@@ -326,7 +326,7 @@ impl Simulation {
         }
     }
 
-    /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
+    /// Makes an instant of the motion the present one. `work` is that on the way, per unit mass.
     #[inline]
     pub(super) fn commit(&mut self, there: &Evaluation, work: Powers) {
         self.sums.input += work[0];
@@ -338,7 +338,7 @@ impl Simulation {
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
-    /// Ends the motion of a block at rest under an excitation that does not change; motion below round-off is dropped.
+    /// Ends the motion of a block at rest under a constant excitation. Motion below round-off is dropped.
     fn settle_at_rest(&mut self, stop: f64) {
         self.pose.time = stop;
         self.pose.state[1] = 0.0;

@@ -27,7 +27,7 @@ struct SwingSegment {
 }
 
 impl SwingSegment {
-    /// The way of a swing about `pivot` as far as the rotation decides it; none where that is unclear.
+    /// The segment of a swing about `pivot` as far as the rotation decides it. `None` if that is unclear.
     #[inline]
     fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<SwingSegment> {
         let landing = match (bounds.is_certain, bounds.last < 0.0) {
@@ -117,7 +117,7 @@ impl Simulation {
         }
     }
 
-    /// Follows a block that turns about `pivot`, to the end of the piece or to an event.
+    /// Follows a block that turns about `pivot` to an event or the piece's end.
     #[inline(never)]
     pub(super) fn swings<'a>(
         &mut self,
@@ -196,8 +196,8 @@ impl Simulation {
         }
     }
 
-    /// Includes N, H and the friction demand up to a part of a swing in the peaks. Returns the part at which the corner lifts if that comes
-    /// before.
+    /// Includes N, H and the friction demand up to a fraction of a swing in the peaks. Returns the fraction at which the corner lifts if
+    /// that comes before.
     ///
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
@@ -238,8 +238,8 @@ impl Simulation {
         }
     }
 
-    /// Looks for events and peaks in a part of a swing that ends at `end` (s), by the equations, and goes from `here` to the first event or
-    /// to the end.
+    /// Searches a segment of a swing for events and peaks, by the equations. The segment ends at `end` (s). Advances from `here` to the
+    /// first event, or to that end.
     #[inline(never)]
     fn examine(
         &mut self,

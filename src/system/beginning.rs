@@ -20,8 +20,8 @@ pub struct Initial<T = f64> {
     pub theta: T,
     /// θ̇ (rad/s).
     pub theta_dot: T,
-    /// `(v, v̇)` of the centre of mass (m, m/s); `None` starts at the vertical equilibrium of `theta`: the supports that
-    /// touch carry the weight, and the middle of the base (or the one touching corner) does not move vertically.
+    /// `(v, v̇)` of the centre of mass (m, m/s); `None` for the vertical equilibrium at `theta`. There the supports that touch carry the
+    /// weight, and the middle of the base (or the one touching corner) does not move vertically.
     pub vertical: Option<(T, T)>,
 }
 
@@ -96,7 +96,8 @@ fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose
     Pose::unrestrained(time, state, contacts, Footing::Grips { offset: zero })
 }
 
-/// Returns the height of the middle of the base (m) at which the supports bear the weight and the vertical pull of restraints.
+/// Returns the height of the middle of the base (m) at vertical equilibrium. The supports bear the weight and the vertical pull of
+/// restraints.
 ///
 /// The search begins at `middle`, where they bear the weight alone. The rotation, with this sine and cosine, is fixed.
 fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
@@ -133,7 +134,7 @@ fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f6
     -(supports + restraints::static_stiffness(block, &kinematics))
 }
 
-/// Returns the force of the supports less the weight and the pull of restraints (N), with the middle of the base at this height (m).
+/// Returns the force of the supports less weight and pull of restraints (N). The middle of the base is at this height (m).
 fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     let (kinematics, pushes) = kinematics_at(block, turn, middle);
     let zero = T::from(0.0);
@@ -144,7 +145,7 @@ fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     restraints::less_static_pull(block, &kinematics, sum)
 }
 
-/// Returns the kinematics of a block at rest with the middle of its base at this height (m), and the compression of its supports (m).
+/// Returns the kinematics of a block at rest, and the compression of its supports (m). The middle of its base is at this height (m).
 fn kinematics_at<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (Kinematics<T>, [T; 2]) {
     let zero = T::from(0.0);
     let pushes = Corner::each(|corner| block.free_height(corner) - middle - block.half_base(corner) * sin);

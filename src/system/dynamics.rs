@@ -49,7 +49,7 @@ pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
     }
 }
 
-/// Solves the equations of motion of a block with a held corner, whose state is θ and θ̇ alone.
+/// Solves the equations of motion of a block with a held corner. Its state is θ and θ̇ alone.
 pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     [theta, theta_dot]: [T; 2],
@@ -61,7 +61,8 @@ pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// Solves the equations of motion at an instant `x` with the exact rates along the motion in the dual parts; `pick` takes a part.
+/// Solves the equations of motion at an instant `x`, with exact rates in dual parts. The rates are those along the motion; `pick` takes a
+/// part.
 ///
 /// The dual parts of the forcing are its rates.
 #[inline(always)]
@@ -86,7 +87,7 @@ where
     instant_of(block, block.foundation, regime, state, footing.with_rates(x), forcing, pick)
 }
 
-/// Solves [`instant_held`] at an instant `x` with the rates along the motion in the dual parts.
+/// Solves [`instant_held`] at an instant `x`, with rates along the motion in the dual parts.
 pub fn instant_held_with_rates<R: Scalar>(
     block: &Block<R>,
     held: &Held<R>,
@@ -155,7 +156,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Returns the reactions of the supports under a foot, their sum, and their moment about the centre of mass.
+    /// Returns the reactions of the supports under a foot, their sum, and their moment about the mass centre.
     #[inline(always)]
     fn supports(&self, foot: Foot) -> ([T; 2], T, T) {
         match foot {
@@ -170,14 +171,15 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Returns the reaction of the support under a corner, and its moment about the centre of mass.
+    /// Returns the reaction under a corner, and its moment about the centre of mass.
     #[inline(always)]
     fn support(&self, corner: Corner, foot: Foot) -> (T, T) {
         let reaction = support::reaction(self.block, corner, self.height(corner, foot), self.rate(corner, foot));
         (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
-    /// Returns θ̈ from the moments of the vertical reactions, of the loads and of H about the centre of mass; H acts Q below it.
+    /// Returns θ̈ from the moments about the centre of mass. They are those of the vertical reactions, of the loads, and of H, which acts Q
+    /// below it.
     ///
     /// A gripping foot imposes `ü = Q θ̈ − X θ̇²` on the centre of mass by H, a rigid base `v̈ = −X θ̈ − Q θ̇²` by N. `rigid_arm` is the
     /// arm of that N, and `vertical` the moment of other vertical reactions.
@@ -245,7 +247,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, friction_power: zero, ..x }
     }
 
-    /// Solves the equations of full contact with a corner held on its support, whose motion is known.
+    /// Solves the equations of full contact with a corner held on a support of known motion.
     ///
     /// The reaction of the other corner accelerates the centre of mass; both motions together determine the rotation. Horizontally the
     /// middle of the base holds the block, or slides. Filippov's solution mixes full contact, with H = H_f at the middle, and the regime on
@@ -285,7 +287,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         x
     }
 
-    /// Returns the motion of a block on a foot with these accelerations `[θ̈, v̈, ẅ]` and vertical reactions.
+    /// Returns the motion of a block on a foot from `[θ̈, v̈, ẅ]` and the vertical reactions.
     #[inline(always)]
     fn moving(
         &self,
@@ -410,7 +412,8 @@ fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
     }
 }
 
-/// Returns `[w, ẇ]` (m, m/s) from `[θ, θ̇, v, v̇]`: height and rate of the foot, in flight of the centre of mass, zeros on the rigid base.
+/// Returns `[w, ẇ]` (m, m/s) from `[θ, θ̇, v, v̇]`. They are height and rate of the foot, in flight of the centre of mass, and zeros on the
+/// rigid base.
 pub fn foot_height<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
     let Some(foot) = regime.foot() else { return [v, v_dot] };
     if block.foundation == Foundation::Rigid {

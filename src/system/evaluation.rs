@@ -17,7 +17,7 @@ use crate::system::forces::{self, energy};
 use crate::system::instant::{Footing, Held, Instant, Pose};
 use crate::system::motion_mode::{AnyMode, MotionMode};
 
-/// The block at an instant, or one block per lane: its pose, the excitation, and the solved equations of motion.
+/// The block at an instant, or one block per lane. It has a pose, the excitation, and the solved equations of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation<'a, R: Scalar = f64> {
     /// The block.
@@ -38,7 +38,7 @@ pub struct Evaluation<'a, R: Scalar = f64> {
     pub instant: Instant<R>,
     /// Rate of the state, and the powers.
     pub rate: Rate<R>,
-    /// Heights of the supports that no corner touches (m), and their rates (m/s); zeros for the others.
+    /// Heights of free supports (m), and their rates (m/s). Zeros for touching corners.
     pub support_heights: [Sample<R>; 2],
     /// The held corner, if any.
     pub held: Option<Held<R>>,
@@ -90,7 +90,7 @@ impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
 
 #[cfg(feature = "lanes")]
 impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
-    /// Returns the rate of a state, without the powers, under a mode with its own type, in which the foot grips and no corner is held.
+    /// Returns the rate of a state, without powers, under a mode with its own type. The foot grips, and no corner is held.
     #[inline(always)]
     pub fn state_rate_under<T: CombinesWith<P>>(&self, mode: impl MotionMode, time: T, state: &State<T>) -> State<T> {
         let footing = Footing::Grips { offset: T::from(0.0) };
@@ -188,7 +188,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         mode.held().map(held)
     }
 
-    /// Evaluates [`Motion::at`] with a held corner: height and rate of the middle of the base follow from θ and θ̇.
+    /// Evaluates [`Motion::at`] with a held corner. Height and rate of the middle of the base follow from θ and θ̇.
     #[inline(never)]
     fn at_held(
         &self,
@@ -215,7 +215,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         }
     }
 
-    /// Returns the heights of the supports that no corner touches (m), and their rates (m/s); zeros for the others.
+    /// Returns the heights of free supports (m), and their rates (m/s). Zeros for touching corners.
     #[inline(always)]
     pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
         Corner::each(|corner| match self.mode.regime().touches(corner) {
@@ -263,7 +263,7 @@ impl<L: MotionMode, const N: usize, T: Elementary> Equations<T, N> for Motion<'_
 }
 
 impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
-    /// Returns the rate: a copy in each stage would make the steps of rare modes too large.
+    /// Returns the rate by a call. A copy in each stage would make the steps of rare modes too large.
     #[inline(never)]
     fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_here(time, state)
@@ -290,7 +290,7 @@ impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
     }
 }
 
-/// Returns the rate of a state under a mode without a held corner, and the powers.
+/// Returns the rate of a state and the powers, without a held corner.
 #[inline(always)]
 pub fn rate<R: Scalar>(
     mode: impl MotionMode,
@@ -357,7 +357,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
 }
 
 impl<R: Real> Evaluation<'_, R> {
-    /// Returns the acceleration of the block and an equivalent acceleration of its velocities (m/s²), as sums over rotation and height.
+    /// Returns the acceleration of the block, and one equivalent to its velocities (m/s²). Both are sums over rotation and height.
     #[inline(always)]
     pub fn rest_residuals(&self) -> [R; 2] {
         let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
@@ -371,7 +371,7 @@ impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: CombinesWith<R>,
 {
-    /// Solves the equations of motion with their rates along the motion in the dual parts, for a forcing with this rate.
+    /// Solves the equations of motion, with rates along the motion in the dual parts. The forcing has this rate.
     #[inline(always)]
     pub fn with_rates(&self, forcing_rate: Forcing<R>) -> Instant<Dual<R>> {
         self.with_rates_of(forcing_rate, |x| x)

@@ -23,7 +23,8 @@ impl<T: Elementary> Velocities<T> {
     }
 }
 
-/// Returns v̇ of the centre of mass (m/s) and θ̇ (rad/s, positive clockwise) after the landing of `corner`, from those before.
+/// Returns v̇ of the centre of mass (m/s) and θ̇ (rad/s) after the landing of `corner`. They follow from those before; θ̇ is positive
+/// clockwise.
 ///
 /// Eqs. (14)–(19) with the sign of J12 corrected, and their mirror image (28): linear and angular momentum change by the impulses of H and N
 /// at the landing corner only, the corner's vertical velocity by the factor ε, and the horizontal constraint moves from the standing corner
@@ -67,7 +68,7 @@ pub fn landing_with_grip<T: Elementary>(
     Velocities { u_dot: q * theta_dot, v_dot: rate_after - x * theta_dot, theta_dot }
 }
 
-/// Returns the velocities after a vertical impulse at `corner` that makes its vertical rate `rate_after` (m/s).
+/// Returns the velocities after a vertical impulse at `corner` that gives it `rate_after` (m/s, upwards).
 pub fn landing_without_grip<T: Elementary>(
     block: &Block<T>,
     corner: Corner,
@@ -81,7 +82,7 @@ pub fn landing_without_grip<T: Elementary>(
     Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
-/// Returns the velocities after the landing of `corner` with friction, with the vertical rate `rate_after` (m/s).
+/// Returns the velocities after a landing of `corner` with friction and `rate_after` (m/s, upwards).
 ///
 /// The horizontal impulse is the one within `|P_H| ≤ μ P_N` that leaves `foot` slowest. P_N is linear in P_H by the restitution, and so is
 /// the velocity of the foot.
@@ -121,7 +122,8 @@ fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T)
     greatest(least(wanted, bound(1.0)), -bound(-1.0))
 }
 
-/// Returns the impulses per mass at L and R (m/s), and the velocities, when both corners land at once with `rates_after` (m/s).
+/// Returns the impulses per mass (m/s) and the velocities if both corners land at once. Impulses are at L and R; the corners have
+/// `rates_after` (m/s).
 ///
 /// They grip as far as friction allows. The landing is possible only if both impulses are positive or zero.
 pub fn landing_on_both<T: Elementary>(
@@ -158,7 +160,8 @@ pub fn grip<T: Elementary>(block: &Block<T>, regime: Regime, theta: T, before: V
     Velocities { u_dot: height * theta_dot, theta_dot, ..before }
 }
 
-/// Returns the vertical rate (m/s) of a corner on the rigid base after a horizontal impulse stops it; negative if it is pressed on.
+/// Returns the vertical rate (m/s) of a corner after a horizontal impulse stops it. It is on the rigid base; the rate is negative if it is
+/// pressed on.
 ///
 /// `s P Q u̇_I/(i0 + Q²)` with the corner's horizontal velocity `u̇_I = u̇ − Q θ̇`.
 pub fn thrown_by_grip<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, x: &Instant<T>) -> T {
@@ -173,7 +176,7 @@ pub fn height_over<T: Elementary>(block: &Block<T>, foot: Foot, theta: T) -> T {
     block.lever(foot, sin, cos).q
 }
 
-/// Returns the energy per unit mass (m²/s²) lost in the landing of a corner with the vertical velocity `rate` (m/s).
+/// Returns the energy per unit mass (m²/s²) lost in the landing of a corner. Its vertical velocity before is `rate` (m/s).
 ///
 /// For a corner without horizontal motion before and after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
 pub fn landing_loss<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, rate: T) -> T {

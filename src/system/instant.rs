@@ -9,10 +9,10 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Real, Scalar};
 
-/// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
+/// The state `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s. θ is positive clockwise (the block tilts to the right), w positive up.
 pub use crate::numerics::State;
 
-/// Powers that are integrated beside the state (m²/s³): of the excitation, and dissipated by the dashpots.
+/// Powers integrated beside the state (m²/s³): of the excitation, and dissipated by the dashpots.
 pub type Powers = numerics::Quadratures;
 
 /// The equations of motion, solved at one instant.
@@ -28,7 +28,8 @@ pub struct Instant<T> {
     pub w_dot: T,
     /// ẅ (m/s²).
     pub w_ddot: T,
-    /// Horizontal displacement of the centre of mass from its position above the middle of the base (m), positive to the right.
+    /// Horizontal displacement of the centre of mass (m), positive to the right. It is measured from the position above the middle of the
+    /// base.
     pub u: T,
     /// u̇ relative to the ground (m/s).
     pub u_dot: T,
@@ -50,7 +51,7 @@ pub struct Instant<T> {
     pub reaction: [T; 2],
     /// Horizontal reaction H/M on the block (m/s²), positive to the right.
     pub horizontal: T,
-    /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
+    /// Velocity of the foot (m/s), positive to the right. Zero where it grips, and in flight.
     pub slip_rate: T,
     /// Power per mass that friction dissipates (m²/s³).
     pub friction_power: T,
@@ -73,7 +74,7 @@ pub enum Footing<T> {
         /// Displacement of the foot to the right since the start (m), by flights and slides.
         offset: T,
     },
-    /// No hold: in flight, and while a support that bears the block again does not grip it yet.
+    /// No hold: in flight, and while a support that bears the block again does not grip yet.
     Free {
         /// Horizontal displacement of the centre of mass since the start (m).
         u: T,
@@ -135,7 +136,7 @@ impl Footing<f64> {
         }
     }
 
-    /// Returns the work of the horizontal forcing per unit mass (m²/s²) on a free block until its footing is `after`.
+    /// Returns the work of the horizontal forcing per unit mass (m²/s²) on a free block. It ends when the footing is `after`.
     ///
     /// `ü = −a_x` gives `∫ −a_x u̇ dt = Δ(u̇²)/2`. Zero for other footings.
     pub fn free_work(&self, after: &Footing<f64>) -> f64 {
@@ -183,14 +184,14 @@ impl Pose {
 pub struct Held<T> {
     /// The corner.
     pub corner: Corner,
-    /// Height of its support above the position at rest (m), its rate (m/s) and its acceleration (m/s²).
+    /// Height of its support above rest (m), with its rate (m/s) and acceleration (m/s²).
     pub top: [T; 3],
     /// The slide of the standing corner.
     pub standing: StandingSlide,
 }
 
 impl<R: Scalar> Held<R> {
-    /// Returns a corner held on a support with this height and rate, which creeps by `C ÿ = −K ẏ`.
+    /// Returns a corner held on a support of this height and rate. The support creeps by `C ÿ = −K ẏ`.
     pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>, standing: StandingSlide) -> Held<R> {
         Held { corner, top: [value, rate, creeping(block, rate)], standing }
     }
@@ -204,7 +205,7 @@ impl<R: Scalar> Held<R> {
     }
 }
 
-/// Returns the rate of change of a rate of a creeping support; zero for one at rest, also without damping, where K/C is infinite.
+/// Returns the rate of change of a rate of a creeping support. Zero for one at rest, also without damping, where K/C is infinite.
 pub(super) fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
     R::select_less(R::Real::from(0.0), rate.value().abs(), -(block.creep_rate() * rate), R::from(0.0))
 }

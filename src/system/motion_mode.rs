@@ -23,11 +23,11 @@ pub trait MotionMode: Copy {
     /// The corner that is held in contact without load, if any.
     fn held(self) -> Option<Corner>;
 
-    /// Whether the horizontal motion is integrated too, with the works of friction and restraints: for a foot that slides against
-    /// friction, or a block with restraints.
+    /// Whether the horizontal motion is integrated, with the works of friction and restraints. It is for a foot that slides against
+    /// friction, and for a block with restraints.
     const EXTENDED: bool = false;
 
-    /// The corner of the rigid base about which the block turns under its weight and the excitation alone.
+    /// The corner of the rigid base about which the block turns. Only its weight and the excitation act.
     #[inline(always)]
     fn pivot(self) -> Option<Corner> {
         match (Self::STATIC, self.foundation()) {
@@ -149,7 +149,7 @@ impl<const EXTENDED: bool> MotionMode for AnyMode<EXTENDED> {
     }
 }
 
-/// The mode of a block that grips the foundation with the left corner, the right corner, or both; no corner is held.
+/// The mode of a block that grips the foundation with one corner or both. No corner is held.
 #[derive(Clone, Copy, Debug)]
 pub struct Gripping<const LEFT: bool, const RIGHT: bool, const RIGID: bool>;
 
@@ -177,7 +177,7 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> MotionMode for Grip
     }
 }
 
-/// Evaluates `$body` with `$mode` of the mode's own type, or as the value `$any` if it has none.
+/// Evaluates `$body` with `$mode` of the mode's own type, or as `$any` if it has none.
 macro_rules! dispatch_mode {
     ($any:expr, $mode:ident => $body:expr) => {{
         let any = $any;

@@ -1,6 +1,6 @@
 //! The reason of a refused or failed call, as a sentence.
 
-/// The reason why a call was refused or failed, with the found and the expected value.
+/// The reason why a call was refused or failed, with found and expected value.
 ///
 /// A refused call changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -29,11 +29,11 @@ pub fn state(output: Output) -> Option<usize> {
 
 /// The source of an output's value and of its derivatives.
 pub enum Source {
-    /// A quantity of an observation; applied to an observation of rates or sensitivities, its rate or sensitivity.
+    /// A quantity of an observation. Applied to an observation of rates or sensitivities, its rate or sensitivity.
     Observed(fn(&Observation<f64>) -> f64),
     /// An energy, or its rate.
     Energy(fn(&Energies) -> f64),
-    /// The largest value since the start, which rises while the present value equals it and rises.
+    /// The largest value since the start. It rises while the present value equals it and rises.
     Peak(Channel),
     /// A slip, and its rate from the velocity of the foot.
     Slip(fn(&simulation::Slip) -> f64, fn(f64) -> f64),
@@ -236,7 +236,8 @@ impl Source {
         }
     }
 
-    /// Returns the derivative with respect to inputs and states at one instant, from the derivatives of observation, energies and slip.
+    /// Returns the derivative with respect to inputs and states at one instant. It follows from the derivatives of observation, energies
+    /// and slip.
     ///
     /// Peaks and event counts do not depend on the inputs and states of that instant.
     pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies, slip: &simulation::Slip) -> f64 {
@@ -262,7 +263,7 @@ fn restraint_peak_rate(now: &OutputRates, peak: f64, number: usize, of: impl Fn(
     rate_of_peak(peak, value.abs(), if value < 0.0 { -rate } else { rate })
 }
 
-/// Returns the rate of a peak: that of a value that equals it and rises, otherwise zero.
+/// Returns the rate of a value that equals its peak and rises, otherwise zero.
 fn rate_of_peak(peak: f64, value: f64, rate: f64) -> f64 {
     // The value at the end of the step and the observed one differ by round-off.
     const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;

@@ -15,7 +15,10 @@ struct RecordSettings {
 }
 
 impl Values {
-    /// Returns the FMU's own records, from arrays or files. An error is one line.
+    /// Returns the FMU's own records, from arrays or files.
+    ///
+    /// # Errors
+    /// One line: both arrays and files, or the first fault of a file.
     pub fn ground(&self) -> Result<Ground, String> {
         let ground = self.unscaled_ground()?;
         Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))

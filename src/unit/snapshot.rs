@@ -21,6 +21,9 @@ struct Header {
 }
 
 /// Returns a state as bytes.
+///
+/// # Errors
+/// None in practice: all states can be written.
 pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
     let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
     let content = postcard::to_allocvec(unit).map_err(internal)?;
@@ -39,7 +42,10 @@ pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
         .map_err(internal)
 }
 
-/// Returns the state in these bytes. Refuses bytes of another program, truncated bytes and altered bytes.
+/// Returns the state in these bytes.
+///
+/// # Errors
+/// Bytes of another program or another version, truncated bytes and altered bytes.
 pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
     let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
     let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)

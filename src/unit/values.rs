@@ -73,6 +73,9 @@ impl Values {
     }
 
     /// Makes the block from the parameters.
+    ///
+    /// # Errors
+    /// The first invalid parameter of the block, of its supports, or of a tie or damper.
     pub fn block(&self) -> Result<Block, BlockError> {
         let (parameterization, common) = self.block_parameters(|variable| self[variable]);
         let block = Block::from_parameters(&parameterization, &common)?;
@@ -91,7 +94,10 @@ impl Values {
         block.with_ties(&ties)
     }
 
-    /// Makes the block as it would stand on its supports, even if they are not read: calculated parameters show them on a rigid base, too.
+    /// Makes the block as it would stand on its supports, even on a rigid base. Calculated parameters show them there, too.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
     pub fn block_on_supports(&self) -> Result<Block, BlockError> {
         let (parameterization, common) = self.parameters_on(Foundation::Viscoelastic, |variable| self[variable]);
         Block::from_parameters(&parameterization, &common)
@@ -112,7 +118,7 @@ impl Values {
         }
     }
 
-    /// Returns the ties up to the last one that has a stiffness, with the parameters from `of`.
+    /// Returns the ties up to the last one with a stiffness, with parameters from `of`.
     pub fn ties<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
         let count = LINKS.iter().rposition(|(_, tie)| self.is_present(tie)).map_or(0, |last| last + 1);
         LINKS[..count].iter().map(|(_, tie)| tie.map(|variable| variable.map_or(T::from(0.0), &of))).collect()
@@ -334,7 +340,7 @@ impl Values {
         }
     }
 
-    /// Returns the parameters that were set but are not read, each with the setting that it needs.
+    /// Returns the parameters that were set but are not read. Each has the setting that it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
         let numbers = self.changed(Parameter::ALL.into_iter().filter_map(lacking).collect());
@@ -357,7 +363,7 @@ impl Values {
         }
     }
 
-    /// Returns [`Values::unread`] and, on a rigid base, the parameters of the supports, which only calculated parameters read.
+    /// Returns [`Values::unread`] and, on a rigid base, the parameters of the supports. Only calculated parameters read those.
     pub fn unread_by_motion(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let supports = match (self.foundation(), self.is_physical()) {
             (Foundation::Viscoelastic, _) => vec![],

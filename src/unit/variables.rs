@@ -156,7 +156,10 @@ impl Metadata {
         matches!(self.causality, Causality::Input | Causality::Parameter)
     }
 
-    /// Refuses a value that is not finite or outside the limits; the error names the limits.
+    /// Refuses a value that is not finite or outside the limits.
+    ///
+    /// # Errors
+    /// The value, with the limits.
     #[inline]
     pub fn admits(&self, value: f64) -> Result<(), String> {
         match self.kind {
@@ -216,7 +219,10 @@ pub struct Fmi3Metadata {
 }
 
 impl Fmi3Metadata {
-    /// Refuses a value that is not finite or outside the limits; the error names the limits.
+    /// Refuses a value that is not finite or outside the limits.
+    ///
+    /// # Errors
+    /// The value, with the limits.
     pub fn admits(&self, value: f64) -> Result<(), String> {
         within_limits(self.name, value, self.min, self.max)
     }

@@ -12,6 +12,9 @@ use rocking_studies::fit::{Fit, TestFit};
 const HEIGHTS: [u32; 2] = [5200, 3800];
 
 /// Draws each test with its fit, and the residuals under it.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn fit(fit: &Fit, title: &str) -> Result<String, PictureError> {
     let heading = [title.into(), formula(&block_line(&fit.block))];
     let legend = [

@@ -28,6 +28,9 @@ const DARKEST: f64 = 90.0;
 /// Draws a fragility curve with its band, the fractions of binned rows, and each row as a tick.
 ///
 /// `blocks` describes the blocks; `heading` is name and unit of the measure.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn curve(
     blocks: &str,
     found: &Assessment,
@@ -114,6 +117,9 @@ fn misfit(found: &Assessment, unit: &str) -> String {
 }
 
 /// Draws the curves of several limits, each with its name, over the measure with this heading.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> Result<String, PictureError> {
     let measures = curves.iter().flat_map(|(_, found)| found.marks()).map(|row| row.measures[0]);
     let x = range(measures);
@@ -136,6 +142,9 @@ pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> R
 /// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles. Many curves are a density.
 ///
 /// A curve leaves to the right edge at the level at which its block overturns, and returns at that at which it stands again.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureError> {
     let stands = |response: &Response| match *response {
         Response::Stands(peak) => Some(peak),
@@ -261,6 +270,9 @@ fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
 }
 
 /// Draws a fragility surface of two measures in grey, with the lines of 10, 50 and 90 %, and the rows.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn surface(blocks: &str, found: &Surface, headings: [&str; 2], limit: Limit) -> Result<String, PictureError> {
     /// Tiles along each axis.
     const TILES: u32 = 80;

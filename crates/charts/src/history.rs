@@ -35,6 +35,9 @@ type Series<'a> = (&'a str, LineStyle, &'a dyn Fn(&Row) -> f64);
 type Panel<'a> = (u32, Vec<Key>, Chart<'a>);
 
 /// Draws a history as SVG, with a title for the run.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn history(block: &Block, history: &History, title: &str) -> Result<String, PictureError> {
     let ended = history.ending.map(|(ending, time)| format!("; {ending} at t = {time:.3} s")).unwrap_or_default();
     let heading = [title.into(), formula(&format!("{}{ended}", block_line(block)))];

@@ -19,6 +19,9 @@ pub fn numbers(block: &Block) -> Vec<usize> {
 }
 
 /// Draws the loops as SVG, with a title for the run.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn loops(block: &Block, history: &History, title: &str) -> Result<String, PictureError> {
     let (names, weight) = (link_names(block), block.mass * block.gravity);
     let numbers = numbers(block);

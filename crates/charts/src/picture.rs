@@ -41,6 +41,9 @@ impl Words for PictureFormat {
 
 impl PictureFormat {
     /// Returns the format for the extension of a file name.
+    ///
+    /// # Errors
+    /// [`PictureError::Extension`].
     pub fn of(path: &Path) -> Result<PictureFormat, PictureError> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         match extension.as_deref() {
@@ -60,6 +63,9 @@ impl PictureFormat {
     }
 
     /// Encodes a drawing.
+    ///
+    /// # Errors
+    /// [`PictureError::Drawing`].
     pub fn encode(self, svg: &str) -> Result<Vec<u8>, PictureError> {
         match self {
             PictureFormat::Svg => Ok(svg.as_bytes().to_vec()),

@@ -14,6 +14,9 @@ use rocking_studies::spec::pulse::text;
 const HEIGHTS: [u32; 2] = [4600, 5200];
 
 /// Draws record and pulse from a pulse's duration before its start to a duration after its end.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn pulse_fit(samples: &[FitSample], fit: &PulseFit, title: &str) -> Result<String, PictureError> {
     let duration = fit.pulse.duration();
     let ends = [fit.pulse.start - duration, fit.pulse.end() + duration];

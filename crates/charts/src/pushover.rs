@@ -27,6 +27,9 @@ pub fn names(group: &[Landmark]) -> String {
 }
 
 /// Draws the lateral force over the rotation as SVG.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn pushover(block: &Block, pushover: &Pushover) -> Result<String, PictureError> {
     let weight = block.mass * block.gravity;
     let point = |at: &Equilibrium| (at.theta, at.force / weight);

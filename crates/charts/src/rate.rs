@@ -27,6 +27,9 @@ const POWERS: [&str; 15] = [
 ///
 /// `heading` is name and unit of the measure, `limit` the name of the probability; `band` gives the ends of the confidence interval
 /// at measures.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn rate(
     lines: &[String],
     found: &AnnualRate,

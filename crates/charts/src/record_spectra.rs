@@ -21,6 +21,9 @@ const MAX_SIZES: usize = 1500;
 const GREYS: [u8; 4] = [25, 140, 225, 190];
 
 /// Draws the spectra of several records as SVG, with a title for the ground motions.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn spectrum(
     spectrum: &Spectrum,
     statistics: &Statistics,

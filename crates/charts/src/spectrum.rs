@@ -92,6 +92,9 @@ impl Stretch {
 }
 
 /// Draws a spectrum as SVG, with a title for the ground motion.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn spectrum(spectrum: &Spectrum, curves: &Curves, title: &str) -> Result<String, PictureError> {
     let count = curves.curves.len();
     let mut legend: Vec<_> = (0..count).map(|i| (Symbol::Curve(LineStyle::of(i)), name(spectrum, i))).collect();

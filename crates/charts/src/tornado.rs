@@ -30,6 +30,9 @@ pub struct Bar {
 }
 
 /// Draws the bars, the longest on top; `middle` is the result without a change, `heading` name and unit of the result.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<String, PictureError> {
     let reach = |bar: &Bar| {
         let offsets = bar.results.into_iter().flatten().map(|result| (result - middle).abs());

@@ -7,8 +7,10 @@ use rocking_block::simulation::{Simulation, SimulationError};
 use crate::Number;
 use crate::follower::{Follower, Sample};
 
-/// Advances a run and its derivatives to `until` (s) under inputs that are linear in time. The run has the bits of
-/// [`Simulation::advance`].
+/// Advances a run and its derivatives to `until` (s) under inputs linear in time. The run has the bits of [`Simulation::advance`].
+///
+/// # Errors
+/// Those of [`Simulation::advance`].
 pub fn advance(
     simulation: &mut Simulation,
     followers: &mut [Follower],
@@ -18,10 +20,14 @@ pub fn advance(
     advance_with_samples(simulation, followers, until, inputs, &[], &mut |_, _, _| ()).map(|_| ())
 }
 
-/// Advances as [`advance`] does, and samples each follower at increasing `times` (s) before `until`, without a stop there.
+/// Advances as [`advance`] does, and samples each follower at `times` (s), without a stop there. The times increase, and are before
+/// `until`.
 ///
 /// `observer` receives the indices of the time and of the follower, and the sample. At an event or the beginning of a pulse the sample
 /// is taken right after it. Returns the number of sampled times.
+///
+/// # Errors
+/// Those of [`Simulation::advance`].
 pub fn advance_with_samples(
     simulation: &mut Simulation,
     followers: &mut [Follower],

@@ -22,7 +22,7 @@ use crate::{BATCH, Number};
 pub struct EventGradient {
     /// The event.
     pub event: Event,
-    /// Derivatives of its time (s per unit of the parameter); not a number where it grazes.
+    /// Derivatives of its time (s per unit of the parameter). NaN where it grazes.
     pub time: [f64; BATCH],
 }
 
@@ -31,11 +31,11 @@ pub struct EventGradient {
 pub struct Grazing {
     /// Its time (s).
     pub time: f64,
-    /// Its kind; `None` for a corner that becomes held or bears again, which is not reported.
+    /// Its kind. `None` for a corner that becomes held or bears again, which is not reported.
     pub kind: Option<EventKind>,
 }
 
-/// The derivatives of a run in the directions of a batch, advanced with it step by step.
+/// The derivatives of a run in the directions of a batch. They advance with it, step by step.
 #[derive(Clone, Debug)]
 pub struct Follower {
     pub(crate) varied: Varied,
@@ -171,7 +171,7 @@ impl Follower {
         if grazes { [f64::NAN; BATCH] } else { eps.map(|eps| -eps / rate) }
     }
 
-    /// Applies an event that the run has just passed; `after` are the run's rates after it.
+    /// Applies an event that the run just passed. `after` are the run's rates after it.
     ///
     /// The pose moves to the varied time of the event under the mode before it, through the transition, and back to the time of the run
     /// under the mode after it.
@@ -270,7 +270,7 @@ impl Follower {
         observe(&self.system.block, now.regime, &now.instant, heights, now.forcing)
     }
 
-    /// Returns the observed quantities right after these inputs have begun to act, with their derivatives at this time.
+    /// Returns the observed quantities right after these inputs begin to act, with derivatives.
     pub fn observe(&self, simulation: &Simulation, inputs: &Inputs) -> Observation<Number> {
         let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
         let now = self.at(&self.pose, &excitation);
@@ -354,7 +354,7 @@ impl Sample<'_> {
     }
 }
 
-/// Returns the pose moved along the motion by `shift` (s) in each direction, with these rates.
+/// Returns the pose moved along the motion by `shift` (s) in each direction.
 fn moved(pose: &Pose<Number>, rates: &Rates, shift: [f64; BATCH]) -> Pose<Number> {
     let moved =
         |number: Number, rate: f64| Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate * shift[i]));

@@ -26,8 +26,8 @@ pub(crate) struct Segment {
     pub end_shift: [f64; BATCH],
 }
 
-/// Returns the observed quantities at a time (s) after the beginning of a segment, and a copy with their rates along the motion added to
-/// the derivatives.
+/// Returns the observed quantities at a time (s) of a segment, and a copy with rates. The time counts from the beginning of the segment.
+/// The copy has the rates along the motion added to the derivatives.
 pub(crate) type ObserveInside<'a> = dyn Fn(&Segment, f64) -> [Observation<Number>; 2] + 'a;
 
 /// A quantity with a peak.
@@ -74,8 +74,8 @@ impl PeakSegments {
         }
     }
 
-    /// Records a step with the peaks before and after it; `slip` is the displacement of the foot at its end (m), and its rate before an event
-    /// there (m/s).
+    /// Records a step with the peaks before and after it. `slip` is the displacement of the foot at its end (m), and its rate before an
+    /// event there (m/s).
     pub fn record(&mut self, before: &Peaks, after: &Peaks, slip: (Number, f64), step: &Segment) {
         let record = |slot: &mut Option<Box<Segment>>| match slot {
             Some(last) => **last = *step,
@@ -99,7 +99,7 @@ impl PeakSegments {
         }
     }
 
-    /// Records a peak of the slip at an event with these derivatives of its time, from its value (m) and rate (m/s) there.
+    /// Records a peak of the slip at an event whose time has these derivatives. Its value (m) and rate (m/s) are those of the event.
     pub fn record_slip(&mut self, slip: Number, rate: f64, shift: [f64; BATCH]) {
         self.slip = std::array::from_fn(|i| slip.re.signum() * (slip.eps[i] + rate * shift[i]));
     }
@@ -132,8 +132,8 @@ impl PeakSegments {
     }
 }
 
-/// Returns the derivatives of a peak: at an end of the segment, whose time may vary, or at a maximum inside, where the
-/// rate is zero.
+/// Returns the derivatives of a peak at an end of the segment, or at a maximum inside. The time of an end may vary; at a maximum the rate
+/// is zero.
 fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity) -> [f64; BATCH] {
     // The maximum is bracketed by the neighbours of the highest of these instants.
     const PIECES: u32 = 8;

@@ -180,7 +180,7 @@ impl<T: Elementary> Parameters<T> {
     }
 }
 
-/// The block, the initial values and the excitation of a run, with their derivatives in the directions of a batch.
+/// Block, initial values and excitation of a run, with derivatives in the directions of a batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Varied {
     /// The block.
@@ -223,7 +223,7 @@ impl Varied {
         Excitation::new(&inputs, acts.then_some(&self.pulse), self.block.mass)
     }
 
-    /// Returns the derivatives of the time at which `pulse` begins or ends, if that is `time` (s), and whether it acts right before.
+    /// Returns the derivatives of a begin or end of `pulse` at `time` (s), if any, and whether it acts right before.
     pub fn kink(&self, pulse: &Pulse, time: f64) -> Option<([f64; BATCH], bool)> {
         if pulse.shape == PulseShape::None {
             return None;

@@ -20,7 +20,8 @@ impl Instant {
         (self.whole - start.whole) as f64 + (self.fraction - start.fraction)
     }
 
-    /// Reads `2024-08-08T16:43:15.25Z`, `2024/08/08 16:43:15.25`, or a time of day alone, with or without an offset from UTC.
+    /// Reads a time of day with or without a date and an offset from UTC. Examples are `2024-08-08T16:43:15.25Z` and `2024/08/08
+    /// 16:43:15.25`.
     pub(super) fn parse(text: &str) -> Option<Instant> {
         let text = text.trim();
         let (days, clock) = match text.get(..10).and_then(date) {
@@ -50,7 +51,7 @@ impl Instant {
     }
 }
 
-/// Returns whether a field is a date, behind which a time of day may stand in a field of its own.
+/// Returns whether a field is a date. A time of day may follow it in a field of its own.
 pub(super) fn is_date(text: &str) -> bool {
     text.len() == 10 && date(text).is_some()
 }

@@ -13,7 +13,7 @@ use super::text::{FileText, Values, fixed_width, is_end_mark, quoted, squeezed};
 /// Index of the time step (ms) within the real header.
 const TIME_STEP: usize = 61;
 
-/// Returns whether the first line of a file names the format, as "Corrected acceleration    (Format v01.20 with 13 text lines)".
+/// Returns whether the first line of a file names the format. It does as in "Corrected acceleration    (Format v01.20 with 13 text lines)".
 pub(super) fn is_first_line(line: &str) -> bool {
     let line = line.to_ascii_lowercase();
     line.contains("(format v") && line.contains("text lines")

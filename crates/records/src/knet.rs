@@ -24,7 +24,7 @@ const NAMES: &str = "#Time,RelativeTime(s),";
 /// Names of the directions 1 to 6 of KiK-net: in the borehole, then at the surface.
 const DIRECTIONS: [&str; 6] = ["NS1", "EW1", "UD1", "NS2", "EW2", "UD2"];
 
-/// Returns whether a line is the one common to all headers: the scale factor, or the names of the columns.
+/// Returns whether a line occurs in all headers. It is that of the scale factor, or of the names of the columns.
 pub(super) fn is_header_line(line: &str) -> bool {
     line.starts_with("Scale Factor") && line.contains("(gal)/") || line.starts_with(NAMES)
 }

@@ -105,7 +105,7 @@ pub use unit::{Unit, UnknownUnit};
 
 use text::FileText;
 
-/// Largest file that is read (MiB); the longest accelerograms have 10⁶ values, a few tens of MiB.
+/// Largest file that is read (MiB). The longest accelerograms have 10⁶ values, a few tens of MiB.
 pub const LARGEST_FILE: u64 = 512;
 
 /// Reads an accelerogram file.
@@ -137,7 +137,7 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
     Ok(bytes)
 }
 
-/// Returns the path of a file's URL (RFC 8089), and any other path as it is.
+/// Returns the path of a file's URL (RFC 8089), or any other path unchanged.
 ///
 /// # Errors
 /// The URL is of another machine.
@@ -180,8 +180,8 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, 
     parse_with_doubt(name, bytes, options).map(|(record, _)| record)
 }
 
-/// Reads an accelerogram from the bytes of its file, with the reason to doubt its content, if there is one: a peak other than that of the
-/// header, or one beyond any earthquake, or the frequencies of velocities.
+/// Reads an accelerogram from the bytes of its file, with any reason for doubt. The reason is a peak other than that of the header, one
+/// beyond any earthquake, or the frequencies of velocities.
 ///
 /// # Errors
 /// Those of [`parse`].
@@ -236,7 +236,7 @@ pub fn parse_with_doubt(
     Ok((record, doubt))
 }
 
-/// Detects the format by a line that only this format has, otherwise by the layout of the numbers.
+/// Detects the format by a line that no other format has, otherwise by the layout of the numbers.
 fn detect(source: &FileText<'_>, options: &ReadOptions) -> Format {
     let head = source.head();
     let first = head.first().copied().unwrap_or_default();

@@ -12,7 +12,7 @@ use super::unit::Unit;
 pub enum Choice {
     /// Number, from 1.
     Number(usize),
-    /// Name in the header, in any case; of a column with or without the unit in brackets.
+    /// Name in the header, in any case. The unit in brackets may be left out.
     Name(String),
 }
 
@@ -53,13 +53,13 @@ pub struct ReadOptions {
     pub unit: Option<Unit>,
     /// Time step (s); required if the file states none, otherwise it must agree.
     pub time_step: Option<f64>,
-    /// Value of `g` for records in g [m/s²]: that of the block, so that records and `g tan α` stay comparable.
+    /// Value of `g` for records in g [m/s²]. It is that of the block, so that records and `g tan α` stay comparable.
     pub gravity: f64,
     /// Layout of a line, for [`Format::Fixed`], which it chooses.
     pub layout: Option<FixedLayout>,
     /// Number of lines before the first line of numbers, for [`Format::Fixed`].
     pub skip: Option<usize>,
-    /// Value of a printed 1 in the unit of the values (1), for [`Format::Fixed`] and [`Format::Columns`].
+    /// Value of a printed 1, in the unit of the values, for [`Format::Fixed`] and [`Format::Columns`].
     pub value_scale: Option<f64>,
     /// Column of the times, for [`Format::Columns`] and [`Format::Fixed`].
     pub time_column: Option<Choice>,
@@ -109,7 +109,7 @@ impl ReadOptions {
         }
     }
 
-    /// Describes the record that is chosen of several in a file, such as `channel 2`, if the caller chooses.
+    /// Describes the record that the caller chooses from several in a file, such as `channel 2`.
     pub fn choice(&self) -> Option<String> {
         let channel = self.channel.as_ref().map(|channel| format!("channel {channel}"));
         channel.or_else(|| self.acceleration_column.as_ref().map(|column| format!("column {column}")))

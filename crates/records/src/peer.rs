@@ -57,7 +57,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     Ok(raw)
 }
 
-/// Returns whether this is the last line of a PEER header; a comment may name a file with this word.
+/// Returns whether this is the last line of a PEER header. A comment may name a file with this word.
 pub(super) fn has_npts(line: &str) -> bool {
     let upper = line.to_ascii_uppercase();
     let after = upper.split_once("NPTS").map(|(_, after)| after.trim_start());

@@ -15,7 +15,7 @@ const LOWEST_FREQUENCY: f64 = 1.15;
 /// Shorter tables are usually made by hand.
 const FEWEST_SAMPLES: usize = 200;
 
-/// Returns the reason to doubt that a file holds accelerations in the unit assumed, if there is one.
+/// Returns the reason to doubt that a file holds accelerations in its unit, if any.
 ///
 /// A table without names does not state its content; its frequency may show velocities.
 pub(super) fn implausibility(bytes: &[u8], record: &Record) -> Option<String> {

@@ -48,13 +48,13 @@ pub(super) struct StatedPeak {
 }
 
 impl StatedPeak {
-    /// A peak printed in a header in the unit of the values; `None` for text that is no number.
+    /// Returns a peak printed in a header in the unit of the values. `None` for text that is no number.
     pub(super) fn printed(line: usize, token: &str) -> Option<StatedPeak> {
         let value = number(token).filter(|value| value.is_finite())?;
         Some(StatedPeak { line, value, quantum: print_quantum(token) })
     }
 
-    /// The same peak if a unit of the header has `factor` units of the values.
+    /// Returns the peak if a unit of the header has `factor` units of the values.
     pub(super) fn times(self, factor: f64) -> StatedPeak {
         StatedPeak { value: factor * self.value, quantum: factor * self.quantum, ..self }
     }
@@ -90,7 +90,7 @@ impl Raw {
         }
     }
 
-    /// Settles unit and time step with the caller, checks count and peak, and converts to m/s².
+    /// Settles unit and time step, checks count and peak, and converts to m/s².
     ///
     /// A peak that differs from that of the header is a reason for doubt.
     pub(super) fn into_record(

@@ -11,7 +11,7 @@ use super::unit::Unit;
 /// A ground acceleration that is linear between evenly spaced samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Earthquake, station and component as far as the header names them, otherwise the name of the file.
+    /// Earthquake, station and component as far as the header names them. Otherwise the name of the file.
     pub title: String,
     /// Format of the file.
     pub format: Format,
@@ -21,7 +21,7 @@ pub struct Record {
     pub start_time: f64,
     /// Time between two samples (s), above zero.
     pub time_step: f64,
-    /// Ground accelerations [m/s²], finite, at least two, with the sign of the file; all runs under a record share them.
+    /// Ground accelerations [m/s²], at least two, finite, with the sign of the file. All runs under a record share them.
     pub acceleration: Arc<[f64]>,
     /// Changes since the file.
     pub processing: Processing,
@@ -73,7 +73,7 @@ impl Record {
         }
     }
 
-    /// Returns whether all fields are in their ranges; records from files are, those from saved states may not be.
+    /// Returns whether all fields are in their ranges. Records from files are; those from saved states may not be.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let Record { start_time, time_step, acceleration, .. } = self;
@@ -95,7 +95,7 @@ impl Record {
         self.start_time + i as f64 * self.time_step
     }
 
-    /// Returns the sample at or before `time`: none before the first; after the last, the last or the number of samples.
+    /// Returns the sample at or before `time`, or none before the first. After the last, it is the last or the number of samples.
     pub fn sample_at(&self, time: f64) -> Option<usize> {
         self.sample_near(time, self.guess(time))
     }

@@ -16,7 +16,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Reads the chosen column and the times; every line that is not blank has all columns.
+    /// Reads the chosen column and the times. Every line that is not blank has all columns.
     pub(super) fn read<'s, Fields: Iterator<Item = &'s str>>(
         self,
         source: &'s FileText<'_>,

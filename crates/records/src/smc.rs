@@ -25,7 +25,7 @@ const LARGEST_SAMPLING_RATE: f64 = 1e5;
 /// Number of increasing times that tell pairs from accelerations.
 const PAIRS: usize = 16;
 
-/// Returns whether a line begins an SMC file: a digit for the kind of file, and its name.
+/// Returns whether a line begins an SMC file: a digit and the name of its kind.
 pub(super) fn is_first_line(line: &str) -> bool {
     let kinds = ["ACCELEROGRAM", "VELOCITY", "DISPLACEMENT", "RESPONSE SPECTR", "FOURIER"];
     let line = line.trim().to_ascii_uppercase();

@@ -130,7 +130,8 @@ pub(super) struct Layout<'a> {
     pub(super) title: String,
 }
 
-/// Returns whether the file is a block in reading order: numbers from the first line, three or more per line, no times.
+/// Returns whether the file is a block in reading order. Such a block has numbers from the first line, three or more per line, and no
+/// times.
 pub(super) fn is_block(head: &[&str]) -> bool {
     let rows: Vec<Vec<f64>> = head
         .iter()

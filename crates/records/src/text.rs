@@ -88,7 +88,7 @@ impl<'a> FileText<'a> {
         }
     }
 
-    /// Refuses a last line of numbers that ends the file within a column of `width` characters; columns end `shift` characters later.
+    /// Refuses a file that ends within a column of `width` characters. Columns end `shift` characters later.
     ///
     /// Integers have no decimals that would show it.
     pub(super) fn check_last_column(
@@ -203,7 +203,7 @@ pub(super) fn number(token: &str) -> Option<f64> {
     token.parse().ok().or_else(|| token.replace(['D', 'd'], "e").parse().ok())
 }
 
-/// Returns one unit of the last printed digit; the rounding error is at most half of it.
+/// Returns one unit of the last printed digit. The rounding error is at most half of it.
 pub(super) fn print_quantum(token: &str) -> f64 {
     let (mantissa, exponent) = split_exponent(token);
     let decimals = decimals(mantissa);
@@ -211,7 +211,7 @@ pub(super) fn print_quantum(token: &str) -> f64 {
     format!("1e{power}").parse().unwrap_or(f64::NAN)
 }
 
-/// Splits a line into columns of equal width, trimmed, without the empty ones at the end.
+/// Splits a line into columns of equal width, trimmed, without empty ones at the end.
 pub(super) fn fixed_width(line: &str, width: usize) -> impl Iterator<Item = &str> {
     let line = line.trim_end();
     // A line that is not ASCII has no numbers; as a single column it is refused as a number.

@@ -34,7 +34,7 @@ impl TimeAxis {
         }
     }
 
-    /// Returns start time (s) and time step; times must be even to the precision in which they are printed.
+    /// Returns start time (s) and time step. Times must be even to the precision in which they are printed.
     ///
     /// The mean step is rounded to the shortest decimal number that gives the same printed times.
     pub(super) fn even_spacing(&self, source: &FileText<'_>) -> Result<(f64, Option<StatedStep>), RecordError> {
@@ -72,7 +72,7 @@ impl TimeAxis {
         Ok((start, Some(StatedStep { line, value, tolerance })))
     }
 
-    /// Returns the time farthest from even spacing with the mean step (s): its line, found and expected value, and the step.
+    /// Returns the time farthest from even spacing: line, found and expected value, and mean step (s).
     ///
     /// Where rounding hides the first steps, it shows best that the spacing is uneven.
     pub(super) fn farthest(&self) -> Option<(usize, f64, f64, f64)> {

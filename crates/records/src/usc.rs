@@ -9,7 +9,7 @@ use super::volume;
 /// Columns of text; the file names the length of each line beyond them.
 const TEXT_WIDTH: usize = 70;
 
-/// Returns whether these first lines name the uncorrected record, on line 1 of volume 1 and on line 2 of volume 2.
+/// Returns whether these first lines name the uncorrected record. The name is on line 1 of volume 1 and on line 2 of volume 2.
 pub(super) fn is_head(head: &[&str]) -> bool {
     head.iter()
         .take(2)

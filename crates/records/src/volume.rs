@@ -139,7 +139,7 @@ pub(super) fn points(lines: &[(usize, &str)]) -> Option<StatedCount> {
     Some(StatedCount { line, key: "NO. OF POINTS", value })
 }
 
-/// Returns the text after a key and `=`, in any case, within the header of a channel.
+/// Returns the text after a key and `=` in the header of a channel, in any case.
 pub(super) fn value_of<'s>(lines: &[(usize, &'s str)], key: &str) -> Option<(usize, &'s str)> {
     lines.iter().take(TEXT_LINES).find_map(|&(line, text)| {
         // Upper case of ASCII has the same length.

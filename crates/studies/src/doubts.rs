@@ -10,7 +10,7 @@ const MAX_XI_V: f64 = 50.0;
 /// Greatest amplitude of a pulse over gravity (1), that of records in files.
 const MAX_AMPLITUDE: f64 = 20.0;
 
-/// Returns the first remark of each kind on blocks: supports too soft to keep them upright, sizes, damping.
+/// Returns the first remark of each kind on blocks. Kinds are supports too soft to keep them upright, sizes, and damping.
 pub fn of_blocks(blocks: impl IntoIterator<Item = Block>) -> Vec<String> {
     let kinds: [fn(&Block) -> Option<String>; 3] = [Block::soft_supports, size, damping];
     let mut found = [const { None }; 3];
@@ -54,7 +54,7 @@ fn damping(block: &Block) -> Option<String> {
     })
 }
 
-/// Returns the first remark of each kind on pulses with their gravity (m/s²): amplitudes, and those of [`of_end`].
+/// Returns the first remark of each kind on pulses with their gravity (m/s²). Kinds are amplitudes, and those of [`of_end`].
 pub fn of_pulses(pulses: impl IntoIterator<Item = (Pulse, f64)>, has_record: bool) -> Vec<String> {
     let mut found = [const { None }; 2];
     for (pulse, gravity) in pulses.into_iter().filter(|(pulse, _)| pulse.shape != PulseShape::None) {

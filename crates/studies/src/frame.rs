@@ -8,7 +8,7 @@ use crate::output::table::{Table, TableColumn};
 use crate::run::{History, Row};
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Supports};
 
-/// N equal free-standing columns on a rigid base under a rigid beam that rests freely on their tops.
+/// Equal free-standing columns on a rigid base under a rigid beam. The beam rests freely on their tops.
 ///
 /// All columns rotate by the same θ and the beam moves without rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +70,12 @@ pub struct FrameResponse {
     pub beam: [f64; 2],
     /// Mean force of the base on a column (N).
     pub base: [f64; 2],
-    /// Mean force of a column on the beam (N); the vertical one is below zero where the beam would have to be held down.
+    /// Mean force of a column on the beam (N). The vertical one is below zero where the beam would have to be held down.
     pub top: [f64; 2],
 }
 
 impl Frame {
-    /// Creates the frame of these columns; `column` stands on the rigid base, and its restitution factor is that of the frame.
+    /// Creates the frame of these columns. `column` stands on the rigid base, and its restitution factor is that of the frame.
     ///
     /// # Errors
     /// [`FrameError`]: a number or a mass out of range, or a column on supports, tied, uneven, sliding or with ε > 0.
@@ -140,7 +140,7 @@ impl Frame {
         })
     }
 
-    /// Time (s) of the first row in which the beam would have to be held down: there it leaves the columns and the model ends.
+    /// Time (s) of the first row in which the beam would have to be held down. There it leaves the columns and the model ends.
     pub fn beam_leaves(&self, history: &History) -> Option<f64> {
         let first = history.rows.iter().find(|row| self.response_in(row).top[1] < 0.0);
         first.map(|row| row.time).filter(|_| self.beam_mass > 0.0)

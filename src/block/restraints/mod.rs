@@ -63,7 +63,7 @@ impl<T> Restraints<T> {
 /// Maximum number of restraints of a block.
 pub const MAX: usize = MAX_TIES;
 
-/// The states of the restraints of a block without their memory: they decide the equations of motion.
+/// The states of the restraints without their memory. They decide the equations of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Modes {
     /// The states of the ties.
@@ -127,7 +127,7 @@ impl<T> States<T> {
         tie::pull::dissipates(ties)
     }
 
-    /// Returns the function whose value is the pull of the restraint with this number, if it pulls.
+    /// Returns the function whose value is the pull of a restraint, if it pulls.
     pub fn pull_of(&self, number: usize) -> Option<RestraintFunction> {
         let States { ties, plastic: _ } = self;
         let function = tie::switching::of_pull(*ties.get(number)?)?;
@@ -164,7 +164,7 @@ impl States {
 /// Energies or powers, one account for each kind of restraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RestraintEnergies<T = f64> {
-    /// Energy dissipated by the dashpots and by the yielding of the ties, and lost from the springs of broken ties.
+    /// Energy dissipated by dashpots and yielding of ties, or lost from springs of broken ties.
     pub ties: T,
     /// That of the dampers.
     pub dampers: T,
@@ -275,7 +275,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     tie::pull::observe(block, ties, plastic, kinematics)
 }
 
-/// Returns the plastic elongations of all restraints (m), by their numbers, positive for longer ones, also while they yield.
+/// Returns the plastic elongations of all restraints (m), also while they yield. Positive for longer ones.
 pub fn plastic_elongations<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     states: &States<T>,
@@ -293,12 +293,12 @@ pub fn strength<T: Elementary>(block: &Block<T>, number: usize) -> Option<T> {
     (strength.value() > 0.0).then_some(strength)
 }
 
-/// Returns the force (N) at which the restraint with this number yields first; 0 if it does not yield.
+/// Returns the force (N) at which a restraint yields first; 0 if it does not yield.
 pub fn yield_force<T: Elementary>(block: &Block<T>, number: usize) -> T {
     block.ties().get(number).map_or_else(|| T::from(0.0), |tie| tie.yield_force)
 }
 
-/// Returns a vertical force on the block at rest (N, positive up) less the pull of the restraints.
+/// Returns a vertical force at rest less the pull of the restraints (N, positive up).
 pub fn less_static_pull<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, force: T) -> T {
     let Restraints { ties } = &block.restraints;
     tie::pull::less_static_pull(block, ties, kinematics, force)
@@ -310,7 +310,7 @@ pub fn static_stiffness<T: Elementary>(block: &Block<T>, kinematics: &Kinematics
     tie::pull::static_stiffness(block, ties, kinematics)
 }
 
-/// Returns a bound on the circular frequencies and decay rates that the restraints add to the block (rad/s).
+/// Returns a bound on the circular frequencies and decay rates that restraints add (rad/s).
 pub fn fastest(block: &Block) -> f64 {
     let Restraints { ties } = &block.restraints;
     let [stiffness, damping] = tie::pull::stiffest(block, ties);
@@ -360,7 +360,7 @@ pub fn watched(block: &Block, modes: &Modes) -> [Option<RestraintFunction>; WATC
     watched
 }
 
-/// Number of watched functions of the restraints among the variables of the FMU, which come first.
+/// Number of watched functions of the restraints with variables of the FMU, which come first.
 pub const INDICATORS: usize = tie::switching::WATCHED * tie::VARIABLES;
 
 impl RestraintFunction {
@@ -431,7 +431,7 @@ impl RestraintFunction {
     }
 }
 
-/// Returns the states at the beginning of a run; `rounding` is the round-off of a zero relative to its largest term.
+/// Returns the states at the beginning of a run. `rounding` is the round-off of a zero over its largest term.
 pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, rounding: f64) -> States<T> {
     let Restraints { ties } = &block.restraints;
     let (ties, plastic) = tie::switching::at_beginning(block, ties, kinematics, rounding);

@@ -246,6 +246,9 @@ pub unsafe fn free<V: Version>(handle: *mut c_void) {
 ///
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
+///
+/// # Errors
+/// `state` is null.
 pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_void) -> Answer {
     // SAFETY: by contract memory that nothing else uses meanwhile (standard, 2.1.8).
     let output = unsafe { single_output("FMUstate", state) }?;
@@ -264,6 +267,9 @@ pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_v
 ///
 /// # Safety
 /// `state` is null or a state of this FMU that is not freed or written meanwhile (standard, 2.1.8).
+///
+/// # Errors
+/// `state` is null.
 pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
     // SAFETY: by contract null or a live state (standard, 2.1.8).
     unsafe { state.cast::<Unit>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
@@ -273,6 +279,9 @@ pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
 ///
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
+///
+/// # Errors
+/// None; a null pointer is accepted.
 pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
     if state.is_null() {
         return Ok(Status::Ok);
@@ -287,6 +296,9 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
 }
 
 /// Writes the pointer of a deserialized state to the importer's memory.
+///
+/// # Errors
+/// None; the memory was checked before.
 pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Answer {
     output.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)

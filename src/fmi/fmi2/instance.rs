@@ -25,12 +25,18 @@ pub type Instance = fmi::instance::Instance<Fmi2>;
 
 impl Instance {
     /// `fmi2EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// None.
     pub fn enter_initialization_mode(&mut self) -> Answer {
         self.unit.enter_initialization_mode();
         Ok(Status::Ok)
     }
 
     /// `fmi2DoStep`. Allocates no memory unless it fails.
+    ///
+    /// # Errors
+    /// Those of [`Unit::advance`](crate::unit::instance::Unit::advance).
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
         let log = &self.log;
@@ -53,6 +59,9 @@ impl Instance {
     }
 
     /// `fmi2GetRealStatus`.
+    ///
+    /// # Errors
+    /// A kind of another type.
     pub fn real_status(&self, kind: StatusKind) -> Result<f64, Fault> {
         match kind {
             StatusKind::LastSuccessfulTime => Ok(self.unit.time()),
@@ -63,6 +72,9 @@ impl Instance {
     }
 
     /// `fmi2GetBooleanStatus`.
+    ///
+    /// # Errors
+    /// A kind of another type.
     pub fn boolean_status(&self, kind: StatusKind) -> Result<bool, Fault> {
         match kind {
             StatusKind::Terminated => Ok(self.unit.phase() == Phase::StepFailed),
@@ -73,6 +85,9 @@ impl Instance {
     }
 
     /// `fmi2GetStatus`: the status of the last step, since steps are synchronous.
+    ///
+    /// # Errors
+    /// A kind of another type.
     pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
         match (kind, self.unit.phase()) {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
@@ -84,6 +99,9 @@ impl Instance {
     }
 
     /// `fmi2SetRealInputDerivatives`, order 1 only.
+    ///
+    /// # Errors
+    /// Those of [`Unit::set_input_derivatives`](crate::unit::instance::Unit::set_input_derivatives).
     #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         self.unit.set_input_derivatives(references, orders, values)?;

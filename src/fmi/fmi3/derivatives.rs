@@ -12,6 +12,9 @@ use crate::unit::variables::Fmi3Variable;
 
 impl Instance {
     /// `fmi3GetDirectionalDerivative`.
+    ///
+    /// # Errors
+    /// Unknown variables, arrays of the wrong length, or a direction that is not finite.
     pub fn directional(
         &mut self,
         unknowns: &[u32],
@@ -41,6 +44,9 @@ impl Instance {
     /// `fmi3GetAdjointDerivative`: the derivatives of the weighted sum of the unknowns with respect to each known.
     ///
     /// Evaluates one direction per known. There are few, except for samples of a record, so a reverse mode would not pay.
+    ///
+    /// # Errors
+    /// Unknown variables, arrays of the wrong length, or a seed that is not finite.
     pub fn adjoint_derivative(
         &mut self,
         unknowns: &[u32],

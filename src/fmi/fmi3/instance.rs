@@ -42,6 +42,9 @@ impl Fmi3 {
     }
 
     /// Returns the choices for Co-Simulation. Refuses variables that cannot be set or read inside a step.
+    ///
+    /// # Errors
+    /// The first variable that cannot be set or read inside a step.
     pub fn stepped(
         event_mode: bool,
         early_return: bool,
@@ -62,6 +65,9 @@ impl Fmi3 {
     }
 
     /// Refuses variables that were not requested for intermediate updates.
+    ///
+    /// # Errors
+    /// The first variable that was not requested.
     pub fn check_required(&self, references: &[u32]) -> Result<(), Fault> {
         match references.iter().find(|&reference| !self.required.contains(reference)) {
             None => Ok(()),
@@ -74,6 +80,9 @@ impl Fmi3 {
 
 impl Instance {
     /// `fmi3EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// Those of [`Instance::plan`].
     pub fn enter_initialization_mode(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
         let status = self.plan(tolerance, start, stop)?;
         self.unit.enter_initialization_mode();
@@ -81,6 +90,9 @@ impl Instance {
     }
 
     /// `fmi3ExitInitializationMode`: enters Event Mode if that is used, otherwise Step Mode.
+    ///
+    /// # Errors
+    /// Those of [`Instance::exit_initialization_mode`].
     pub fn leave_initialization_mode(&mut self) -> Answer {
         let status = self.exit_initialization_mode()?;
         if self.version.event_mode {
@@ -90,6 +102,9 @@ impl Instance {
     }
 
     /// `fmi3EnterEventMode`.
+    ///
+    /// # Errors
+    /// Event Mode was not requested at instantiation.
     pub fn begin_event(&mut self) -> Answer {
         if !self.version.event_mode {
             return Err(Fault::new("eventModeUsed was false at instantiation; events are handled inside the FMU"));
@@ -98,6 +113,9 @@ impl Instance {
     }
 
     /// `fmi3UpdateDiscreteStates`: applies an event.
+    ///
+    /// # Errors
+    /// Those of [`Unit::pass_events`](crate::unit::instance::Unit::pass_events) and [`Unit::settle`](crate::unit::instance::Unit::settle).
     pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         if self.unit.interface() == Interface::ModelExchange {
             return self.new_discrete_states();
@@ -108,6 +126,9 @@ impl Instance {
     }
 
     /// `fmi3EnterStepMode`: applies an event that is not yet applied, and enters Step Mode.
+    ///
+    /// # Errors
+    /// Those of [`Instance::update_discrete_states`].
     pub fn enter_step_mode(&mut self) -> Answer {
         self.update_discrete_states()?;
         self.unit.enter_step_mode();
@@ -115,6 +136,9 @@ impl Instance {
     }
 
     /// `fmi3EnterConfigurationMode` and `fmi3ExitConfigurationMode`.
+    ///
+    /// # Errors
+    /// None.
     pub fn configure(&mut self, begins: bool) -> Answer {
         self.unit.configure(begins);
         Ok(Status::Ok)

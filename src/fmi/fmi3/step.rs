@@ -89,6 +89,10 @@ fn end_update(unit: &mut Unit, step: &mut StepOutcome, end: f64, reply: Option<U
 
 impl Instance {
     /// Advances a step to its end or to the importer's next update. Allocates no memory unless it fails.
+    ///
+    /// # Errors
+    /// Those of [`Unit::begin_substeps`](crate::unit::instance::Unit::begin_substeps) and
+    /// [`Unit::do_substep`](crate::unit::instance::Unit::do_substep).
     pub fn step_on(
         &mut self,
         step: &mut StepOutcome,

@@ -43,6 +43,9 @@ pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Faul
 }
 
 /// Refuses any variable, since none has the type `wanted`.
+///
+/// # Errors
+/// The first variable. An empty list has none.
 pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
     let Some(&reference) = references.first() else { return Ok(Status::Ok) };
     Err(mismatch(reference, wanted))
@@ -79,6 +82,9 @@ pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
 
 impl Instance {
     /// Reads scalars of one kind.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be read now.
     pub fn get_scalars<T>(
         &mut self,
         kind: Kind,
@@ -93,6 +99,9 @@ impl Instance {
     }
 
     /// Sets scalars of one kind, all or none.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be set or is outside its limits.
     pub fn set_scalars<T: Copy>(
         &mut self,
         kind: Kind,
@@ -106,6 +115,9 @@ impl Instance {
     }
 
     /// `fmi3GetFloat64`.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be read now.
     pub fn get_floats(&mut self, references: &[u32], values: &mut [MaybeUninit<f64>]) -> Answer {
         if references.iter().all(|&reference| fmi3_variable(reference).is_none()) {
             return self.get_scalars(Kind::Real, references, values, |value| value);
@@ -130,6 +142,9 @@ impl Instance {
     }
 
     /// `fmi3SetFloat64`, all or none. In an intermediate update, sets inputs of a later time.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be set or is outside its limits.
     pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
         if self.unit.phase() != Phase::SettingAhead {
             return if references.iter().all(|&reference| fmi3_variable(reference).is_none()) {
@@ -179,6 +194,9 @@ impl Instance {
     }
 
     /// `fmi3GetUInt64`.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be read now.
     pub fn get_sizes(&mut self, references: &[u32], values: &mut [MaybeUninit<u64>]) -> Answer {
         check_sizes(references)?;
         fits(references.len(), values.len())?;
@@ -188,6 +206,9 @@ impl Instance {
     }
 
     /// `fmi3SetUInt64`: sets sizes of arrays, whose elements become zero.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a size that may not be set or is outside its limits.
     pub fn set_sizes(&mut self, references: &[u32], values: &[u64]) -> Answer {
         check_sizes(references)?;
         fits(references.len(), values.len())?;
@@ -203,6 +224,9 @@ impl Instance {
     }
 
     /// `fmi3GetString`: checks the arguments before the strings are read.
+    ///
+    /// # Errors
+    /// A variable of another type, a wrong number of values, or a value that may not be read now.
     pub fn check_texts(&self, references: &[u32], count: usize) -> Result<(), Fault> {
         check(references, Kind::String)?;
         fits(references.len(), count)?;
@@ -210,6 +234,9 @@ impl Instance {
     }
 
     /// `fmi3GetOutputDerivatives`, order 1 only.
+    ///
+    /// # Errors
+    /// A variable that is no Real output, an order other than 1, a wrong number of values, or a value that may not be read now.
     pub fn derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [MaybeUninit<f64>]) -> Answer {
         fits(references.len(), values.len())?;
         self.may_read(references)?;

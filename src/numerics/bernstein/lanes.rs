@@ -64,7 +64,7 @@ fn signs<V: Simd>(numbers: &Row<Wide<V>>, count: usize) -> Signs<V> {
     }
 }
 
-/// The lanes in which coefficients inside exceed `most` and those at both ends, and so may the polynomial.
+/// The lanes in which inner coefficients exceed `most` and both ends, and the polynomial may.
 #[inline(always)]
 fn exceeding<V: Simd>(coefficients: &Row<Wide<V>>, most: Wide<V>) -> Lanes<V> {
     let value = coefficients[0].max(coefficients[DEGREE]).max(most);
@@ -142,8 +142,7 @@ impl<V: Simd> Bernsteins<V> {
         positive
     }
 
-    /// The zeros in those of some lanes in which the coefficients fall through zero once, and these lanes: see
-    /// [`zero`](super::Bernstein::zero).
+    /// The zeros in the lanes whose coefficients fall through zero once, and these lanes. See [`zero`](super::Bernstein::zero).
     #[inline(always)]
     pub fn only_zero(&self, lanes: Lanes<V>) -> (Wide<V>, Lanes<V>) {
         let Signs { falls, crossing, .. } = signs(&self.coefficients, DEGREE + 1);
@@ -162,8 +161,8 @@ impl<V: Simd> Bernsteins<V> {
         (place, lanes)
     }
 
-    /// In some lanes, the place inside the interval of the greatest value and that value if it exceeds `most` and the values at both ends,
-    /// otherwise one that does not exceed them; and the lanes in which this is known. See [`highest`](super::Bernstein::highest).
+    /// The place and size of the greatest value inside the interval in some lanes, and the lanes in which they are known. The value exceeds
+    /// `most` and both ends; if none does, the result is one that does not. See [`highest`](super::Bernstein::highest).
     #[inline(always)]
     pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
@@ -195,8 +194,8 @@ impl<V: Simd> Bernsteins<V> {
     }
 }
 
-/// A step of Newton's method to the zero of a falling function with these values and slopes, or of bisection where that would leave the
-/// interval, which shrinks; and its size.
+/// A step of Newton's method to the zero of a falling function, and its size. `value` and `slope` are those at `place`. The interval
+/// shrinks; a step that would leave it is one of bisection.
 #[inline(always)]
 fn newton<V: Simd>(
     [value, slope]: [Wide<V>; 2],

@@ -61,7 +61,7 @@ pub enum Zero {
 pub struct Highest<R, S> {
     /// Their places.
     pub place: R,
-    /// The runs in which they exceed the numbers that were given, and the values at both ends.
+    /// The runs in which they exceed the given numbers and the values at both ends.
     pub exceeds: S,
     /// The runs in which this is known.
     pub known: S,
@@ -112,8 +112,7 @@ impl Pair {
         Pair { degree, powers, coefficients: convert(&powers) }
     }
 
-    /// Values at both ends, and in between numbers whose least and greatest are bounds of the polynomials and of their linear
-    /// combinations.
+    /// Values at both ends, and between them numbers that bound the polynomials. Their least and greatest also bound linear combinations.
     #[inline]
     pub fn coefficients(&self) -> &Row<[f64; 2]> {
         &self.coefficients
@@ -136,7 +135,7 @@ impl Pair {
         values(&self.powers, self.degree, place)
     }
 
-    /// The place inside the interval of the greatest value of `a p + b q`, if that exceeds `most` and the values at both ends.
+    /// The place inside the interval of the greatest value of `a p + b q`. `None` unless it exceeds `most` and both ends.
     #[inline]
     pub fn highest(&self, [a, b]: [f64; 2], most: f64) -> Option<f64> {
         let exceeds = self.coefficients().iter().any(|[p, q]| a * p + b * q > most);
@@ -237,8 +236,8 @@ impl Bernstein {
         }
     }
 
-    /// The only zero between two places, near this part of the way, by Newton's method, or by bisection where that would leave them. The
-    /// polynomial is positive at the first place, and negative at the last.
+    /// The only zero between two places, near this fraction of the way. Newton's method, or bisection where that would leave the places.
+    /// The polynomial is positive at the first place, and negative at the last.
     fn only_zero(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
         let mut place = low + (high - low) * near;
         for _ in 0..MAX_NEWTON {
@@ -259,7 +258,7 @@ impl Bernstein {
         place
     }
 
-    /// The place inside the interval of the greatest value, if that exceeds `most` and the values at both ends.
+    /// The place inside the interval of the greatest value. `None` unless it exceeds `most` and both ends.
     pub fn highest(&self, most: f64) -> Option<f64> {
         let [first, last] = self.ends();
         let (mut place, mut value) = (None, if first > last { first } else { last });
@@ -270,7 +269,7 @@ impl Bernstein {
         place
     }
 
-    /// [`Bernstein::highest`] of a part of the interval, if that exceeds the value that has been found.
+    /// [`Bernstein::highest`] of a segment of the interval, if it exceeds the value found before.
     fn raise(&self, place: &mut Option<f64>, value: &mut f64, [low, high]: [f64; 2], coefficients: &Row) {
         /// Parts that are not divided further: extrema that close to each other are of round-off.
         const MIN: f64 = 1.0 / 1024.0;
@@ -305,7 +304,7 @@ impl Bernstein {
         }
     }
 
-    /// The only maximum between two places, near this part of the way, by Newton's method, or by bisection where that would leave them.
+    /// The only maximum between two places, near this fraction of the way. Newton's method, or bisection where that would leave the places.
     fn top(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
         let slopes = slopes(&self.powers);
         let mut place = low + (high - low) * near;
@@ -365,7 +364,7 @@ fn slopes<T: Real>(powers: &Row<T>) -> Row<T> {
     slopes
 }
 
-/// The part of the way at which a polynomial with these Bernstein coefficients crosses zero for the first time, by its control polygon.
+/// The fraction of the way at which a control polygon first crosses zero. Its ordinates are the Bernstein coefficients of a polynomial.
 fn crossing(coefficients: &[f64]) -> f64 {
     let last = coefficients.len() - 1;
     for k in 0..last {

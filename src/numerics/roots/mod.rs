@@ -25,8 +25,8 @@ impl<R: std::ops::Neg<Output = R>> Sample<R> {
     }
 }
 
-/// Number of pieces into which the longest step is cut where it may hide a root. A step is shorter than a third of the shortest period of
-/// the motion, so that a piece is shorter than 1/24 of it and close to a cubic.
+/// Number of pieces of the longest step where it may hide a root. A step is shorter than a third of the shortest period of the motion, so
+/// that a piece is shorter than 1/24 of it and close to a cubic.
 pub const PIECES: u32 = 8;
 
 /// Returns the number of pieces of a step that is this part of the longest.
@@ -49,7 +49,7 @@ const INTERPOLATIONS: u32 = 8;
 /// A time and the sample of a function there.
 type TimedSample = (f64, Sample);
 
-/// Whether a function that is not below `floor` at the start may fall below it within `duration`, by the bounds of [`may_rise_inside`].
+/// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_rise_inside`]. It is not below at the start.
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
@@ -126,7 +126,7 @@ pub fn first_fall(
     Some(fall(bracket, &mut function))
 }
 
-/// Returns an interval in which a function first falls below `floor`: above it at the beginning, below it at the end.
+/// Returns an interval in which a function first falls below `floor`. It is above at the beginning, and below at the end.
 ///
 /// An interval longer than `piece` is halved where it may hold more than one fall.
 fn first_below(
@@ -161,7 +161,7 @@ fn first_below(
         .or_else(|| first_below(floor, [middle, right], piece, halvings, function))
 }
 
-/// Whether the control polygon of the cubic with these ends descends, and with it the cubic.
+/// Whether the control polygon of a cubic with these ends descends, and so the cubic.
 fn descends(start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
     start.rate <= 0.0 && end.rate <= 0.0 && start.value + third * start.rate >= end.value - third * end.rate
@@ -181,8 +181,8 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
     false
 }
 
-/// Returns the time at which a function that is zero at `low` and negative at `below` falls through zero: after a rise, however short, or
-/// else `low`.
+/// Returns the time at which a function that is zero at `low` falls through zero. It does so after a rise, however short, or else at `low`;
+/// at `below` it is negative.
 ///
 /// A rise may be lost in round-off; where the function still rises, it has not fallen yet.
 fn fall_after_zero(low: f64, below: TimedSample, function: &mut impl FnMut(f64) -> Sample) -> f64 {
@@ -234,7 +234,7 @@ fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) 
     sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, |t| function(t).value)
 }
 
-/// Returns the time at value zero on the cubic of time over value with these ends; NaN unless the function falls at both.
+/// Returns the time at value zero on the cubic of time over value with these ends. NaN unless the function falls at both.
 fn interpolated_fall((low, left): TimedSample, (high, right): TimedSample) -> f64 {
     if !(left.rate < 0.0 && right.rate < 0.0) {
         return f64::NAN;
@@ -250,7 +250,7 @@ fn between(low: f64, point: f64, high: f64) -> f64 {
     if point > low && point < high { point } else { 0.5 * (low + high) }
 }
 
-/// Whether a function may fall through zero; false only if its values and rates at both ends exclude it.
+/// Whether a function may fall through zero. False only if values and rates at both ends exclude it.
 #[inline]
 pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     if start.value > rounding {
@@ -261,14 +261,14 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// Whether the bounds of a function let it fall through zero; one that begins at zero has to come below its `rounding`.
+/// Whether the bounds of a function let it fall through zero. One that begins at zero has to fall below its `rounding`.
 #[inline]
 pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     let floor = if start.value > rounding { 0.0 } else { -rounding };
     start.value < -rounding || may_be_below(floor, start, end, duration)
 }
 
-/// Returns the greatest of `most` and the values of `function` in `[0, duration]`, from its samples at both ends.
+/// Returns the greatest of `most` and the values of `function` in `[0, duration]`. Its samples at both ends are given.
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
@@ -302,8 +302,8 @@ fn highest(
     highest(most, [middle, right], width, halvings, function)
 }
 
-/// Returns the greatest of `most` and the values of a function between `left`, where it rises, and `right`, where it falls; the place of its top
-/// is found within `width`, and the rise to it added.
+/// Returns the greatest of `most` and the values of a function between `left` and `right`. It rises at `left` and falls at `right`. The
+/// place of its top is found within `width`, and the rise to it is added.
 ///
 /// The first points are tops of cubics; later ones follow from the rates alone, which need not be those of the values to the last digit.
 fn top(
@@ -335,7 +335,7 @@ fn top(
     most.max(function(time).value)
 }
 
-/// Returns the time of the maximum of a cubic with these samples; not a number if it has none.
+/// Returns the time of the maximum of a cubic with these samples; NaN without one.
 fn top_of_cubic([(first, a), (second, b)]: [TimedSample; 2]) -> f64 {
     let duration = second - first;
     let (start, end, rise) = (duration * a.rate, duration * b.rate, 3.0 * (b.value - a.value));
@@ -344,7 +344,7 @@ fn top_of_cubic([(first, a), (second, b)]: [TimedSample; 2]) -> f64 {
     first + duration * start / ((linear * linear - square * start).sqrt() - linear)
 }
 
-/// Finds a sign change of a continuous function with `f(low) ≥ 0 > f(high)` to round-off (4 ulp of `high`).
+/// Finds a sign change of a continuous function to round-off (4 ulp of `high`). Needs `f(low) ≥ 0 > f(high)`.
 ///
 /// Returns the end of the bracket at which `|f|` is smaller.
 ///

@@ -37,7 +37,7 @@ pub trait Simd: Copy + 'static {
 
     /// A vector of the first [`Simd::LANES`] numbers.
     fn load(numbers: &Array) -> Self;
-    /// Transposes rows, four numbers of each lane, into four vectors; rows beyond the lanes are not read.
+    /// Transposes rows, four numbers of each lane, into four vectors. Rows beyond the lanes are not read.
     #[inline(always)]
     fn columns(rows: [&Four; MAX_LANES]) -> [Self; 4] {
         let mut columns = [[0.0; MAX_LANES]; 4];
@@ -50,7 +50,7 @@ pub trait Simd: Copy + 'static {
     }
     /// The numbers of the lanes, then zeros.
     fn store(self) -> Array;
-    /// The same number in each lane.
+    /// Fills all lanes with a number.
     fn splat(number: f64) -> Self;
     /// Sum in each lane.
     fn add(self, other: Self) -> Self;
@@ -66,7 +66,7 @@ pub trait Simd: Copy + 'static {
     fn neg(self) -> Self;
     /// Absolute value in each lane.
     fn abs(self) -> Self;
-    /// Powers of two with these exponents: whole numbers from −1022 to 1023, otherwise the result is unspecified.
+    /// Powers of two with these exponents, whole numbers from −1022 to 1023. Otherwise the result is unspecified.
     fn power_of_two(self) -> Self;
     /// The lanes in which `self` is less than `other`.
     fn less(self, other: Self) -> Self::Mask;
@@ -92,8 +92,8 @@ pub trait Task {
     fn run<V: Simd>(self) -> Self::Output;
 }
 
-/// Runs a task with vectors of four numbers on x86-64, or `None` without AVX2; with arrays on other processors, whose compilers vectorize
-/// them. The results have the same bits.
+/// Runs a task with vectors of four numbers on x86-64, or returns `None` without AVX2. Other processors take arrays, which their compilers
+/// vectorize. The results have the same bits.
 #[inline(always)]
 pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
     #[cfg(target_arch = "x86_64")]
@@ -107,7 +107,7 @@ pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
 pub struct VectorWidth(processor::Vectors);
 
 impl VectorWidth {
-    /// Returns the widest vectors with at most this number of lanes, or `None` for a single lane.
+    /// Returns the widest vectors of at most this many lanes, or `None` for one lane.
     pub fn at_most(lanes: usize) -> Option<VectorWidth> {
         processor::Vectors::at_most(lanes).map(VectorWidth)
     }
@@ -128,7 +128,7 @@ impl VectorWidth {
     }
 }
 
-/// Adding this to a whole number puts the biased exponent of its power of two into the lowest bits.
+/// Added to a whole number, puts the biased exponent of its power of two into the lowest bits.
 const TO_EXPONENT: f64 = 1.0 / f64::EPSILON + 1023.0;
 
 /// Number of bits of the mantissa, below the exponent.
@@ -159,13 +159,13 @@ impl<V: Simd> Wide<V> {
         Wide(V::load(numbers))
     }
 
-    /// Powers of two with these exponents: whole numbers from −1022 to 1023, otherwise the result is unspecified.
+    /// Powers of two with these exponents, whole numbers from −1022 to 1023. Otherwise the result is unspecified.
     #[inline(always)]
     fn power_of_two(self) -> Wide<V> {
         Wide(self.0.power_of_two())
     }
 
-    /// Transposes rows, four numbers of each lane, into four vectors, many times faster than number by number.
+    /// Transposes rows, four numbers of each lane, into four vectors. It is many times faster than number by number.
     #[inline(always)]
     pub fn columns(rows: [&Four; MAX_LANES]) -> [Wide<V>; 4] {
         let [a, b, c, d] = V::columns(rows);

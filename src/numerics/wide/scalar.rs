@@ -50,12 +50,12 @@ impl<V: Simd> Real for Wide<V> {
     }
 }
 
-/// The least angle (rad), about π/4, whose argument `libm` reduces; it compares the upper 32 bits.
+/// Least angle (rad), about π/4, whose argument `libm` reduces. It compares the upper 32 bits.
 const QUARTER_PI: f64 = f64::from_bits((0x3fe9_21fb + 1) << 32);
 
-/// Sine and cosine with the operations of `libm::sincos` up to [`QUARTER_PI`], in their order: the polynomials of FreeBSD's
-/// k_sin.c and k_cos.c (Copyright (C) 1993 by Sun Microsystems, Inc.; permission to use, copy, modify, and distribute this
-/// software is freely granted, provided that this notice is preserved).
+/// Sine and cosine up to [`QUARTER_PI`], with the operations of `libm::sincos` in their order. The polynomials are those of FreeBSD's
+/// k_sin.c and k_cos.c (Copyright (C) 1993 by Sun Microsystems, Inc.; permission to use, copy, modify, and distribute this software is
+/// freely granted, provided that this notice is preserved).
 ///
 /// Below 2^−27 `libm` returns the angle and 1, and so do these polynomials, except for −0.
 #[inline(always)]
@@ -163,7 +163,7 @@ fn sin_cos_by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array;
     [sines, cosines]
 }
 
-/// Greatest magnitude for [`exp_in_range`]: beyond it `libm`, which compares the upper 32 bits, tests for overflow and underflow.
+/// Greatest magnitude for [`exp_in_range`]. Beyond it `libm`, which compares the upper 32 bits, tests for overflow and underflow.
 const EXP_RANGE: f64 = f64::from_bits((0x4086_232b << 32) - 1);
 
 /// The exponential function with the operations of `libm::exp` in their order: FreeBSD's e_exp.c (Copyright (C) 2004 by Sun Microsystems,

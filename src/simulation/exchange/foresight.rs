@@ -4,7 +4,7 @@ use crate::excitation::Inputs;
 use crate::simulation::exchange::piece::Foreseen;
 use crate::simulation::state::{Pending, Simulation};
 
-/// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
+/// Longest time from an event to one that is foreseen after it, times p.
 ///
 /// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative
 /// tolerance of 1e-6 has a hundred times that to resolve where the block takes longer.
@@ -43,7 +43,7 @@ impl Simulation {
         }
     }
 
-    /// The next time (s) at which the importer has to stop: the first kink of the pulse, or an event that is foreseen.
+    /// The next time (s) at which the importer has to stop. It is the first kink of the pulse, or a foreseen event.
     pub fn next_stop(&self) -> Option<f64> {
         let foreseen = self.foreseen().map(|foreseen| foreseen.pose.time);
         [self.pulse.next_kink(self.pose.time), foreseen].into_iter().flatten().reduce(f64::min)

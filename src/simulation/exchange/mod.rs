@@ -1,4 +1,4 @@
-//! The block stepped from outside: its continuous states, their derivatives, event indicators, and the effects of events.
+//! The block stepped from outside: continuous states, derivatives, event indicators, and effects of events.
 //!
 //! The equations, event functions and transitions are those of [`Simulation::advance`]; the importer's solver only has to find where an
 //! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated as well, so that inputs
@@ -32,18 +32,18 @@ pub use crate::system::events::INDICATORS;
 /// The number of continuous states.
 pub const STATES: usize = 6 + WORKS;
 
-/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, and the energies taken by the dashpots and by
-/// other [dissipative](crate::system::forces::dissipated) forces (J).
+/// The continuous states: pose, rates, and works. They are θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), the work of the
+/// excitation (J), and the energies taken by the dashpots and by other [dissipative](crate::system::forces::dissipated) forces (J).
 ///
 /// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these
 /// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
 pub type ContinuousStates = [f64; STATES];
 
-/// Depth of a corner below the rigid base when its landing is found, as a fraction of R0: far less than the height of the last
-/// bounce, which begins with 1e-9 p.
+/// Depth of a corner below the rigid base at which its landing is found, over R0. It is far less than the height of the last bounce, which
+/// begins with 1e-9 p.
 const SMALLEST_GAP: f64 = 1e-20;
 
-/// Largest rate of an indicator that an event left without a rate, as a multiple of p times its rounding.
+/// Largest rate of an indicator that an event left without one, times p and its rounding.
 const NO_RATE: f64 = 1e3;
 
 /// The indicator in place of a function that is not watched at present.
@@ -142,8 +142,11 @@ impl Simulation {
         std::array::from_fn(|_| all.next().flatten())
     }
 
-    /// Begins a new smooth piece of the excitation, applies the events of all event functions below zero, and
-    /// reports them to `observer`. The inputs act at least until `until` (s).
+    /// Begins a new smooth piece of the excitation, and applies all events due. These are the events of functions below zero; `observer`
+    /// receives them. The inputs act at least until `until` (s).
+    ///
+    /// # Errors
+    /// The events leave no regime that lasts.
     pub fn pass_events(
         &mut self,
         inputs: &Inputs,
@@ -182,12 +185,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Time of the last completed step, or of the last event if that came later (s).
+    /// Time (s) of the last completed step, or of a later event.
     pub fn last_completed(&self) -> f64 {
         self.piece.and_then(|piece| piece.last).map_or(self.pose.time, |last| last.time)
     }
 
-    /// Includes the peaks of the step since the last call, over which `inputs` are linear in time.
+    /// Includes the peaks since the last call. `inputs` are linear in time over that step.
     ///
     /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
     pub fn complete_step(&mut self, inputs: &Inputs) {
@@ -231,8 +234,8 @@ impl Simulation {
         self.accumulate_plastic(&here, there);
     }
 
-    /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of
-    /// `inputs`, and `time`, on which the pulse and creeping supports depend directly.
+    /// The observation and the energies, with exact derivatives in a direction. Its components are `states`, the values of `inputs`, and
+    /// `time`, on which the pulse and creeping supports depend directly.
     pub fn directional(
         &self,
         at: &Inputs,
@@ -283,8 +286,8 @@ impl Simulation {
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
-    /// The rounding of each indicator, twice; where an event left a function without a rate, but below zero by the importer's
-    /// tolerance, also the way back.
+    /// Twice the rounding of each indicator. Where an event left a function without a rate, but below zero by the importer's tolerance, the
+    /// way back is added.
     fn offsets(&self, now: &Evaluation) -> [f64; INDICATORS] {
         self.all_surfaces().map(|function| {
             let Some(function) = function else { return IDLE };
@@ -318,7 +321,7 @@ pub fn nominals(block: &Block) -> ContinuousStates {
     with_works([alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p], [barrier; WORKS])
 }
 
-/// The indicator of an event function with its `offset`, as a part of the function's size.
+/// The indicator of an event function with its `offset`, as a fraction of its size.
 ///
 /// A function falls through zero only while it falls. So the indicator is positive while the function rises, and clearly
 /// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of

@@ -1,4 +1,4 @@
-//! The present smooth piece of a motion that is stepped from outside, and the event that is foreseen in it.
+//! The smooth piece in which an outside solver is, and the event foreseen in it.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ use crate::system::instant::Pose;
 /// The present smooth piece of a motion that is stepped from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::simulation) struct ExchangePiece {
-    /// Beginning of the piece (s); at its end the excitation is still that of the piece.
+    /// Beginning of the piece (s). At its end the excitation is still that of the piece.
     pub(super) since: f64,
-    /// Rounding that is added to each indicator: a function that is zero at the beginning has not fallen through it.
+    /// Rounding added to each indicator, so that zero at the beginning is no event.
     pub(super) offsets: [f64; INDICATORS],
-    /// The block at the end of the last completed step, or right after the last event.
+    /// The block after the last completed step, or right after a later event.
     pub(in crate::simulation) last: Option<Pose>,
     /// The next event, if it is known.
     pub(in crate::simulation) foreseen: Option<Foreseen>,
@@ -29,8 +29,8 @@ impl ExchangePiece {
     }
 }
 
-/// The next event, where it follows so soon on the last one that an importer's solver need not resolve the motion in between: ever
-/// shorter impacts of rocking that dies out, or bounces.
+/// The next event, if it follows so soon that no solver need resolve the motion before. Such are the ever shorter impacts of rocking that
+/// dies out, and bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::simulation) struct Foreseen {
     /// The block right before the event.

@@ -212,6 +212,9 @@ impl Lane {
     }
 
     /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
+    ///
+    /// # Errors
+    /// The solver cannot go on: see [`SimulationError`].
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let single = self.mode.is_some();
         let Lane { system, simulation, stop, since, attempt, next, swing, budget, .. } = self;

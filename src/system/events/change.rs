@@ -92,7 +92,7 @@ impl Path {
         self.regimes.into_iter().flatten()
     }
 
-    /// Whether there were more regimes than a pose can pass through, so that none of them lasts.
+    /// Whether the pose passed through so many regimes that none of them lasts.
     pub fn overflows(&self) -> bool {
         self.overflows
     }
@@ -144,7 +144,7 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
         self.path.push(regime);
     }
 
-    /// Takes the state of a placement whose velocities suit a gripping foot, and lets it grip.
+    /// Lets the foot grip, with the velocities of a placement that suits it.
     pub(super) fn hold(&mut self, placement: &Placement<T>) -> TransitionCounts {
         self.path.push(self.regime());
         self.grip_here(placement)

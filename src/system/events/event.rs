@@ -9,7 +9,7 @@ pub enum EventKind {
     LiftOff(Corner),
     /// A corner came down on its support, or on the rigid base.
     Landing(Corner),
-    /// The foot began to slide, or changed direction: friction reached its limit, or a support that bears no load cannot hold it.
+    /// The foot began to slide, or changed direction. Friction reached its limit, or a support that bears no load cannot hold it.
     Slip,
     /// The foot stopped sliding.
     Grip,
@@ -32,7 +32,7 @@ impl EventKind {
         }
     }
 
-    /// Returns the name of its corner, `L` or `R`, or of its restraint; `None` for an event of the whole block.
+    /// Returns the name of its corner, `L` or `R`, or of its restraint. `None` for an event of the whole block.
     pub fn location(self) -> Option<&'static str> {
         match self {
             EventKind::LiftOff(Corner::Left) | EventKind::Landing(Corner::Left) => Some("L"),

@@ -28,7 +28,7 @@ where
         self.land_alone(corner, placement)
     }
 
-    /// Lands both corners at once from flight, or returns the impulses if one of them would have to pull.
+    /// Lands both corners at once from flight, or returns impulses with a pull.
     pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<TransitionCounts, [T; 2]> {
         let (mut landed, mut both) = (*self, Placement::of(&now.instant));
         let rates = Corner::BOTH.map(|corner| {
@@ -86,7 +86,7 @@ where
         counts + self.settle(before, placement)
     }
 
-    /// Returns the vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
+    /// Returns the vertical rate of a corner after its landing from flight (m/s). Its support moves at `support` (m/s).
     fn rate_after_landing(&self, rate: T, support: T) -> T {
         self.rest_if_slow(if rate.value() < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
     }
@@ -152,13 +152,13 @@ where
         counts + self.touch_down(placement, land(rate), rates)
     }
 
-    /// Returns the vertical rate of a corner after its landing on the rigid base (m/s), upwards.
+    /// Returns the vertical rate of a corner after its landing on the rigid base (m/s, upwards).
     fn rebound(&self, rate: T) -> T {
         let zero = T::from(0.0);
         self.rest_if_slow(greatest(-self.system.block.epsilon * rate, zero), zero)
     }
 
-    /// Completes a landing on the rigid base: corners with a rate have landed, those with a rate of zero stand.
+    /// Completes a landing on the rigid base. Corners with a rate have landed; those with a rate of zero stand.
     pub(super) fn touch_down(
         &mut self,
         mut placement: Placement<T>,

@@ -28,7 +28,7 @@ pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, x: &Inst
     normal * block.friction + x.horizontal * push.sign()
 }
 
-/// Returns the footing that a block would have in another regime now: where it slides, the velocity of the new foot decides.
+/// Returns the footing that a block would have in another regime now. Where it slides, the velocity of the new foot decides.
 pub(super) fn footing_on<T: Elementary>(at: &Evaluation<T>, regime: Regime) -> Footing<T> {
     let Footing::Slides { u, u_dot, direction } = at.footing else { return at.footing };
     if let (Some(held), Some(_)) = (&at.held, regime.pivot()) {
@@ -71,7 +71,7 @@ impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Decides whether the foot grips or slides, and to which side: it grips if it is at rest and `|H| ≤ μ N` holds it.
+    /// Decides whether the foot grips or slides, and to which side. It grips if it is at rest and `|H| ≤ μ N` holds it.
     ///
     /// Does nothing without a limit of friction.
     pub(super) fn apply_friction(&mut self, placement: &mut Placement<T>) -> TransitionCounts {
@@ -112,7 +112,7 @@ where
         TransitionCounts::EVALUATION + self.apply_friction(&mut Placement::of(&now.instant))
     }
 
-    /// Lets a gripping foot that is pushed from a side slide, or a sliding foot that has stopped grip or turn back.
+    /// Lets a gripping foot slide, or a sliding foot grip or turn back. A gripping foot is pushed from a side; a sliding one has stopped.
     pub(super) fn slide_or_grip(
         &mut self,
         pushed_from: Option<Corner>,
@@ -136,7 +136,7 @@ where
         (if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }, counts)
     }
 
-    /// Lets the block stand on its present contacts; its foot grips as far as friction allows.
+    /// Lets the block stand on its present contacts. Its foot grips as far as friction allows.
     pub(super) fn stand(&mut self, placement: &mut Placement<T>) -> TransitionCounts {
         if self.system.block.friction.value() > 0.0 {
             self.place(placement);
@@ -146,7 +146,8 @@ where
         }
     }
 
-    /// Keeps the horizontal position of a gripping block where it matters: with restraints, friction or an eccentric centre of mass.
+    /// Keeps the horizontal position of a gripping block where it has an effect. It does with restraints, friction or an eccentric centre
+    /// of mass.
     pub(super) fn place_foot(&mut self, placement: &Placement<T>) -> TransitionCounts {
         if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
             self.grip_here(placement)

@@ -34,7 +34,7 @@ pub(super) fn distance<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regi
     }
 }
 
-/// Returns the size of the terms of [`slide`] (m/s²), including dashpot forces, which amplify the round-off of rates.
+/// Returns the size of the terms of [`slide`] (m/s²). They include dashpot forces, which amplify the round-off of rates.
 #[inline]
 pub(super) fn size<T: Elementary>(block: &Block<T>) -> f64 {
     block.gravity.value().max((block.xi_v * block.omega_v * block.p * block.r0).value())
@@ -46,7 +46,7 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
 }
 
-/// Returns the least force per mass (m/s²) that would press a touching corner on its support if the foot gripped now.
+/// Returns the least force per mass (m/s²) on a touching corner if the foot gripped now. Positive if it presses the corner on its support.
 ///
 /// It is the reaction right after the horizontal impulse, which turns the block, less a reserve for a corner that this throws up. A
 /// support of stiffness K catches a mass M thrown up with v̇ if its force is above `√(K M) v̇`; with less, the corner would leave, land and

@@ -15,21 +15,21 @@ use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
 use crate::system::instant::{Footing, Held, Instant};
 
-/// Returns the acceleration (m/s²) with which a held corner would be pressed on if it were let go.
+/// Returns the acceleration (m/s²) that would press a held corner on if it were let go.
 ///
 /// Its rate is unknown and set to zero, so that only a sign change between samples is found, which suffices for a monotone function.
 pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
     Sample { value: -gap_opening(at, corner, at.instant.corner_dot[corner.index()]), rate: T::from(0.0) }
 }
 
-/// Returns the acceleration (m/s²) with which full contact would lift a held corner off its support; its rate is set to zero.
+/// Returns the acceleration (m/s²) with which full contact would lift a held corner. Its rate is set to zero.
 pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
     let i = corner.index();
     let x = instant(at.block, Regime::FullContact, at.state.0, at.footing, at.forcing);
     Sample { value: x.corner_ddot[i] - at.instant.corner_ddot[i], rate: T::from(0.0) }
 }
 
-/// Returns the speed of the corner that stands while the other one is held (m/s), along or against the slide of the middle of the base.
+/// Returns the speed of the standing corner while the other one is held (m/s). It is positive in its present direction.
 pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     let (Some(held), Footing::Slides { direction, .. }) = (&at.held, at.footing) else { return Sample::default() };
     let (x, (sin, cos)) = (&at.instant, at.instant.theta.sin_cos());
@@ -57,7 +57,7 @@ where
         TransitionCounts::EVALUATION
     }
 
-    /// Lifts the held corner since the standing one has stopped, which no longer presses it back; that one grips, or slides on.
+    /// Lifts the held corner, since the standing one stopped and no longer presses it back. The standing one grips, or slides on.
     pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) -> TransitionCounts {
         let placement = Placement::of(&now.instant).with_pivot_held(now.block, held.corner.other());
         self.take_off(held.corner, &placement) + self.settle(Regime::FullContact, placement)

@@ -11,7 +11,7 @@ use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
-/// Returns the gap `v_I − y_I` between a lifted corner and its support (m), from the heights and rates of the `supports`.
+/// Returns the gap `v_I − y_I` between a lifted corner and its support (m). It follows from the heights and rates of the `supports`.
 #[inline(always)]
 pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) -> Sample<R> {
     let i = corner.index();
@@ -37,7 +37,7 @@ impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Applies the impact map, if the corner comes down, and holds the middle of the base.
+    /// Applies the impact map if the corner comes down, and holds the base's middle.
     pub(super) fn land(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
         let (block, mut counts) = (&self.system.block, TransitionCounts::NONE);
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
@@ -58,7 +58,7 @@ where
         counts + TransitionCounts::constraint(gained.value()) + self.settle(regime, placement)
     }
 
-    /// Lands `corner` with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after it.
+    /// Lands `corner` with friction, also from flight. A horizontal impulse within its limit slows the foot of the regime after it.
     pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation<T>) -> TransitionCounts {
         if self.is_level(corner.other(), now)
             && let Ok(counts) = self.land_on_both(now)
@@ -84,7 +84,7 @@ where
         counts + self.settle(regime, placement)
     }
 
-    /// Returns a corner's rate after a landing (m/s), or that of its support if the corner would leave it hardly faster.
+    /// Returns a corner's rate after a landing (m/s). It is that of its support if the corner would leave it hardly faster.
     ///
     /// A sequence of ever lower flights thus ends: each rises at least to ten times the round-off of a gap.
     pub(super) fn rest_if_slow(&self, rate: T, support_rate: T) -> T {
@@ -95,7 +95,7 @@ where
     }
 }
 
-/// Returns the rate after a landing (m/s or rad/s) and the velocities; the rate is reduced if the landing would create energy.
+/// Returns the rate after a landing (m/s or rad/s) and the velocities. The rate is reduced if the landing would create energy.
 pub(super) fn without_gain<T: Elementary>(
     block: &Block<T>,
     before: Velocities<T>,

@@ -54,7 +54,7 @@ where
     Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
 }
 
-/// Returns the acceleration (m/s²) with which the gap of a touching corner would open if only this corner left its support now.
+/// Returns the opening acceleration (m/s²) of the gap of a touching corner that leaves now. Only this corner leaves its support.
 ///
 /// It is `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the top of the support stands still, and the
 /// gap opens with the rate v̇_I, which makes this acceleration infinite.
@@ -88,7 +88,7 @@ impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Handles a reaction of `corner` that fell through zero, or, if it `was_held`, a corner that would no longer be pressed on.
+    /// Handles a reaction of `corner` that fell through zero. If it `was_held`, the corner would no longer be pressed on.
     pub(super) fn lift_off(
         &mut self,
         corner: Corner,
@@ -142,7 +142,7 @@ where
         TransitionCounts::LIFTOFF
     }
 
-    /// Lets `corner` leave the rigid base, and then the other one if it would have to be pulled.
+    /// Lets `corner` leave the rigid base, and the other one rather than be pulled.
     pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
         let (first, of_first) = self.let_go(corner, now);
         let (last, of_others) = self.settle_on_rigid_base();
@@ -153,7 +153,8 @@ where
         (release, of_first + of_others)
     }
 
-    /// Lifts `corner` off the rigid base, or lets it slide if it is the last one and would be pressed on without a horizontal hold.
+    /// Lifts `corner` off the rigid base, or lets it slide. It slides if it is the last one and would be pressed on without a horizontal
+    /// hold.
     ///
     /// The paper's analysis ends when the last corner bears nothing.
     pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {

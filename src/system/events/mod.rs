@@ -50,25 +50,25 @@ pub use change::{Path, TransitionCounts};
 pub use event::{Event, EventKind};
 pub use lift_off::gap_opening;
 
-/// A function of the motion that is positive within a regime and falls through zero when the regime ends.
+/// A function of the motion that is positive within a regime. It falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventFunction {
     /// The reaction N_I/M of a touching corner (m/s²).
     Reaction(Corner),
     /// The gap `v_I − y_I` between a lifted corner and its support (m).
     Gap(Corner),
-    /// The acceleration with which a held corner would be pressed on if it were let go (m/s²); see [`gap_opening`].
+    /// The acceleration that would press a held corner on if it were let go (m/s²). See [`gap_opening`].
     Held(Corner),
     /// The acceleration with which full contact would lift a held corner (m/s²).
     Unloaded(Corner),
-    /// The distance of a sliding foot from being pressed on if it gripped (m/s²): on supports see
-    /// [`grip::pressure_if_gripped`], on the rigid base p times the vertical rate with which gripping would throw the corner up.
+    /// The distance of a sliding foot from being pressed on if it gripped (m/s²). On supports see [`grip::pressure_if_gripped`]; on the
+    /// rigid base it is p times the vertical rate with which gripping would throw the corner up.
     Slide,
-    /// The distance of H, which pushes the foot, from its limit `μ N` (m/s²): from L to the right, from R to the left.
+    /// The distance of H, which pushes the foot, from its limit `μ N` (m/s²). From L it pushes to the right, from R to the left.
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
-    /// The speed of the corner that stands while the other one is held and the middle of the base slides (m/s).
+    /// The speed of the standing corner while the other is held and the base slides (m/s).
     StandingSlide,
     /// A function of a restraint.
     Restraint(restraints::RestraintFunction),
@@ -98,7 +98,7 @@ pub fn watched(mode: impl MotionMode) -> [Option<EventFunction>; 4] {
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
 }
 
-/// Returns the further event functions of a block with friction or restraints: two of the foot, then those of the restraints.
+/// Returns the event functions of friction and restraints. Two of the foot come before those of the restraints.
 #[inline(never)]
 pub fn extended_event_functions(mode: impl MotionMode, block: &Block) -> [Option<EventFunction>; EXTENDED_COUNT] {
     let mut watched = [None; EXTENDED_COUNT];
@@ -122,7 +122,8 @@ pub fn extended_event_functions(mode: impl MotionMode, block: &Block) -> [Option
 /// Number of event functions of [`extended_event_functions`].
 pub const EXTENDED_COUNT: usize = 2 + restraints::WATCHED;
 
-/// Number of Model Exchange's event indicators: the event functions of [`watched`], and those of [`extended_event_functions`] with variables of the FMU.
+/// Number of event indicators of Model Exchange. They are the event functions of [`watched`], and those of [`extended_event_functions`]
+/// with variables of the FMU.
 pub const INDICATORS: usize = 4 + 2 + restraints::INDICATORS;
 
 impl EventFunction {
@@ -135,7 +136,7 @@ impl EventFunction {
         self.sample_on(at.block.foundation, at)
     }
 
-    /// Returns value and rate at an instant; `foundation` is that of the block, and may be a constant.
+    /// Returns value and rate at an instant. `foundation` is that of the block, and may be a constant.
     #[inline(always)]
     pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Sample<T>
     where
@@ -173,7 +174,8 @@ impl EventFunction {
         }
     }
 
-    /// Whether value and rate follow from the state and its rate, without the rates of the inputs, and an event may leave it at zero.
+    /// Whether an event may leave the function at zero, with a rate independent of inputs' rates. Value and rate then follow from the state
+    /// and its rate.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
             EventFunction::Gap(_) | EventFunction::Slide | EventFunction::Speed | EventFunction::StandingSlide => true,
@@ -291,7 +293,7 @@ where
         Transition { pose, event, counts, path }
     }
 
-    /// Returns the event function that a jump of the excitation has taken below zero, if any.
+    /// Returns the event function that a jump of the excitation took below zero, if any.
     ///
     /// It is a reaction on the rigid base, or the distance of H from the limit of friction.
     #[inline]
@@ -306,7 +308,7 @@ where
         self.leaving_rigid_base(now).map(EventFunction::Reaction)
     }
 
-    /// Returns the pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides.
+    /// Returns the pose right after `now` if a corner leaves the rigid base or slides.
     pub fn released(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
         Some(self.transition(pose, now, self.fallen(now)?).pose)
     }

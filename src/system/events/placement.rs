@@ -54,7 +54,7 @@ impl<T: Elementary> Placement<T> {
         }
     }
 
-    /// Returns the placement with the horizontal constraint at the `pivot`, not the middle of the base: the other corner has left full contact.
+    /// Returns the placement with the horizontal constraint at the `pivot` instead of the middle. The other corner has left full contact.
     pub fn with_pivot_held(mut self, block: &Block<T>, pivot: Corner) -> Placement<T> {
         self.velocities.u_dot = impact::height_over(block, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
         self

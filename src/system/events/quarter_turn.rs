@@ -8,7 +8,7 @@ use crate::numerics::roots::Sample;
 /// Size of the function (rad).
 pub(crate) const SIZE: f64 = FRAC_PI_2;
 
-/// Returns the rest of the quarter turn, `π/2 − |θ|` (rad), and its rate, from θ and θ̇.
+/// Returns the remaining angle to a quarter turn, `π/2 − |θ|` (rad), and its rate (rad/s).
 #[inline(always)]
 pub fn remaining_angle<R: Scalar>([theta, theta_dot]: [R; 2]) -> Sample<R> {
     let (side, zero) = (theta.value(), R::Real::default());

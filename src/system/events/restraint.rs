@@ -51,7 +51,7 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Returns the pose at the beginning with the states of its restraints, which follow from it.
+    /// Returns the pose at the beginning with the states of its restraints.
     pub(in crate::system) fn switched(&self, mut pose: Pose<T>, excitation: &Excitation<T>) -> Pose<T> {
         if !self.block.restraints.is_empty() {
             let kinematics = Kinematics::of(&PoseUpdate::begin(self, &pose, excitation).now().instant);

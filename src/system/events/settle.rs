@@ -18,7 +18,7 @@ impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Decides the regime: drops touching corners one by one while a support would have to pull, now or within round-off of time.
+    /// Decides the regime: drops touching corners one by one while a support would pull. It would pull now, or within round-off of time.
     ///
     /// `before` is the previous regime.
     pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) -> TransitionCounts {
@@ -89,7 +89,7 @@ where
         counts
     }
 
-    /// Lowers or raises the supports of corners that landed and lifted in this instant to the corners.
+    /// Moves the supports of corners that landed and lifted in this instant to the corners.
     ///
     /// Such a corner keeps its height, and the clock may be off the landing by its resolution, in which supports creep.
     fn rejoin_supports(&mut self) -> TransitionCounts {
@@ -105,7 +105,8 @@ where
         TransitionCounts::EVALUATION
     }
 
-    /// Returns the placement after a corner landed and lifted in the same instant: an impulse stops the `pivot`, or with friction it slides.
+    /// Returns the placement after a corner landed and lifted in the same instant. An impulse stops the `pivot`, or with friction it
+    /// slides.
     ///
     /// `None` if the gap of that corner would close again at once.
     fn with_momentum(&self, pivot: Corner, before: &Placement<T>) -> (Option<Placement<T>>, TransitionCounts) {
@@ -127,7 +128,8 @@ where
         (opens.then_some(after), counts)
     }
 
-    /// Returns whether and how a touching corner with the reaction `n` per mass (m/s²) and the rate `corner_dot` (m/s) leaves its support.
+    /// Returns whether and how a touching corner leaves its support. It has the reaction `n` per mass (m/s²) and the rate `corner_dot`
+    /// (m/s).
     fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Release> {
         if n < 0.0 {
             return Some(Release::Lifts);
@@ -155,7 +157,7 @@ where
         }
     }
 
-    /// Lets corners leave the rigid base that it would have to pull, and returns how the last of them left.
+    /// Lets corners leave the rigid base that it would have to pull. Returns how the last of them left.
     pub(super) fn settle_on_rigid_base(&mut self) -> (Option<Release>, TransitionCounts) {
         let before = self.apply_friction_here();
         let (last, counts) = self.settle_under_friction();
@@ -180,7 +182,7 @@ impl<T: Elementary> System<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    /// Returns the corner that the rigid base would have to pull now or right after: of two, the one with the lower reaction.
+    /// Returns the corner that the rigid base would have to pull now or right after. Of two, it is the one with the lower reaction.
     ///
     /// `None` on supports, whose reactions are continuous.
     pub fn leaving_rigid_base(&self, now: &Evaluation<T>) -> Option<Corner> {
@@ -199,7 +201,8 @@ where
 }
 
 impl Evaluation<'_> {
-    /// Whether the block is at rest: it stands on both corners, and accelerations and motion are below the round-off of reactions.
+    /// Whether the block is at rest: on both corners, with accelerations and motion below round-off. The round-off is that of the
+    /// reactions.
     pub fn rests(&self) -> bool {
         let rounding = lift_off::rounding(self.block);
         self.regime == Regime::FullContact

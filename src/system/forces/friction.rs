@@ -3,7 +3,7 @@
 use crate::block::Block;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
-/// Returns the horizontal reaction H/M (m/s²), against the `direction` of sliding: +1 to the right, −1 to the left.
+/// Returns the horizontal reaction H/M (m/s²), against the `direction` of sliding. The direction is +1 to the right, −1 to the left.
 ///
 /// `normal` is the vertical reaction N/M (m/s²).
 #[inline(always)]
@@ -11,7 +11,7 @@ pub fn reaction<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, direction: f64,
     normal * (block.friction * -direction)
 }
 
-/// Returns the power per mass (m²/s³) that friction dissipates at a foot that slides at `rate` (m/s).
+/// Returns the power per mass (m²/s³) dissipated by friction at a foot with this `rate` (m/s).
 #[inline(always)]
 pub fn power<T: Scalar>(horizontal: T, rate: T) -> T {
     -(horizontal * rate)

@@ -22,7 +22,7 @@ use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::Instant;
 
 impl<T: Scalar> Instant<T> {
-    /// Returns the powers of the excitation and of the dashpots (m²/s³); the second is positive for dissipation.
+    /// Returns the powers of the excitation and of the dashpots (m²/s³). The second is positive for dissipation.
     #[inline(always)]
     pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
     where

@@ -6,7 +6,7 @@ use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
-/// Returns the reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
+/// Returns the reaction N_I/M (m/s²) on a touching corner. `height` is above the position at rest (m), with its rate (m/s).
 #[inline(always)]
 pub fn reaction<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, height: T, rate: T) -> T {
     let Block { gravity, omega_v, xi_v, .. } = *block;
@@ -35,7 +35,7 @@ pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, [l
     squares * (block.xi_v * block.omega_v)
 }
 
-/// Returns the energy of the springs per mass (m²/s²) less that at rest; zero on a rigid base.
+/// Returns the energy of the springs per mass (m²/s²), less that at rest. Zero on a rigid base.
 ///
 /// It is `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` for a touching corner, and the second term alone for a lifted one.
 pub fn energy<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {

@@ -10,16 +10,16 @@ use crate::system::swing::{Bounds, ORDER, Series, Swing};
 /// the square of that.
 pub(super) const TOP_WIDTH: f64 = 1e-5;
 
-/// Round-off of the acceleration of a block that leaves the base, relative to its change over the swing.
+/// Round-off of the acceleration of a block leaving the base, over its change.
 pub(super) const LANDING_ROUNDING: f64 = 1e-12;
 
-/// The least part of a swing after which a block that leaves the base without a rate comes down other than by round-off.
+/// Least fraction of a swing after which a landing is not mere round-off. The block leaves the base without a rate.
 pub(super) const MIN_LANDING: f64 = 1e-3;
 
 /// Maximum number of Newton's steps to a landing or to the greatest rotation.
 pub(super) const MAX_NEWTON: u32 = 60;
 
-/// The part of a place below which the next one by Newton's method is a step.
+/// Ratio of successive places below which Newton's method still takes a step.
 pub(super) const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
 
 impl Swing {
@@ -41,7 +41,7 @@ impl Swing {
         part
     }
 
-    /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
+    /// The fraction of the swing after which a block that leaves the base, or is off it, lands.
     pub fn first_landing(&self, corner: Corner) -> Zero {
         let theta = self.away_from(corner, 1.0);
         let zeros = match theta {
@@ -58,14 +58,14 @@ impl Swing {
         }
     }
 
-    /// The part of the swing after which the block has made a quarter turn about a corner.
+    /// The fraction of the swing before a quarter turn about a corner.
     pub fn quarter_turn(&self, corner: Corner) -> Zero {
         let mut rest = self.away_from(corner.other(), 1.0);
         rest[0] += FRAC_PI_2;
         Bernstein::of(rest, self.order).zero()
     }
 
-    /// The part of the swing at which the rotation away from a corner is greatest, up to `part`, if it exceeds `most` (rad) and that at
+    /// The fraction of the swing at which the rotation away from a corner peaks, if below `fraction`. The peak exceeds `most` (rad) and
     /// both ends.
     pub fn highest(&self, corner: Corner, bounds: &Bounds, part: f64, most: f64) -> Option<f64> {
         if bounds.turns_back {
@@ -74,7 +74,7 @@ impl Swing {
         Bernstein::of(self.away_from(corner, part), self.order).highest(most).map(|place| place * part)
     }
 
-    /// The part of the swing at which the rotation is greatest, if θ̈ points to the base all the time.
+    /// The fraction of the swing at which the rotation peaks, if θ̈ always points to the base.
     ///
     /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
     fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
@@ -101,7 +101,7 @@ impl Swing {
         Some(place)
     }
 
-    /// The series of the rotation away from a corner, in powers of the elapsed part of a `part` of the swing.
+    /// The series of the rotation away from a corner, in powers of the elapsed fraction of `fraction`.
     fn away_from(&self, corner: Corner, part: f64) -> Series {
         let (mut theta, mut power) = (self.theta, -corner.sign());
         for term in &mut theta {

@@ -46,7 +46,7 @@ fn term<V: Simd>(series: &Series<Wide<V>>, k: usize) -> Wide<V> {
     if k < ORDER + 1 { series[k] } else { Wide::default() }
 }
 
-/// The work of a force that is linear in time on the motion with this series.
+/// The work of a force linear in time on the motion with this series.
 #[inline(always)]
 fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order: usize, part: Wide<V>) -> Wide<V> {
     let zero = Wide::default();
@@ -58,7 +58,7 @@ fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order:
 }
 
 impl<V: Simd> Swing<Wide<V>> {
-    /// The coefficients n of X and Q, from those of θ̇ up to n and their own up to n − 1.
+    /// The coefficients n of X and Q. They follow from those of θ̇ up to n, and their own up to n − 1.
     #[inline(always)]
     fn lever_terms(&self, n: usize, slope: &Series<Wide<V>>) -> [Wide<V>; 2] {
         let (mut across, mut up) = (Wide::default(), Wide::default());
@@ -106,7 +106,7 @@ impl<V: Simd> Swings<V> {
         self.extend(block.gravity, size * size / inertia, allowed * size * size);
     }
 
-    /// Adds powers, and shortens the swings whose error is still too great at the highest one.
+    /// Adds powers, and shortens swings whose error is still too great at the highest one.
     #[inline(always)]
     fn extend(&mut self, gravity: Wide<V>, scale: Wide<V>, allowed: Wide<V>) {
         let Swings { series, orders } = self;
@@ -185,7 +185,7 @@ impl<V: Simd> Swings<V> {
         }
     }
 
-    /// The part after which the block comes down in these lanes, see [`Swing::landing`], and 1 in the others.
+    /// The fraction after which the block lands in these lanes, and 1 in the others. See [`Swing::landing`].
     #[inline(always)]
     pub fn landing(&self, lanes: Lanes<V>) -> Wide<V> {
         let mut part = Wide::from(1.0);
@@ -201,7 +201,7 @@ impl<V: Simd> Swings<V> {
         part
     }
 
-    /// The lanes of some in which the block certainly does not come down, those in which it does, and the part after which, see
+    /// The lanes in which the block certainly stays up, those in which it lands, and the fraction of the landing. See
     /// [`Swing::first_landing`].
     #[inline(always)]
     pub fn first_landing(&self, lanes: Lanes<V>, away: Wide<V>) -> (Lanes<V>, Lanes<V>, Wide<V>) {
@@ -236,8 +236,8 @@ impl<V: Simd> Swings<V> {
         Bernsteins::of(rest, order).is_positive()
     }
 
-    /// The greatest rotation (rad) inside, up to a part, in these lanes, if it exceeds `most` and that at both ends, otherwise 0; and the
-    /// lanes in which this is known. See [`Swing::highest`].
+    /// The greatest rotation (rad) inside, and the lanes in which it is known. It lies before a fraction of the swing, and is 0 unless it
+    /// exceeds `most` and both ends. See [`Swing::highest`].
     #[inline(always)]
     pub fn highest(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> (Wide<V>, Lanes<V>) {
         let Swing { order, ref theta, .. } = self.series;
@@ -258,8 +258,8 @@ impl<V: Simd> Swings<V> {
         Pairs::of(forces, degree)
     }
 
-    /// The greatest rotation (rad) inside, up to a part, in these lanes, whose θ̈ points to the base all the time, if it exceeds `most`, and
-    /// otherwise 0: see [`Swing::highest`].
+    /// The greatest rotation (rad) inside these lanes, if it exceeds `most`, and otherwise 0. It lies before a fraction of the swing, and
+    /// θ̈ always points to the base. See [`Swing::highest`].
     #[inline(always)]
     pub fn top(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> Wide<V> {
         let zero = Wide::default();

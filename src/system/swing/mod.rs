@@ -38,7 +38,7 @@ pub const ORDER: usize = 16;
 
 type Series<T = f64> = [T; ORDER + 1];
 
-/// The motion from an instant on, as series in powers of the elapsed part of `size`.
+/// The motion from an instant on, as series in the elapsed fraction of `size`.
 #[derive(Clone, Copy, Debug)]
 pub struct Swing<T = f64> {
     /// Its duration (s): over it the last terms are below the error that is allowed.
@@ -54,7 +54,7 @@ pub struct Swing<T = f64> {
 /// A block that turns about a corner.
 #[derive(Clone, Copy, Debug)]
 pub struct Pivoting<T = f64> {
-    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
+    /// Horizontal distance of the centre of mass from the corner of the upright block (m). Positive to the right of the corner.
     pub offset: T,
     /// Its height (m).
     pub h: T,
@@ -90,14 +90,14 @@ impl<T: Scalar> Pivoting<T> {
 /// Bounds of the motion over a swing.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Whether `last` alone tells if the block comes down within the swing: because it does not come near the base, accelerates towards it
-    /// all the time, or leaves it faster and faster.
+    /// Whether `last` alone shows if the block comes down within the swing. It does not come near the base, accelerates towards it all the
+    /// time, or leaves it faster and faster.
     pub is_certain: bool,
     /// The rotation away from the base at the end (rad), negative beyond the base.
     pub last: f64,
     /// Whether θ̈ points to the base all the time.
     pub turns_back: bool,
-    /// Whether |θ| is greatest at an end, until the block comes down: because it only rises or only falls, or θ̈ points away from the base.
+    /// Whether |θ| is greatest at an end, until the block comes down. It only rises or only falls, or θ̈ points away from the base.
     pub is_greatest_at_end: bool,
     /// The greatest |θ| (rad).
     pub theta: f64,
@@ -129,7 +129,7 @@ static RECIPROCAL: Series = numbers(1);
 static PRODUCT: Series = numbers(2);
 static OF_NEXT: Series = numbers(3);
 
-/// The part of a swing whose last terms meet the allowed error, which is this part of them.
+/// The fraction of a swing whose last terms meet the allowed error. `fraction` is the allowed error over that of the whole swing.
 #[inline(always)]
 fn shortening<T: Real>(part: T) -> T {
     const SAFETY: f64 = 0.75;
@@ -149,8 +149,8 @@ fn way_and_moment<T: Real>(series: &Series<T>, order: usize, part: T) -> [T; 2] 
 }
 
 impl<T: Real> Swing<T> {
-    /// The coefficient k of the moment about the corner, per unit mass, with those of X, Q and the excitation up to k. The first number is
-    /// `g + a_z` at the beginning.
+    /// The coefficient k of the moment about the corner, per unit mass. It follows from those of X, Q and the excitation up to k. The first
+    /// number is `g + a_z` at the beginning.
     #[inline(always)]
     fn turning(&self, k: usize, weight: T) -> T {
         let Swing { x, q, forcing, .. } = self;
@@ -172,7 +172,7 @@ impl<T: Real> Swing<T> {
         earlier + (x[k] * weight - q[k] * forcing.x[0])
     }
 
-    /// The size of the `last` two terms of θ̇ up to n, or of the next two that a pulse alone makes, whichever is more.
+    /// The size of the `last` two terms of θ̇ up to n. If the next two of a pulse alone are greater, it is theirs.
     ///
     /// `scale` is the square of the swing's duration over the moment of inertia.
     #[inline(always)]
@@ -199,13 +199,13 @@ impl<T: Real> Swing<T> {
         self.forcing.scale(factor);
     }
 
-    /// The highest power in which there are forces: that of a wave goes beyond the order of a short swing.
+    /// The highest power of the forces. That of a wave exceeds the order of a short swing.
     #[inline(always)]
     fn force_order(&self) -> usize {
         if self.forcing.terms > 2 { ORDER } else { self.order.min(ORDER) }
     }
 
-    /// The series of N/M and H/M (m/s²) up to a part of the swing, and their degree.
+    /// The series of N/M and H/M (m/s²) up to a fraction of the swing, and their degree.
     #[inline(always)]
     fn force_series(&self, part: T, gravity: T) -> (Row<[T; 2]>, usize) {
         let Swing { size, ref x, ref q, ref forcing, .. } = *self;
@@ -255,7 +255,7 @@ impl<T: Real> Swing<T> {
 }
 
 impl Swing {
-    /// The swing from `[t, θ, θ̇]` on, at most `longest` (s), if the last terms of θ̇ may be `allowed` (rad/s per second of the swing).
+    /// Makes the swing from `[t, θ, θ̇]` on, at most `longest` (s). The last terms of θ̇ may be `allowed` (rad/s per second of the swing).
     ///
     /// A swing that begins on the base is little longer than the block would stay up at its present acceleration.
     #[inline]
@@ -288,7 +288,7 @@ impl Swing {
         swing
     }
 
-    /// Adds powers until the [rest](Swing::rest) is below `allowed`, in units of the swing, and returns it.
+    /// Adds powers until the [tail](Swing::tail) is below `allowed`, in units of the swing, and returns it.
     #[inline]
     fn extend(&mut self, gravity: f64, scale: f64, allowed: f64) -> f64 {
         let weight = self.forcing.z[0] + gravity;
@@ -324,7 +324,7 @@ impl Swing {
         rest
     }
 
-    /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
+    /// N/M and H/M (m/s²) up to a fraction of the swing, by the series. At its end they are less accurate than the equations of motion.
     #[inline(always)]
     pub fn forces(&self, part: f64, gravity: f64) -> Pair {
         let (forces, degree) = self.force_series(part, gravity);

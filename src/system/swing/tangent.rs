@@ -31,8 +31,8 @@ pub type TangentSeries<D = [f64; DIRECTIONS]> = [D; ORDER + 1];
 pub const NO_TANGENTS: TangentSeries = [[0.0; DIRECTIONS]; ORDER + 1];
 
 impl Swing {
-    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing, with the derivatives that follow from those of block, excitation and start `[t, θ,
-    /// θ̇]`, whose values are those of the swing. The time does not vary. Their series goes to `series`.
+    /// `[θ, θ̇]` (rad, rad/s) after a fraction of the swing, with derivatives. They follow from those of block, excitation and start `[t,
+    /// θ, θ̇]`, whose values are those of the swing. The time does not vary. Their series goes to `series`.
     pub fn varied(
         &self,
         block: &Block<Number>,
@@ -48,7 +48,7 @@ impl Swing {
         self.with_derivatives(part, change)
     }
 
-    /// `[θ, θ̇]` after a part of the swing, with derivatives from the series that [`Swing::varied`] has made.
+    /// `[θ, θ̇]` after a fraction of the swing, with derivatives from the series of [`Swing::varied`].
     pub fn varied_by(&self, series: &TangentSeries, part: f64) -> [Number; 2] {
         self.with_derivatives(part, sums(series, self.order, part, self.size))
     }
@@ -83,7 +83,7 @@ impl<D: Packed> Changes<D>
 where
     MultiDual<D>: CombinesWith<Number>,
 {
-    /// Expands the changes of an excitation, whose series in x has no more than `TERMS` terms, over a swing of this size (s).
+    /// Expands the changes of an excitation over a swing of this size (s). Their series in x has no more than `TERMS` terms.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "an iterator would put the changes into memory")]
     fn of<const TERMS: usize>(excitation: &Excitation<Number>, time: Number, size: f64) -> Changes<D> {

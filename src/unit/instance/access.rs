@@ -10,6 +10,9 @@ use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Var
 
 impl Unit {
     /// Refuses references to unknown variables or variables of another type.
+    ///
+    /// # Errors
+    /// The first reference to no variable, or to one of another type.
     pub fn check(&self, references: &[u32], kind: Kind) -> Result<(), Fault> {
         references.iter().try_for_each(|&reference| known(reference, kind).map(|_| ()))
     }
@@ -17,6 +20,9 @@ impl Unit {
     /// Sets values of one type, all or none.
     ///
     /// Setting a fixed parameter after initialization is refused even if the value is the present one.
+    ///
+    /// # Errors
+    /// A reference to no variable of this type, a variable that cannot be set now, or a value outside its limits.
     pub fn set<V: Copy>(
         &mut self,
         kind: Kind,
@@ -73,6 +79,9 @@ impl Unit {
     }
 
     /// Sets texts, all or none.
+    ///
+    /// # Errors
+    /// A reference to no String, or a variable that cannot be set now.
     pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Result<(), Fault> {
         for &reference in references {
             self.settable(known(reference, Kind::String)?)?;
@@ -87,6 +96,9 @@ impl Unit {
     }
 
     /// Returns the text of a variable.
+    ///
+    /// # Errors
+    /// A reference to no String.
     pub fn text(&self, reference: u32) -> Result<&str, Fault> {
         match known(reference, Kind::String)?.role {
             Role::Text(text) => Ok(&self.values[text]),
@@ -95,6 +107,9 @@ impl Unit {
     }
 
     /// Returns the value of a variable of this type; Integers and Booleans (0 or 1) as real numbers.
+    ///
+    /// # Errors
+    /// A reference to no variable of this type, or values that make no block or record.
     pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
         let metadata = known(reference, kind)?;
         match metadata.role {

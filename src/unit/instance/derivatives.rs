@@ -38,6 +38,9 @@ impl Default for Direction {
 
 impl Direction {
     /// Adds a component of an input or a Real parameter.
+    ///
+    /// # Errors
+    /// A reference to no input or Real parameter, or a component that is not finite.
     pub fn add(&mut self, reference: u32, component: f64) -> Result<(), Fault> {
         let metadata = known(reference, Kind::Real)?;
         match metadata.role {
@@ -54,6 +57,9 @@ impl Direction {
     }
 
     /// Adds components of a variable that exists only in FMI 3.0, from the value with index `first` on.
+    ///
+    /// # Errors
+    /// A variable without derivatives, or a component that is not finite.
     pub fn add_fmi3_variable(&mut self, variable: Fmi3Variable, first: usize, components: &[f64]) -> Result<(), Fault> {
         let name = variable.name();
         components.iter().try_for_each(|&component| finite(name, component).map(|_| ()))?;
@@ -157,6 +163,9 @@ impl Unit {
     ///
     /// In Initialization Mode: of outputs and calculated parameters, with respect to inputs and parameters. Later: of outputs
     /// at the present time, with respect to inputs, states and `time`.
+    ///
+    /// # Errors
+    /// A reference to no Real variable of these kinds, a component that is not finite, or values that make no block or record.
     pub fn directional_derivative<'a>(
         &mut self,
         unknowns: &'a [u32],
@@ -175,6 +184,9 @@ impl Unit {
     }
 
     /// Returns exact derivatives in Initialization Mode, in a direction that may have components of FMI 3.0 only.
+    ///
+    /// # Errors
+    /// A reference to no output or calculated parameter, or values that make no block or record.
     pub fn initial_directional_derivative<'a>(
         &mut self,
         unknowns: &'a [u32],

@@ -31,6 +31,9 @@ impl Unit {
     }
 
     /// Applies the events of the present time: kinks of the excitation and transitions.
+    ///
+    /// # Errors
+    /// Values that make no block or record, or events that leave no regime that lasts.
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
         self.preview()?;
         let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
@@ -66,6 +69,9 @@ impl Unit {
     }
 
     /// Sets the time (s).
+    ///
+    /// # Errors
+    /// A time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Fault> {
         if !time.is_finite() {
             return Err(Fault::new(format!("time = {time}; expected a finite time")));
@@ -76,6 +82,9 @@ impl Unit {
     }
 
     /// Sets the continuous states.
+    ///
+    /// # Errors
+    /// Another number of states, or a state that is not finite.
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), Fault> {
         let states: ContinuousStates =
             counted(states.len(), STATES, "states").map(|()| std::array::from_fn(|i| states[i]))?;
@@ -96,6 +105,9 @@ impl Unit {
     }
 
     /// Returns the continuous states, as set or as the last event left them.
+    ///
+    /// # Errors
+    /// Values that make no block or record.
     pub fn states(&mut self) -> Result<ContinuousStates, Fault> {
         if self.phase.is_initialized() {
             return Ok(self.states);
@@ -105,6 +117,9 @@ impl Unit {
     }
 
     /// Returns the derivatives of the states. Those of displacements are the velocities among the states.
+    ///
+    /// # Errors
+    /// Values that make no block or record.
     pub fn derivatives(&mut self) -> Result<ContinuousStates, Fault> {
         let states = self.states()?;
         let (simulation, inputs) = self.preview()?;
@@ -123,6 +138,9 @@ impl Unit {
     }
 
     /// Returns the nominal values of the states.
+    ///
+    /// # Errors
+    /// Values that make no block.
     pub fn nominals(&mut self) -> Result<ContinuousStates, Fault> {
         match &self.simulation {
             Some(simulation) => Ok(nominals(simulation.block())),
@@ -131,6 +149,9 @@ impl Unit {
     }
 
     /// Returns the event indicators.
+    ///
+    /// # Errors
+    /// Values that make no block or record.
     pub fn indicators(&mut self) -> Result<[f64; INDICATORS], Fault> {
         let (simulation, inputs) = self.preview()?;
         Ok(simulation.indicators(&inputs))
@@ -156,6 +177,9 @@ impl Unit {
 }
 
 /// Refuses an array of the wrong length.
+///
+/// # Errors
+/// Another length, with the expected one.
 pub fn counted(found: usize, expected: usize, what: &str) -> Result<(), Fault> {
     if found == expected {
         return Ok(());

@@ -21,6 +21,9 @@ impl Unit {
     }
 
     /// Passes the values of a real variable to `give`.
+    ///
+    /// # Errors
+    /// Before initialization ends, values that make no block or record.
     pub fn read_fmi3_variable(&mut self, variable: Fmi3Variable, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
         match variable {
             Fmi3Variable::Time => give(self.time()),
@@ -44,6 +47,9 @@ impl Unit {
     }
 
     /// Sets all values of a real parameter, or none if one is refused.
+    ///
+    /// # Errors
+    /// A variable that cannot be set, or not now; or a value outside its limits.
     pub fn set_fmi3_variable(&mut self, variable: Fmi3Variable, values: &[f64]) -> Result<(), Fault> {
         let metadata = variable.metadata();
         let name = metadata.name;
@@ -60,6 +66,9 @@ impl Unit {
     }
 
     /// Sets the number of samples in each array, and all samples to zero.
+    ///
+    /// # Errors
+    /// A number outside its limits.
     pub fn resize_samples(&mut self, count: u64) -> Result<(), Fault> {
         Fmi3Variable::RecordSamples.metadata().admits(count as f64).map_err(Fault::new)?;
         self.values.fmi3.resize(count as usize);

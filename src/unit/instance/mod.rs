@@ -147,6 +147,9 @@ impl Unit {
     }
 
     /// Sets tolerance, start and stop of the run. Returns the tolerance used if it differs from the requested one.
+    ///
+    /// # Errors
+    /// Times that are not finite or not in order, or a tolerance that is not a finite number above 0.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         if !start.is_finite() {
             return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
@@ -178,6 +181,9 @@ impl Unit {
     /// Makes a block of the values, or refuses the call so that they can be corrected.
     ///
     /// Returns the parameters that were set but are not read, each with the setting that it needs.
+    ///
+    /// # Errors
+    /// Values that make no block or record.
     pub fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
         self.preview()?;
         self.phase = match self.interface {
@@ -203,6 +209,10 @@ impl Unit {
     /// Advances by `step` (s) from `time` (s), the present time up to a master's rounding, and reports each event.
     ///
     /// Allocates no memory unless it fails.
+    ///
+    /// # Errors
+    /// A step that does not begin at the present time, has no finite length above 0 or goes beyond the stop; an error of the solver, after
+    /// which the unit is in the error state.
     #[inline]
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
         let present = self.time();
@@ -310,6 +320,9 @@ impl Unit {
     }
 
     /// Applies the event at which a step was left, if any, under the present inputs.
+    ///
+    /// # Errors
+    /// The event leaves no regime that lasts.
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let acting = self.acting();
         let Unit { phase, simulation, observed, .. } = self;

@@ -10,6 +10,9 @@ use crate::unit::variables::{Kind, Metadata, Role};
 
 impl Unit {
     /// Sets the time derivatives of inputs over the next step. The order is 1.
+    ///
+    /// # Errors
+    /// A reference to no Real input, an order other than 1, or a derivative that is not finite.
     #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
@@ -33,6 +36,9 @@ impl Unit {
     }
 
     /// Returns the exact time derivatives of outputs, from the equations of motion. The order is 1.
+    ///
+    /// # Errors
+    /// A reference to no Real output, an order other than 1, or values that make no block or record.
     pub fn output_derivatives<'a>(
         &mut self,
         references: &'a [u32],

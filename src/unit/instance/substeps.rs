@@ -26,6 +26,9 @@ impl Unit {
     /// Begins a communication step as [`Unit::advance`] does, and returns its end (s).
     ///
     /// An event that the last step left unapplied is applied first.
+    ///
+    /// # Errors
+    /// Those of [`Unit::advance`] for its arguments, and of [`Unit::settle`].
     pub fn begin_substeps(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<f64, Fault> {
         let end = self.begin_step(time, step)?;
         self.settle(observer)?;
@@ -75,6 +78,9 @@ impl Unit {
     /// Advances to the end of the part, to `until` (s), or, if `after` (s) is given, to the first later event.
     ///
     /// Allocates no memory unless it fails.
+    ///
+    /// # Errors
+    /// An error of the solver, after which the unit is in the error state.
     pub fn do_substep(
         &mut self,
         until: f64,

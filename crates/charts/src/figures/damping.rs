@@ -31,6 +31,9 @@ pub struct LeastDamping {
 }
 
 /// Searches the least damping of a block.
+///
+/// # Errors
+/// An invalid block at an end of the range.
 pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
     let block = |xi_v| block(alpha, P, Base::viscoelastic(eta, xi_v, epsilon));

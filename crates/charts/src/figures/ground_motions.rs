@@ -133,6 +133,9 @@ pub enum SourceError {
 }
 
 /// Returns the ground motions of Table I, with the available records of a folder.
+///
+/// # Errors
+/// A folder that is missing or has none of the records, or a record that cannot be read.
 pub fn read(folder: Option<&Path>) -> Result<Vec<GroundMotion>, SourceError> {
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         return Err(SourceError::Folder(folder.display().to_string()));

@@ -95,6 +95,9 @@ pub fn bases(number: u8) -> Vec<Base> {
 }
 
 /// Returns the run on a foundation of Figures 6 to 8.
+///
+/// # Errors
+/// An invalid block.
 pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
     let run = run(block(ALPHA, P, base)?, history_pulse(), Ground::default());
     Ok(Run { duration: Some(HISTORY_DURATION), output_step: detail.step, ..run })

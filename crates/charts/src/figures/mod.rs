@@ -50,6 +50,9 @@ pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
 }
 
 /// Makes a figure; `sources` are the ground motions of Table I.
+///
+/// # Errors
+/// A number without a figure, and the errors of its runs and of its drawing.
 pub fn make(
     number: u8,
     detail: &Detail,

@@ -100,6 +100,9 @@ impl Detail {
 }
 
 /// Returns a block on a foundation, with the mass and the gravity of [`Common::default`].
+///
+/// # Errors
+/// The first invalid parameter.
 pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
     let common = Common { epsilon: base.epsilon, ..Common::default() };
     Block::from_dimensionless(&Dimensionless { alpha, p, supports: base.supports }, &common)

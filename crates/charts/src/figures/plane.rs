@@ -41,6 +41,9 @@ pub struct PulseResponse {
 
 impl PulseResponse {
     /// Computes the response to a pulse with a_p/(g tan α) = `amplitude` and ω_p/p = `frequency`.
+    ///
+    /// # Errors
+    /// An invalid block.
     pub fn at(amplitude: f64, frequency: f64) -> Result<PulseResponse, BlockError> {
         let pulse = Pulse {
             shape: PulseShape::OneSine,
@@ -114,6 +117,9 @@ impl Grid {
     }
 
     /// Computes the responses to all pulses.
+    ///
+    /// # Errors
+    /// An invalid block.
     pub fn responses(&self, pool: &rayon::ThreadPool) -> Result<Vec<PulseResponse>, BlockError> {
         let mut points = Vec::new();
         let make = |point| {
@@ -156,6 +162,9 @@ const BELOW: u8 = 238;
 ///
 /// At the left the peaks are below that on the rigid base and rise with η; at the right the block with ε = 0.4 also
 /// separates as η grows.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
 pub fn picture(grid: &Grid, points: &[PulseResponse]) -> Result<String, PictureError> {
     let range = |(from, to, _): (f64, f64, u64)| -> Range<f64> { from..to };
     let grey = |point: &PulseResponse| {

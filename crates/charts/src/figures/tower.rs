@@ -34,6 +34,9 @@ pub fn tower_sources(sources: &[GroundMotion]) -> Vec<GroundMotion> {
 }
 
 /// Returns the run of the tower on a foundation under a ground motion.
+///
+/// # Errors
+/// An invalid block.
 pub fn tower_run(base: Base, source: &GroundMotion) -> Result<Run, BlockError> {
     Ok(run(block(TOWER_ALPHA, TOWER_P, base)?, source.pulse, source.ground.clone()))
 }

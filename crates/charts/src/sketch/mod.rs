@@ -45,6 +45,9 @@ impl Sketch {
     }
 
     /// Draws the sketch as SVG.
+    ///
+    /// # Errors
+    /// [`PictureError::Drawing`].
     pub fn svg(&self) -> Result<String, PictureError> {
         let base = match self.block.foundation {
             Foundation::Viscoelastic => "viscoelastic supports",

@@ -18,7 +18,7 @@ pub fn unit_and_step(unit: Unit, time_step: f64) -> ReadOptions {
 }
 
 /// Reads a text as a file.
-pub fn parsed(text: &str, options: &ReadOptions) -> Result<Record, RecordError> {
+fn parsed(text: &str, options: &ReadOptions) -> Result<Record, RecordError> {
     parse("made-up", text.as_bytes(), options)
 }
 

@@ -10,7 +10,7 @@ use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::{Block, Foundation};
 
-/// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner; `None` for a block with ties.
+/// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner. `None` for a block with ties.
 pub(super) fn static_threshold(block: &Block) -> Option<f64> {
     block.ties().is_empty().then(|| block.gravity * (block.b - block.eccentricity.abs()) / block.h)
 }

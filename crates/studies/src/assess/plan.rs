@@ -110,7 +110,7 @@ impl Plan {
         floors
     }
 
-    /// Reads a plan from the text of a study file; its paths are relative to `folder`.
+    /// Reads a plan from the text of a study file. Its paths are relative to `folder`.
     ///
     /// # Errors
     /// Those of [`file::read`]; a study without records or with one strength of a kind that has no curve; an invalid `[assess]`.

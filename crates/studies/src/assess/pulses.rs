@@ -10,13 +10,14 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_records::{Format, Processing, Record, Unit};
 
-/// Values of a scan, and the width to which changes between them are bisected (m/s²), as in `rocking search overturning`.
+/// Values of a scan, and the width of bisected changes (m/s²), as in `rocking search overturning`.
 pub(super) const POINTS: u64 = 201;
 const RESOLUTION: f64 = 1e-6;
 /// Samples per period of a pulse that passes through a building.
 const SAMPLES: f64 = 200.0;
 
-/// Searches the least amplitude of each period, on each floor of a building, on the current rayon pool; `ran` is called after each run.
+/// Searches the least amplitude of each period, on each floor of a building. Runs on the current rayon pool; `ran` is called after each
+/// run.
 pub(super) fn least(plan: &Plan, width: Option<VectorWidth>, ran: impl Fn() + Sync) -> Vec<LeastPulse> {
     let settings = plan.values.settings(Some(plan.sweep.tolerance));
     let search = |(period, floor): (f64, Option<usize>)| {

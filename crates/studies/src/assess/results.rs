@@ -48,7 +48,7 @@ pub struct Report {
     pub compared_state: usize,
     /// The object as it is, then its variants.
     pub variants: Vec<Comparison>,
-    /// The same blocks with limited friction.
+    /// The results for these blocks with limited friction.
     pub sliding: Vec<SlidingResult>,
     /// Quantities at both ends of their ranges.
     pub sensitivity: Vec<Sensitivity>,
@@ -98,7 +98,7 @@ pub struct ObjectResult {
     pub eccentricity: f64,
     /// Number of ties.
     pub ties: usize,
-    /// Horizontal acceleration (m/s²) that lifts a corner of the block if it acts slowly; `None` for a block with ties.
+    /// Horizontal acceleration (m/s²) that slowly lifts a corner of the block. `None` for a block with ties.
     pub static_threshold: Option<f64>,
 }
 
@@ -128,7 +128,7 @@ pub struct BuildingResult {
     pub periods: Vec<f64>,
     /// Damping ratios of the modes (1).
     pub damping: Vec<f64>,
-    /// Least PGA (m/s²) of the ground motions at which the peak acceleration of a floor meets the static threshold.
+    /// Least PGA (m/s²) at which the peak acceleration of a floor meets the static threshold.
     pub least_pga: Option<f64>,
 }
 
@@ -290,7 +290,7 @@ pub struct Comparison {
     pub static_threshold: Option<f64>,
     /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
-    /// The limit, as in options: that of the compared state, or the balance of blocks with ties.
+    /// The limit, as in options. It is that of the compared state, or the balance of blocks with ties.
     pub limit: String,
     /// The runs, relative to the limit.
     pub runs: Counts,
@@ -300,8 +300,8 @@ pub struct Comparison {
     pub no_curve: Option<String>,
     /// Annual rate (1/year).
     pub rate: Option<f64>,
-    /// Bounds of the annual rate (1/year) from the runs alone: the rate of the least measure from which on all runs exceed the limit, and that
-    /// of the greatest one up to which none does.
+    /// Bounds of the annual rate (1/year) from the runs alone. They are the rate of the least measure from which on all runs exceed the
+    /// limit, and that of the greatest one up to which none does.
     pub rate_bounds: [Option<f64>; 2],
     /// Greatest slip (m), with limited friction.
     pub peak_slip: Option<f64>,

@@ -24,7 +24,7 @@ pub struct SizeSpectrum {
     pub strength: String,
 }
 
-/// Returns the spectrum and the strength of its ground motions: the one in the middle of the study's list.
+/// Returns the spectrum and the middle strength of the study's list, that of its ground motions.
 pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
     let Plan { sweep, block, values, .. } = plan;
     let middle = sweep.strengths.count() / 2;

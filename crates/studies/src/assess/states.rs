@@ -25,7 +25,7 @@ pub struct StateCurve {
 }
 
 impl StateCurve {
-    /// Fits the curve of a limit, as `rocking fragility` does, and integrates it over a hazard curve, as `rocking rate` does.
+    /// Fits the curve of a limit, and integrates it over a hazard curve. It does so as `rocking fragility` and `rocking rate`.
     ///
     /// # Errors
     /// The table has no such measure, or no slip for a limit on it.

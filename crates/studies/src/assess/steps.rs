@@ -62,7 +62,10 @@ impl<'a> Work<'a> {
         (self.progress)(step, done, self.all.fetch_max(done, Ordering::Relaxed).max(done));
     }
 
-    /// Makes a table, or reads the rows that an earlier call has kept of a study with this identity.
+    /// Makes a table, or reads its rows kept by an earlier call. The study had this identity.
+    ///
+    /// # Errors
+    /// Rows that cannot be read or written.
     pub fn table(&mut self, name: &str, study: &impl Study, identity: &[String]) -> Result<Table, AssessError> {
         let since = Instant::now();
         let (table, kept) = match &self.keep {
@@ -107,6 +110,9 @@ impl<'a> Work<'a> {
     }
 
     /// Makes the table of a sweep.
+    ///
+    /// # Errors
+    /// Rows that cannot be read or written.
     pub fn sweep(&mut self, name: &str, sweep: &Sweep) -> Result<SweepTable, AssessError> {
         Ok(SweepTable::new("runs.csv", self.table(name, sweep, &sweep.identity())?))
     }
@@ -121,7 +127,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A folder that keeps the rows of an assessment for later calls of the same build.
+/// A folder that keeps the rows of an assessment for later calls of this build.
 #[derive(Clone, Copy, Debug)]
 pub struct Kept<'a> {
     /// The folder, which exists.

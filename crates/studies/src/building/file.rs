@@ -4,7 +4,10 @@ use crate::building::{Building, Damping};
 use crate::input::study_file::{Section, StudyFileError};
 use crate::spec::study::{BuildingTable, RayleighTable};
 
-/// Reads the building and the numbers of its floors, 0 for the ground; by default all floors above it.
+/// Reads the building and the numbers of its floors, 0 for the ground. By default all floors above it.
+///
+/// # Errors
+/// A key that is missing, unknown or out of range, or a floor that the building lacks.
 pub fn read(root: &Section) -> Result<Option<(Building, Vec<usize>)>, StudyFileError> {
     let (Some(section), Some(table)) = (root.section::<BuildingTable>("building")?, root.get("building")) else {
         return Ok(None);

@@ -21,7 +21,7 @@ pub struct FloorMotion {
 const REST: f64 = 1e-3;
 
 impl Building {
-    /// Returns the motions of all floors from the ground up, the ground itself first, from rest at the first sample.
+    /// Returns the motions of the ground and all floors above, from rest at the first sample.
     ///
     /// Each mode's oscillator takes steps that are exact for an acceleration that is linear between the samples of the record. A floor
     /// follows the ground as far as the modes do not describe its motion: `a = a_g (1 − Σ Γφ) + Σ Γφ a_mode`. The motions of the

@@ -27,7 +27,7 @@ impl Mode {
 /// Classical damping of a building.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Damping {
-    /// The same ratio in each mode (1).
+    /// This ratio in every mode (1).
     All(f64),
     /// A ratio for each mode (1).
     Each(Vec<f64>),
@@ -63,7 +63,7 @@ const EXPECTED_DAMPING: &str = "0.001 to less than 1";
 const MAX_FLOORS: usize = 500;
 
 impl Building {
-    /// A shear building of these floor masses (kg) and storey stiffnesses (N/m), from the ground up.
+    /// Makes a shear building of floor masses (kg) and storey stiffnesses (N/m), from the ground up.
     ///
     /// # Errors
     /// [`BuildingError`]: a list of the wrong length or with invalid numbers, or invalid damping.
@@ -101,7 +101,7 @@ impl Building {
         Building { modes: modes.collect(), floors }.damped(damping)
     }
 
-    /// A building of given modes: frequencies (Hz), participation factors and shapes, each with a value per floor.
+    /// Makes a building of given modes: frequencies (Hz), participation factors and shapes. Shapes have a value per floor.
     ///
     /// # Errors
     /// [`BuildingError`]: lists of different lengths or with invalid numbers, or invalid damping.

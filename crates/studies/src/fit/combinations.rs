@@ -29,7 +29,7 @@ pub struct Combination {
     pub meaning: String,
 }
 
-/// Returns the combinations, the best determined first; `triangle` is that of the data for residuals of this variance.
+/// Returns the combinations, the best determined first. `triangle` is that of the data for residuals of this variance.
 pub fn combinations(triangle: &Triangle, unknowns: &[Unknown], variance: f64) -> Vec<Combination> {
     let mut r = triangle.r.clone();
     for (mut column, unknown) in r.column_iter_mut().zip(unknowns) {

@@ -50,7 +50,7 @@ impl Evaluator<'_> {
         [value("zero", test.zero), value("delay", test.delay)]
     }
 
-    /// Returns the course of a test at these times of its clock, with derivatives with respect to its unknowns.
+    /// Returns a test's column at times of its clock, with derivatives with respect to its unknowns.
     ///
     /// # Errors
     /// An invalid block, or a failed run with its reason.
@@ -79,7 +79,10 @@ impl Evaluator<'_> {
             .map_err(|error| Some(FitError::Runs(error)))
     }
 
-    /// Estimates the sum of squares of the first `counts` values of the tests from a sample of them, plus that of the priors.
+    /// Estimates the sum of squares of the first `counts` values and of the priors. The estimate comes from a sample of the values.
+    ///
+    /// # Errors
+    /// The failure of a run; `None` for an invalid block or a sum of squares that is not finite.
     pub fn rough_cost(&self, point: &DVector<f64>, counts: &[usize]) -> Result<f64, Option<FitError>> {
         /// Number of values of a test that suffice to rank starts.
         const SAMPLE: usize = 100;
@@ -105,7 +108,10 @@ impl Evaluator<'_> {
         self.unknowns.iter().enumerate().filter_map(|(i, unknown)| Some((i, unknown.prior?)))
     }
 
-    /// Returns the residuals of the first `counts` values of the tests, then of the priors, with their Jacobian.
+    /// Returns the residuals of the first `counts` values and of the priors, with their Jacobian.
+    ///
+    /// # Errors
+    /// The failure of a run; `None` for an invalid block or a sum of squares that is not finite.
     pub fn linearize(&self, point: &DVector<f64>, counts: &[usize]) -> Result<Linearization, Option<FitError>> {
         let values = self.values(point);
         let slopes: Vec<f64> = self.unknowns.iter().zip(point).map(|(unknown, &at)| unknown.slope(at)).collect();
@@ -146,7 +152,7 @@ impl Evaluator<'_> {
         if found.cost().is_finite() { Ok(found) } else { Err(None) }
     }
 
-    /// Returns the variance of a residual: 1 if the noise is given, else the mean square over the degrees of freedom.
+    /// Returns the variance of a residual. It is 1 if the noise is given, else the mean square over the degrees of freedom.
     pub fn variance(&self, cost: f64, counts: &[usize]) -> f64 {
         match self.problem.tests[0].noise {
             Some(_) => 1.0,
@@ -154,7 +160,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Returns for each of these parts of a test's sum of squares about the mean the number of values that reach it.
+    /// Returns for each fraction the numbers of values of the tests that reach it. Fractions are of a test's sum of squares about the mean.
     pub fn windows(&self, parts: &[f64]) -> Vec<Vec<usize>> {
         let count = |test: &Test, part: f64| {
             let mean = test.values.iter().sum::<f64>() / test.values.len() as f64;

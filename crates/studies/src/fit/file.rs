@@ -20,6 +20,9 @@ use rocking_block::unit::variables::Variable;
 use rocking_records::Choice;
 
 /// Reads a problem from the text of its file; its paths are relative to `folder`. Returns it with the names of the files read.
+///
+/// # Errors
+/// The first fault of the file or of a file that it names, with its line.
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<String>), StudyFileError> {
     let source = StudyText { file, text };
     let document = source.parse()?;

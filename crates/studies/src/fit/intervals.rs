@@ -16,7 +16,7 @@ pub enum IntervalEnd {
     Open,
 }
 
-/// A point found on the way to an end of an interval, with a sum of squares below the least.
+/// A point of less than the least sum of squares, found in an interval's search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lower(pub DVector<f64>);
 
@@ -50,6 +50,9 @@ impl Profile<'_> {
     ///
     /// The search begins at the quadratic end. Each evaluation gives the sum of squares and its decrease over the other coordinates by the
     /// linear model, and with both the next distance.
+    ///
+    /// # Errors
+    /// [`Lower`], a better minimum than that of the fit.
     pub fn end(&self, i: usize, side: f64) -> Result<IntervalEnd, Lower> {
         /// Relative error of the deviate below which a secant gives the end, and greatest gain of the other coordinates there.
         const NEAR: [f64; 2] = [0.1, 0.02];

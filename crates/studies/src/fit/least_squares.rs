@@ -50,7 +50,7 @@ impl Linearization {
 }
 
 impl Triangle {
-    /// Returns the decrease of the sum of squares that the linear model predicts for a step.
+    /// Returns the decrease of the sum of squares of the linear model in a step.
     pub fn decrease(&self, step: &DVector<f64>) -> f64 {
         self.projected.norm_squared() - (&self.r * step + &self.projected).norm_squared()
     }
@@ -90,7 +90,7 @@ impl Triangle {
         Some(svd.v_t?.tr_mul(&components))
     }
 
-    /// Returns the covariance `(JᵀJ)⁻¹` of the coordinates for residuals of variance 1; huge in directions that change no residual.
+    /// Returns the covariance `(JᵀJ)⁻¹` of the coordinates for residuals of variance 1. It is huge in directions that change no residual.
     pub fn covariance(&self) -> DMatrix<f64> {
         let count = self.r.ncols();
         let Some(svd) = self.r.clone().try_svd(false, true, f64::EPSILON, 1000) else {

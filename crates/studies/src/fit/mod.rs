@@ -54,8 +54,8 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error, to first order.
     pub standard_error: f64,
-    /// Interval of the profile likelihood; `None` for a test's own parameter, where the search for intervals kept finding better fits, and for
-    /// an end at which the data admit the bound.
+    /// Interval of the profile likelihood. `None` for a test's own parameter, for a search for intervals that kept finding better fits, and
+    /// for an end at which the data admit the bound.
     pub interval: Option<[Option<f64>; 2]>,
     /// Interval of the quadratic approximation, symmetric in the logarithm where that is fitted.
     pub quadratic_interval: [f64; 2],
@@ -90,7 +90,7 @@ pub struct TestFit {
     pub durbin_watson: f64,
     /// Correlation of each residual with the next (1).
     pub autocorrelation: f64,
-    /// Time of a grazing event of the fitted run, after which it has no derivatives (s).
+    /// Time of a grazing event of the fitted run (s). It has no derivatives after it.
     pub grazing: Option<f64>,
     /// Time at which the fitted block has overturned (s).
     pub overturned: Option<f64>,
@@ -107,7 +107,7 @@ pub struct Fit {
     pub combinations: Vec<Combination>,
     /// The tests with their fits.
     pub tests: Vec<TestFit>,
-    /// Weighted sum of squares over its degrees of freedom (1), if the noise is given: about 1 if model and noise are right.
+    /// Weighted sum of squares over its degrees of freedom (1), if the noise is given. It is about 1 if model and noise are right.
     pub reduced_chi_squared: Option<f64>,
     /// Standard deviation of the errors estimated from the residuals, if the noise is not given.
     pub noise: Option<f64>,
@@ -127,6 +127,9 @@ pub struct Fit {
 }
 
 /// Fits a problem; `progress` receives the parts done and their number. The result does not depend on the number of threads.
+///
+/// # Errors
+/// An invalid problem, or one without a start whose block is valid and whose runs succeed.
 pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) + Sync)) -> Result<Fit, FitError> {
     problem.check()?;
     let unknowns = unknowns(problem)?;

@@ -32,10 +32,14 @@ pub struct TimeSeries {
     pub ended: Option<f64>,
 }
 
-/// Returns the column `output` of a run at increasing `times` (s), with derivatives with respect to the named parameters, and its rate.
+/// Returns the column `output` of a run at increasing `times` (s), with derivatives and rate. Derivatives are with respect to the named
+/// parameters.
 ///
 /// Before the run begins the block is held in its initial state; after a quarter turn it lies still. With derivatives no step stops at
 /// the times.
+///
+/// # Errors
+/// The run fails.
 pub fn course(
     run: &Run,
     parameters: &Parameters,

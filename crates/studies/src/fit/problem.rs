@@ -13,7 +13,7 @@ use crate::run::table::columns;
 /// A free parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Free {
-    /// Its name: that of a derivative of a run, or `zero` or `delay` of a test.
+    /// Its name: that of a derivative of a run, or a test's `zero` or `delay`.
     pub name: String,
     /// Its bounds; by default a range about its value.
     pub bounds: Option<[f64; 2]>,
@@ -28,7 +28,7 @@ impl Free {
     }
 }
 
-/// A test of a block: one quantity over time, in a free motion or under a ground motion.
+/// A test of a block: one quantity over time, free or under a ground motion.
 #[derive(Clone, Debug)]
 pub struct Test {
     /// Name of the measured column, as in the table of a run: `theta`.
@@ -56,7 +56,7 @@ pub struct Test {
 }
 
 impl Test {
-    /// Returns a release test: the rotation (rad) over time (s) of a block let go at rest with this tilt (rad).
+    /// Returns a release test: the rotation (rad) over time (s) of a block let go. It is let go at rest with this tilt (rad).
     pub fn release(theta: f64, times: Vec<f64>, values: Vec<f64>) -> Test {
         Test {
             output: "theta".into(),
@@ -77,7 +77,7 @@ impl Test {
 /// Options of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Number of starts: the values of the problem, and points of a Latin hypercube within the bounds.
+    /// Number of starts. They are the values of the problem, and points of a Latin hypercube within the bounds.
     pub starts: u32,
     /// Seed of that hypercube.
     pub seed: u64,
@@ -152,11 +152,17 @@ impl Problem {
     }
 
     /// Makes the block with these parameters.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
         Block::from_parameters(&parameters.parameterization, &parameters.common)?.with_ties(&parameters.ties)
     }
 
     /// Returns the run of a test with these parameters.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
     pub fn run(&self, test: &Test, parameters: &Parameters) -> Result<Run, BlockError> {
         let block = self.block(parameters)?;
         let ground = test.ground.clone().scaled(parameters.scale.unwrap_or(1.0));
@@ -166,6 +172,9 @@ impl Problem {
     }
 
     /// Returns the unit of the quantity that a test measures.
+    ///
+    /// # Errors
+    /// An invalid block, or a column that its runs lack.
     pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
         let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
         let columns = columns(&block);
@@ -179,6 +188,9 @@ impl Problem {
     }
 
     /// Refuses a problem that is not valid.
+    ///
+    /// # Errors
+    /// The first invalid option, prior or test.
     pub fn check(&self) -> Result<(), FitError> {
         let Options { starts, level, tolerance, .. } = self.options;
         let options = [

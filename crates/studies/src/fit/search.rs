@@ -20,10 +20,13 @@ const SEARCHES: usize = 3;
 /// Sum of squares over the least, above which a minimum is dropped.
 const WORST: f64 = 2.0;
 
-/// Gain of a step, over the variance of a residual, at which the search in each part ends.
+/// Gain of a step, over the variance of a residual, that ends each stage.
 pub const TOLERANCE: [f64; 2] = [1.0, 1e-6];
 
 /// Returns the minima of several starts that the data distinguish, the best first.
+///
+/// # Errors
+/// No start has a valid block and runs that succeed.
 pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Result<Vec<Minimum>, FitError> {
     let options = evaluator.problem.options;
     let windows = evaluator.windows(&PARTS);

@@ -13,7 +13,7 @@ pub struct Unknown {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// The test to which it belongs; none for a parameter of the block, which all tests share.
+    /// Its test. `None` for a parameter of the block, which all tests share.
     pub test: Option<usize>,
     /// Its value at the first start.
     pub start: f64,
@@ -62,7 +62,8 @@ impl Unknown {
         if self.is_logarithmic { self.value(coordinate) * libm::log(high / low) } else { high - low }
     }
 
-    /// Returns the derivative of the coordinate with respect to the logarithm of the value, or to the value over half its range.
+    /// Returns the derivative of the coordinate with respect to the relative value. That is the logarithm of the value, or the value over
+    /// half its range.
     pub fn relative(&self) -> f64 {
         let [low, high] = self.bounds;
         if self.is_logarithmic { 1.0 / libm::log(high / low) } else { 0.5 }
@@ -102,6 +103,9 @@ fn usual_bounds(name: &str, value: f64, test: &Test, [alpha, p, half_width, heig
 }
 
 /// Returns the unknowns of a problem: those of the block, then those of each test.
+///
+/// # Errors
+/// A free parameter that is unknown, is given twice, has no effect, or has invalid bounds.
 pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
     let mut found = problem.free.iter().map(|free| unknown(problem, free, None)).collect::<Result<Vec<_>, _>>()?;
     for (number, test) in problem.tests.iter().enumerate() {

@@ -13,7 +13,7 @@ pub struct Support {
     /// Damping C (N.s/m): half the vertical damping of the foundation, if the source states it.
     #[serde(rename = "C")]
     pub damping: Option<f64>,
-    /// Support stiffness that would give the rocking stiffness of the foundation (N/m), if that is known.
+    /// Support stiffness that would give the rocking stiffness of the foundation (N/m), if known.
     #[serde(rename = "K_rocking")]
     pub rocking_stiffness: Option<f64>,
 }
@@ -23,11 +23,11 @@ pub struct Support {
 pub struct Pad {
     /// Diameter d (m).
     pub diameter: f64,
-    /// Shape factor S (1): loaded area over the area that is free to bulge; of a layer of thickness t, d/(4 t).
+    /// Shape factor S (1): loaded area over the area that is free to bulge. For a layer of thickness t it is d/(4 t).
     pub shape_factor: f64,
     /// Shear modulus G of the rubber (Pa).
     pub shear_modulus: f64,
-    /// Bulk modulus of the rubber (Pa); without it the rubber is incompressible, as in the paper.
+    /// Bulk modulus of the rubber (Pa). Without it the rubber is incompressible, as in the paper.
     pub bulk_modulus: Option<f64>,
 }
 
@@ -71,6 +71,9 @@ impl Pad {
     ///
     /// A pad of one layer has the modulus `E = 6 G S²`, the area `π d²/4` and the thickness `d/(4 S)`. With a bulk modulus B,
     /// `1/E = 1/(6 G S²) + 1/B` after Gent and Lindley (1959).
+    ///
+    /// # Errors
+    /// The first invalid size or modulus.
     pub fn support(&self) -> Result<Support, SupportError> {
         let Pad { diameter, shape_factor, shear_modulus, bulk_modulus } = *self;
         check_positive(&[("diameter", diameter), ("shape_factor", shape_factor), ("shear_modulus", shear_modulus)])?;
@@ -83,11 +86,14 @@ impl Pad {
 }
 
 impl Soil {
-    /// Returns the support by the static stiffnesses and the radiation damping of Pais and Kausel (1988).
+    /// Returns the support by Pais and Kausel (1988): static stiffnesses and radiation damping.
     ///
     /// With half sides `L ≥ B` and `G = ρ V_s²`: vertical `K_z = G B/(1 − ν) [3.1 (L/B)^0.75 + 1.6]` and
     /// `C_z = 4 ψ ρ V_s B L`; rocking about the longer side `G B³/(1 − ν) [3.2 L/B + 0.8]` and about the shorter one
     /// `G B³/(1 − ν) [3.73 (L/B)^2.4 + 0.27]`; `ψ = √(2 (1 − ν)/(1 − 2 ν))`, at most 2.5.
+    ///
+    /// # Errors
+    /// The first invalid size, velocity, density or ratio.
     pub fn support(&self) -> Result<Support, SupportError> {
         let Soil { width, length, density, shear_wave_velocity, poisson } = *self;
         let sizes = [("width", width), ("length", length), ("density", density)];

@@ -37,7 +37,7 @@ impl Uncertainty {
 
 /// The curve of one measure with its intervals and its quality.
 pub struct Assessment {
-    /// The cases with a value of the measure; of many rows, fewer observations with the same likelihood.
+    /// The cases with a value of the measure. Of many rows, fewer observations with the same likelihood.
     pub data: Data,
     /// Number of cases with a value of the measure.
     pub rows: usize,
@@ -55,7 +55,7 @@ pub struct Assessment {
     pub groups: Vec<Group>,
     /// Whether the curve fits the groups; `None` for fewer than three.
     pub goodness: Option<Goodness>,
-    /// Scatter of the peaks about a power law of the measure, for the blocks that rock and stand.
+    /// Scatter of the peaks about a power law of the measure. It is that of the blocks that rock and stand.
     pub efficiency: Option<f64>,
     /// Number of blocks that rock and stand: lift-off and a peak of at least α/1000.
     pub rocking: usize,
@@ -77,7 +77,7 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// Fits a curve; `measures` has the value of each case, `confidence` is above 0 and below 1.
+    /// Fits a curve to cases with these values of a measure. `confidence` is above 0 and below 1.
     ///
     /// # Errors
     /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`].
@@ -95,7 +95,7 @@ impl Assessment {
         Assessment::of(store, &Motions::of_first((0..motions as u64).collect()), link, confidence, uncertainty)
     }
 
-    /// Fits a curve to stored cases, whose ground motions are `motions`; `confidence` is above 0 and below 1.
+    /// Fits a curve to stored cases with these ground motions. `confidence` is above 0 and below 1.
     ///
     /// # Errors
     /// Those of [`Assessment::new`], and of temporary files.
@@ -146,7 +146,7 @@ impl Assessment {
         })
     }
 
-    /// The rows to draw: all, or of many some 10,000 in the order of their measures with the first and the last one.
+    /// The rows to draw: all, or some 10,000 of many. They are in the order of their measures, with the first and the last one.
     pub fn marks(&self) -> &[Observation] {
         self.marks.as_deref().unwrap_or_else(|| self.data.observations())
     }
@@ -173,7 +173,7 @@ impl Assessment {
         self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
     }
 
-    /// Returns warnings of missing intervals, and of a curve that falls; `heading` is the name and unit of the measure.
+    /// Returns warnings of missing intervals, and of a falling curve. `heading` is the name and unit of the measure.
     pub fn warnings(&self, heading: &str) -> Vec<String> {
         let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
             let units = if self.independence == Independence::Rows { "rows" } else { "records" };

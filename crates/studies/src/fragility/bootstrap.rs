@@ -28,7 +28,7 @@ pub struct Bootstrap {
 }
 
 impl Bootstrap {
-    /// The central interval that holds this fraction of a feature's values; unbounded for fewer than two curves or ten groups.
+    /// The central interval of this fraction of a feature's values. It is unbounded for fewer than two curves or ten groups.
     pub fn interval(&self, confidence: f64, of: impl Fn(&CurveFit) -> f64) -> Interval {
         let mut values: Vec<f64> = self.fits.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
@@ -46,7 +46,7 @@ impl Bootstrap {
     }
 }
 
-/// Fits curves to groups of observations drawn with replacement; each sample has the original number of groups.
+/// Fits curves to groups of observations drawn with replacement. Each sample has the original number of groups.
 ///
 /// B. Efron, Bootstrap methods: another look at the jackknife, Ann. Stat. 7 (1979) 1–26. `groups` has the group of each
 /// observation, such as its record; rows of a group are not independent of each other and stay together. The same seed gives the

@@ -12,9 +12,9 @@ use crate::run::outcome::End;
 pub struct Case {
     /// Position of the row in the table.
     pub row: usize,
-    /// Fraction of its known runs that exceeded the limit: 0 or 1 for a single run.
+    /// Fraction of its known runs that exceeded the limit. 0 or 1 for a single run.
     pub fraction: f64,
-    /// Fraction of its runs that may have exceeded the limit or not: 0 for a single run, which is known.
+    /// Fraction of its runs without a verdict, 0 for a single run.
     pub unknown: f64,
     /// Peak |θ|/α, if the block lifted off and stands.
     pub peak: Option<f64>,
@@ -83,7 +83,7 @@ impl Motions {
 }
 
 impl SweepTable {
-    /// Compares each row with a limit: the probability of its ensemble if the table has one, else its single run.
+    /// Compares each row with a limit. The result is the probability of its ensemble if the table has one, else its single run.
     ///
     /// # Errors
     /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
@@ -91,7 +91,7 @@ impl SweepTable {
         self.cases_of(limit, &mut Motions::default(), |row| row as u64)
     }
 
-    /// [`SweepTable::cases`] of a batch of rows, whose ground motions may have occurred before; `place` is that of a row in the whole table.
+    /// [`SweepTable::cases`] of a batch of rows. Its ground motions may have occurred before; `place` is that of a row in the whole table.
     ///
     /// # Errors
     /// Those of [`SweepTable::cases`].

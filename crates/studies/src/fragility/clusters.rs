@@ -36,8 +36,8 @@ impl Independence {
         }
     }
 
-    /// The two-sided deviate of a confidence: normal for independent rows, else Student's t with one degree of freedom less than
-    /// the number of records.
+    /// The two-sided deviate of a confidence. It is normal for independent rows, else Student's t with one degree of freedom less than the
+    /// number of records.
     pub(super) fn deviate(self, confidence: f64) -> f64 {
         match self {
             Independence::Rows | Independence::OneRecord => normal::quantile(0.5 + 0.5 * confidence),
@@ -65,7 +65,7 @@ impl std::fmt::Display for Independence {
     }
 }
 
-/// Greatest number of records for a jackknife with full refits; with more, one Newton step is as accurate.
+/// Greatest number of records for a jackknife with full refits. With more, one Newton step is as accurate.
 pub(super) const MAX_REFITS: usize = 100;
 
 /// Change of the coefficients when a record is left out; `None` if the others have no best fit.
@@ -106,7 +106,7 @@ pub(super) fn covariance(data: &Data, fit: &CurveFit, records: &[usize]) -> Opti
     of_shifts(shifts, size, count)
 }
 
-/// Change of the coefficients by a Newton step without a record, from its score and information and the information of all.
+/// Change of the coefficients by a Newton step without a record. It follows from its score and information and the information of all.
 pub(super) fn step(whole: &DMatrix<f64>, score: &DVector<f64>, information: &DMatrix<f64>) -> Option<DVector<f64>> {
     Some((whole - information).cholesky()?.solve(score))
 }

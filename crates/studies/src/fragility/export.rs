@@ -95,7 +95,7 @@ struct State {
 const NEGLIGIBLE: f64 = 1e-4;
 
 impl Component {
-    /// Prepares fitted curves, each with its limit; the fits are of `factor` times the measure, in SI units.
+    /// Prepares fitted curves, each with its limit. The fits are of `factor` times the measure, in SI units.
     ///
     /// `id` is the component of pelicun, or the taxonomy of OpenQuake's assets.
     ///
@@ -160,7 +160,7 @@ impl Component {
     }
 }
 
-/// Returns `fragility.csv` and `fragility.json` of pelicun's component library, with a limit state of one damage state for each limit.
+/// Returns `fragility.csv` and `fragility.json` of pelicun's component library. Each limit is a limit state of one damage state.
 ///
 /// `gravity` (m/s²) is that of accelerations in g.
 ///
@@ -211,7 +211,7 @@ pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Ex
     Ok([csv + "\n", format!("{json:#}\n")])
 }
 
-/// Returns a fragility model of OpenQuake in NRML 0.5, of contents with a limit state for each limit.
+/// Returns a fragility model of OpenQuake (NRML 0.5) of contents, with a limit state per limit.
 ///
 /// The format has mean and standard deviation of the measure itself, in g of `gravity` (m/s²) or cm/s. Below `noDamageLimit`, six
 /// dispersions under the least median, OpenQuake takes the probability as zero.

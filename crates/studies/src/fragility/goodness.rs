@@ -27,7 +27,7 @@ pub struct Group {
     inflation: Option<f64>,
 }
 
-/// A test whether a curve fits the fractions of groups of rows: the deviance, compared with χ².
+/// A test whether a curve fits the fractions of groups of rows: deviance against χ².
 ///
 /// The deviance is twice the sum of k ln(k/(n P)) + (n − k) ln((n − k)/(n (1 − P))) over groups with k exceedances in n rows. Rows of the same
 /// record are not independent: where records repeat, it is divided by the mean inflation of the variances of the groups, the first-order
@@ -58,7 +58,7 @@ impl Goodness {
     }
 }
 
-/// Sorts rows by measure into groups of similar size; rows with the same measure share a group.
+/// Sorts rows by measure into groups of similar size. Rows with the same measure share a group.
 ///
 /// `probabilities` and `records` have the fitted probability and the record of each row.
 pub(super) fn groups(observations: &[Observation], probabilities: &[f64], records: &[usize]) -> Vec<Group> {
@@ -106,7 +106,7 @@ impl Grouping {
         Grouping { size, is_clustered, groups, last: 0.0, rows: 0, sums: [0.0; 5], records, alone: [0.0; 3] }
     }
 
-    /// Takes equal rows with at least the last measure, with their weight and the record that they share with other rows.
+    /// Takes equal rows with at least the last measure. They have a weight, and a record shared with other rows.
     pub fn take(&mut self, row: Fitted, weight: f64, count: usize, record: Option<usize>) {
         let Fitted { measure, fraction, probability } = row;
         // A scaled record meets its level to round-off.

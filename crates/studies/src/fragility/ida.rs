@@ -8,7 +8,8 @@ use crate::run::outcome::End;
 /// The response of blocks to ground motions of increasing strength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ida {
-    /// Levels of the intensity measure at which fractiles are shown, increasing: those of all curves, or evenly spaced if they differ.
+    /// Levels of the intensity measure at which fractiles are shown, increasing. They are those of all curves, or evenly spaced if the
+    /// curves differ.
     pub levels: Vec<f64>,
     /// The curves, one per block and ground motion.
     pub curves: Vec<IdaCurve>,
@@ -76,13 +77,13 @@ impl IdaCurve {
         }
     }
 
-    /// Returns the least level that overturns the block, and the greatest level below that does not, 0 without any.
+    /// Returns the least level that overturns the block, and the level below, 0 without any.
     pub fn overturning(&self) -> Option<[f64; 2]> {
         let least = self.responses.iter().position(|response| *response == Response::Overturns)?;
         Some([least.checked_sub(1).map_or(0.0, |below| self.levels[below]), self.levels[least]])
     }
 
-    /// Returns the level at which the peak first reaches this one, or the block overturns; `None` if neither happens.
+    /// Returns the first level at which the peak reaches this one, or the block overturns. `None` if neither happens.
     pub fn reaches(&self, peak: f64) -> Option<f64> {
         let mut last = Some((0.0, 0.0));
         for (&level, &response) in self.levels.iter().zip(&self.responses) {
@@ -118,7 +119,7 @@ impl Ida {
         Ok(Ida::of(rows))
     }
 
-    /// Sorts rows into curves; each has block and ground motion, the level, the peak |θ|/α and the end of the run.
+    /// Sorts rows into curves. Each row has block and ground motion, the level, the peak |θ|/α and the end of the run.
     pub fn of(rows: impl IntoIterator<Item = (String, f64, Option<f64>, End)>) -> Ida {
         let mut found: BTreeMap<String, Vec<(f64, Response)>> = BTreeMap::new();
         for (key, level, peak, end) in rows {
@@ -138,7 +139,7 @@ impl Ida {
         Ida { levels: levels(&curves), curves }
     }
 
-    /// Returns the fractile of the known responses at each level: the least one that this fraction does not exceed.
+    /// Returns the fractile of the known responses at each level. It is the least one that this fraction does not exceed.
     pub fn fractile(&self, fraction: f64) -> Vec<Response> {
         let at = |&level: &f64| {
             let known = self.curves.iter().map(|curve| curve.at(level)).filter(|found| *found != Response::Unknown);
@@ -149,13 +150,13 @@ impl Ida {
         self.levels.iter().map(at).collect()
     }
 
-    /// Returns the fractile over all curves of the least level that overturns, in the middle between it and the level below; `None` where this
-    /// fraction of the curves does not overturn.
+    /// Returns the fractile over all curves of the least level that overturns. That is the middle between the level and the one below;
+    /// `None` where this fraction of the curves does not overturn.
     pub fn overturning(&self, fraction: f64) -> Option<f64> {
         self.fractile_of_levels(fraction, |curve| curve.overturning().map(|[below, least]| 0.5 * (below + least)))
     }
 
-    /// Returns the fractile over all curves of the level at which the peak first reaches this one.
+    /// Returns the fractile over all curves of the first level at which the peak is reached.
     pub fn reaching(&self, fraction: f64, peak: f64) -> Option<f64> {
         self.fractile_of_levels(fraction, |curve| curve.reaches(peak))
     }

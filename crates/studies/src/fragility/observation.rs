@@ -41,7 +41,7 @@ pub enum CurveFitError {
     /// There are no rows.
     #[error("found no rows; expected rows that exceed the limit and rows that do not")]
     Empty,
-    /// A row has another number of measures than the first, or more than a surface has.
+    /// A row has another number of measures than the first, or too many.
     #[error("found {found} measures in row {row}; expected {expected}")]
     Measures {
         /// The row.

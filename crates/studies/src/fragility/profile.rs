@@ -27,7 +27,7 @@ impl Interval {
     }
 }
 
-/// The profile likelihood of a curve of one measure: one feature fixed, the other coefficient maximized.
+/// The profile likelihood of a curve of one measure. One feature is fixed, and the other coefficient maximized.
 ///
 /// The interval of a feature holds the values whose likelihood ratio statistic is at most the quantile of χ² with one degree of
 /// freedom. It does not depend on the unit of a feature or on taking its logarithm, and need not be symmetric.
@@ -64,7 +64,8 @@ impl<'a> LikelihoodProfile<'a> {
         LikelihoodProfile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
     }
 
-    /// [`LikelihoodProfile::new`] for the two-sided deviate of the confidence, and the covariance clustered by record, if they are already known.
+    /// [`LikelihoodProfile::new`] with a known deviate of the confidence and covariance. The deviate is two-sided; the covariance is
+    /// clustered by record.
     ///
     /// # Errors
     /// Those of [`LikelihoodProfile::new`].
@@ -82,7 +83,7 @@ impl<'a> LikelihoodProfile<'a> {
         Ok(LikelihoodProfile { observations, x, fit, covariance, allowed: deviate * deviate })
     }
 
-    /// Interval of the median, in the unit of the measure; unbounded where the data admit a slope of zero.
+    /// Interval of the median, in the unit of the measure. Unbounded where the data admit a slope of zero.
     pub fn median(&self) -> Interval {
         let [a, b] = self.coefficients();
         let log_median = -a / b;
@@ -90,7 +91,7 @@ impl<'a> LikelihoodProfile<'a> {
         self.interval(log_median, gradient, b, |log_median, x| (x - log_median, 0.0)).map(libm::exp)
     }
 
-    /// Interval of the dispersion β; no upper bound where the data admit a slope of zero.
+    /// Interval of the dispersion β. It has no upper bound where the data admit a slope of zero.
     ///
     /// If both signs of β are admissible, only bounds of the fitted sign are reported.
     pub fn dispersion(&self) -> Interval {
@@ -130,8 +131,8 @@ impl<'a> LikelihoodProfile<'a> {
         }
     }
 
-    /// The interval of a feature from its estimate and its gradient with respect to the coefficients. `other` is the coefficient that
-    /// is fitted again for each value of the feature.
+    /// The interval of a feature from its estimate and its gradient with respect to the coefficients. `other` is the coefficient that is
+    /// fitted again for each value of the feature.
     ///
     /// `of` gives x and offset of [`LikelihoodProfile::statistic`] for a value of the feature and a logarithm of the measure.
     fn interval(&self, estimate: f64, gradient: [f64; 2], other: f64, of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {

@@ -63,7 +63,7 @@ impl AreaUnderCurve {
     }
 }
 
-/// The Brier score (1): the mean square of probability minus outcome, or minus the fraction of exceedances.
+/// The Brier score (1): the mean square of probability minus outcome or fraction of exceedances.
 ///
 /// G. W. Brier, Verification of forecasts expressed in terms of probability, Mon. Weather Rev. 78 (1950) 1–3, halved.
 pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
@@ -75,7 +75,8 @@ pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
     observations.iter().zip(probabilities).map(error).sum::<f64>() / weight
 }
 
-/// The efficiency of a measure (1): the standard deviation of the log peaks about their regression on the log measure.
+/// The efficiency of a measure (1): the scatter of log peaks about their regression. The regression is on the log measure; the scatter is a
+/// standard deviation.
 ///
 /// Smaller is better (N. Luco, C. A. Cornell, Structure-specific scalar intensity measures for near-source and ordinary earthquake
 /// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. `None` for fewer
@@ -97,7 +98,7 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
 }
 
-/// The scatter of the log peaks about their regression on the log measure, of rows in any order.
+/// The scatter of log peaks about their regression on the log measure. The rows are in any order.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Scatter {
     /// Number of rows.
@@ -125,7 +126,7 @@ impl Scatter {
     }
 }
 
-/// The sufficiency of a measure with respect to another: the p-value of the other one as a second measure.
+/// The sufficiency of a measure: the p-value of another one as second measure.
 ///
 /// The likelihood ratio test, χ² with one degree of freedom; a small value, below 0.05 say, rejects that the first measure is
 /// sufficient. `others` has the other measure of each observation, above zero, and `records` its record. Where records repeat,
@@ -146,7 +147,7 @@ pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -
     Ok(p_value(&curve, &surface, covariance.as_ref(), Independence::of(records)))
 }
 
-/// The p-value of the second measure of a surface beside the curve of the first one.
+/// The p-value of a surface's second measure beside the curve of the first one.
 pub(super) fn p_value(
     curve: &CurveFit,
     surface: &CurveFit,

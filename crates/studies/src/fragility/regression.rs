@@ -51,7 +51,7 @@ impl CurveFit {
         self.link.probability(self.coefficients[0] + slopes.map(|(slope, x)| slope * libm::log(*x)).sum::<f64>())
     }
 
-    /// The first measure at a probability of one half, `exp(−a/b)`; for a surface, where the second measure is 1.
+    /// The first measure at a probability of one half, `exp(−a/b)`. On a surface, the second measure is 1 there.
     pub fn median(&self) -> f64 {
         libm::exp(-self.coefficients[0] / self.coefficients[1])
     }
@@ -161,7 +161,7 @@ impl Regression for Predictor<'_> {
 pub(super) struct SurfaceRows<'a>(pub &'a SortedRows);
 
 impl SurfaceRows<'_> {
-    /// The terms of a row at these coefficients, an intercept and a slope for one measure or both.
+    /// Adds the terms of a row at these coefficients. They are an intercept and one or two slopes.
     pub fn add(
         sums: &mut Sums,
         row: &EqualRows,

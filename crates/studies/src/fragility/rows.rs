@@ -89,6 +89,9 @@ impl Default for RowSorter {
 
 impl RowSorter {
     /// Takes a row with a fraction and measures from zero on.
+    ///
+    /// # Errors
+    /// Rows that cannot be kept on disk.
     pub fn push(&mut self, row: EqualRows) -> Result<(), CurveFitError> {
         if self.buffer.len() == self.run {
             self.sort();
@@ -102,6 +105,9 @@ impl RowSorter {
     }
 
     /// Ends with the rows in order.
+    ///
+    /// # Errors
+    /// Rows that cannot be kept on disk.
     pub fn finish(mut self) -> Result<SortedRows, CurveFitError> {
         self.sort();
         if self.runs.is_none() {
@@ -228,6 +234,9 @@ pub(super) struct SortedRows {
 
 impl SortedRows {
     /// Passes all rows on, batch by batch.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn batches(&self, each: &mut dyn FnMut(&[EqualRows])) -> Result<(), CurveFitError> {
         let Some(mut file) = self.file.as_ref() else {
             self.kept.chunks(BATCH).for_each(each);
@@ -246,6 +255,9 @@ impl SortedRows {
     }
 
     /// Sums over all rows, with all threads; the result does not depend on their number.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn sum<T>(&self, of: impl Fn(&EqualRows) -> T + Sync) -> Result<T, CurveFitError>
     where
         T: Copy + Default + Send + Sync + std::ops::Add<Output = T>,

@@ -52,7 +52,8 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     Ok(())
 }
 
-/// The convex hulls of all rows, of those that do not exceed the limit, and of those that do, in the plane of the logarithms of two measures.
+/// The convex hulls of all rows and of both classes over two log measures. The classes are rows that do not exceed the limit, and rows that
+/// do.
 #[derive(Default)]
 pub(super) struct Hulls([Vec<[f64; 2]>; 3]);
 
@@ -78,7 +79,8 @@ impl Hulls {
     }
 }
 
-/// Least and greatest measure of both classes, those that do not exceed the limit first; infinite the other way round without rows.
+/// Least and greatest measure of both classes. The class that does not exceed the limit is first; without rows the ends are infinite, the
+/// other way round.
 #[derive(Clone, Copy)]
 pub(super) struct Ends([[f64; 2]; 2]);
 
@@ -104,7 +106,8 @@ impl Ends {
         (has_rows != [true; 2]).then_some(has_rows[1])
     }
 
-    /// Greatest measure of the lower class, least measure of the upper one, and whether the lower one exceeds the limit.
+    /// Ends of the lower and the upper class, and whether the lower one exceeds the limit. They are its greatest and the other's least
+    /// measure.
     pub fn separating(&self) -> Option<(f64, f64, bool)> {
         let [[low_others, high_others], [low_exceeded, high_exceeded]] = self.0;
         let sides = [(high_others, low_exceeded, false), (high_exceeded, low_others, true)];

@@ -30,7 +30,7 @@ pub(super) enum StoredRows {
 }
 
 impl CaseStore {
-    /// Takes a case with its place in the table; for a curve, the second measure is 1.
+    /// Takes a case with its place in the table. For a curve, the second measure is 1.
     pub fn push(&mut self, place: u64, case: &Case, measures: [Option<f64>; 2]) {
         let [Some(first), Some(second)] = measures else {
             self.without += 1;
@@ -77,7 +77,7 @@ impl CaseStore {
         Ok(StoredRows::Few(self.list.into_iter().map(|(_, case, measures)| (case, measures)).collect(), records))
     }
 
-    /// The values of the measure in increasing order, with the sum of the fractions and the number of the rows.
+    /// The values of the measure in increasing order, with sums of fractions and numbers of rows.
     ///
     /// # Errors
     /// A row that a fit refuses, and those of temporary files.
@@ -95,7 +95,7 @@ impl CaseStore {
     }
 }
 
-/// Counts and cases of a table that is read batch by batch, relative to a limit.
+/// Counts and cases of a table read batch by batch, relative to a limit.
 pub struct Collected {
     limit: Option<Limit>,
     columns: Vec<[Option<String>; 2]>,
@@ -114,7 +114,7 @@ pub struct RowCounts {
     pub all: usize,
     /// Rows whose run decides whether the limit is exceeded.
     pub decided: usize,
-    /// Rows that exceed the limit; for ensembles, the sum of the fractions of their samples that do.
+    /// Rows that exceed the limit. For ensembles, the sum of the fractions of samples that do.
     pub exceeded: f64,
     /// Rows that exceed the limit if all rows and samples without a known outcome do.
     pub exceeded_at_most: f64,
@@ -129,7 +129,7 @@ pub struct RowCounts {
 }
 
 impl Collected {
-    /// Begins with a limit, or the usual one of the table, and the columns of the measures of each store.
+    /// Begins with a limit, or the usual one of the table, and each store's columns.
     pub fn new(limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
         let stores = columns.iter().map(|_| CaseStore::default()).collect();
         Collected { limit, columns, stores, motions: Motions::default(), counts: RowCounts::default() }

@@ -144,7 +144,7 @@ impl SweepTable {
         &self.table
     }
 
-    /// The distinct words of a column in the order of the rows; `None` without such a column.
+    /// The distinct words of a column in the order of the rows. `None` without such a column.
     pub fn words(&self, name: &str) -> Option<Vec<String>> {
         let column = self.column(name).ok()?;
         let mut words = Vec::new();
@@ -197,7 +197,7 @@ impl SweepTable {
         self.column(name).map(|column| column.heading.to_string())
     }
 
-    /// The numbers of a column, found by its name with or without the unit; `None` for empty fields.
+    /// The numbers of a column, with `None` for empty fields. Its name may have the unit.
     ///
     /// # Errors
     /// There is no such column, or a field is not a number.
@@ -234,7 +234,7 @@ impl SweepTable {
         }
     }
 
-    /// The usual limit: overturning, or the balance of blocks with ties, which may hold a block beyond it at rest or in motion.
+    /// The usual limit: overturning, or the balance of blocks with ties. Ties may hold a block beyond the balance at rest or in motion.
     pub fn usual_limit(&self) -> Limit {
         let has_ties = self.column(OVER_BALANCE).is_ok() && self.column("ensemble.samples").is_err();
         if has_ties { Limit::Balance } else { Limit::Overturned }
@@ -259,7 +259,7 @@ impl SweepTable {
         (0..self.rows()).map(|row| fast(row).map_or_else(|| end(row), Ok)).collect()
     }
 
-    /// The fields of each row between its number and a column: its block and ground motion.
+    /// The fields of each row between its number and a column: block and ground motion.
     pub(super) fn fields_before(&self, column: &str) -> Result<Vec<String>, SweepTableError> {
         let end = &self.column(column)?.heading;
         let before = self.table.columns().iter().skip(1).take_while(|column| column.heading != *end);

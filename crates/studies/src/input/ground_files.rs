@@ -48,7 +48,10 @@ impl RecordOption {
 }
 
 impl RecordOptions {
-    /// Reads a horizontal or a vertical file with `read`; the error is one line, with settings named by `name`.
+    /// Reads a horizontal or a vertical file with `read`. Settings in the error are named by `name`.
+    ///
+    /// # Errors
+    /// One line: the first fault of the file.
     pub fn read<T>(
         &self,
         vertical: bool,
@@ -63,7 +66,7 @@ impl RecordOptions {
         if vertical { self.vertical.or(&self.both) } else { self.both.clone() }
     }
 
-    /// The first option without effect on these ground motions, and the kind of file it needs.
+    /// The first option without effect on these ground motions, and the kind of file needed.
     pub fn unread(&self, grounds: &[Ground]) -> Option<(RecordOption, String)> {
         let horizontal: Vec<&Record> = grounds.iter().filter_map(|ground| ground.horizontal.as_ref()).collect();
         let vertical: Vec<&Record> = grounds.iter().filter_map(|ground| ground.vertical.as_ref()).collect();

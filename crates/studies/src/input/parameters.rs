@@ -17,7 +17,10 @@ pub struct Parameter {
 impl Parameter {
     /// Finds a parameter by its short name, `alpha`, or that in the FMU, `dimensionless.alpha`.
     ///
-    /// The error lists the known names.
+    ///
+    ///
+    /// # Errors
+    /// An unknown name, with the similar ones, or a variable that is not set from outside.
     pub fn named(name: &str) -> Result<Parameter, String> {
         // Studies name their record files elsewhere.
         let known = VARIABLES.iter().filter(|metadata| !metadata.name.starts_with("record."));
@@ -46,6 +49,9 @@ impl Parameter {
     }
 
     /// A number of a study as that of the engine, within its limits. Only for friction without a limit do they differ.
+    ///
+    /// # Errors
+    /// The number, with the limits.
     pub fn number(&self, found: f64) -> Result<f64, String> {
         let found = match self.metadata.variable {
             Variable::Friction => friction::of_user(found).map_err(|error| error.to_string())?,
@@ -62,7 +68,7 @@ impl Parameter {
         }
     }
 
-    /// A value as written in tables: items and booleans as words, numbers in digits that restore them exactly.
+    /// A value as written in tables. Items and booleans are words, numbers have digits that restore them exactly.
     pub fn display(&self, value: f64) -> String {
         match self.metadata.kind {
             Kind::Boolean => (value != 0.0).to_string(),
@@ -73,7 +79,7 @@ impl Parameter {
         }
     }
 
-    /// The column of its values in the engine: words of choices, numbers as those of users.
+    /// The column of its values in the engine. Choices are words, numbers are as users see them.
     pub fn column<'c, R>(self, value: impl Fn(&R) -> f64 + Sync + 'c) -> TableColumn<'c, R> {
         let Metadata { kind, items, unit, .. } = *self.metadata;
         let name = self.name();
@@ -98,7 +104,10 @@ impl Parameter {
         self.metadata.unit.map_or(name.into(), |unit| format!("{name} [{unit}]"))
     }
 
-    /// The number of an item such as `one-sine`, in any case; its name in the FMU, `OneSine`, is accepted too.
+    /// The number of an item such as `one-sine`, in any case. Its name in the FMU, `OneSine`, is accepted too.
+    ///
+    /// # Errors
+    /// An unknown word, with the known ones.
     pub fn item(&self, name: &str) -> Result<f64, String> {
         let items = self.metadata.items;
         match items.iter().find(|item| is_same_word(item.1, name)) {

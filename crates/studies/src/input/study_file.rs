@@ -36,6 +36,9 @@ impl<'a> StudyText<'a> {
     }
 
     /// Reads the file as one table.
+    ///
+    /// # Errors
+    /// The first fault of TOML's syntax.
     pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, StudyFileError> {
         DeTable::parse(self.text).map_err(|error| {
             let message = error.message().replace('\n', " ");
@@ -56,7 +59,10 @@ pub struct Section<'a> {
 pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
 
 impl<'a> Section<'a> {
-    /// Checks that a table has only the keys of `T`; `name` is its name in errors.
+    /// Checks that a table has only the keys of `T`. `name` is its name in errors.
+    ///
+    /// # Errors
+    /// The first unknown key.
     pub fn of<T: DeserializeOwned>(
         source: StudyText<'a>,
         name: &'a str,
@@ -67,6 +73,9 @@ impl<'a> Section<'a> {
     }
 
     /// Checks that a table has only these keys; `name` is its name in errors.
+    ///
+    /// # Errors
+    /// The first unknown key.
     pub fn new(
         source: StudyText<'a>,
         name: &'a str,
@@ -89,6 +98,9 @@ impl<'a> Section<'a> {
     }
 
     /// A nested table with no other keys than those of `T`.
+    ///
+    /// # Errors
+    /// A value that is no table, or a table with an unknown key.
     pub fn section<T: DeserializeOwned>(&self, key: &'a str) -> Result<Option<Section<'a>>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let table = value.get_ref().as_table();
@@ -117,6 +129,9 @@ impl<'a> Section<'a> {
     }
 
     /// A finite number that passes `fits`.
+    ///
+    /// # Errors
+    /// The value, with the expected one.
     pub fn number(&self, key: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<Option<f64>, StudyFileError> {
         self.get(key).map(|value| self.fitting(key, value, &fits, expected)).transpose()
     }
@@ -133,6 +148,9 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number in a range.
+    ///
+    /// # Errors
+    /// The value, with the expected range.
     pub fn integer(&self, key: &str, range: Range<u64>) -> Result<Option<u64>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let integer = value.get_ref().as_integer();
@@ -142,18 +160,27 @@ impl<'a> Section<'a> {
     }
 
     /// True or false.
+    ///
+    /// # Errors
+    /// A value that is neither true nor false.
     pub fn flag(&self, key: &str) -> Result<Option<bool>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         value.get_ref().as_bool().map(Some).ok_or_else(|| self.wrong(key, value, "true or false"))
     }
 
     /// A string.
+    ///
+    /// # Errors
+    /// A value that is no string.
     pub fn text(&self, key: &str) -> Result<Option<&'a str>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong(key, value, "a text in quotes"))
     }
 
     /// A choice by its word, in any case, with hyphens or underscores.
+    ///
+    /// # Errors
+    /// An unknown word.
     pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)], expected: &str) -> Result<Option<T>, StudyFileError> {
         let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
         let found = text.to_lowercase().replace('_', "-");
@@ -162,6 +189,9 @@ impl<'a> Section<'a> {
     }
 
     /// A string, parsed.
+    ///
+    /// # Errors
+    /// A value that is no string, or the error of its type.
     pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
         let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
         let parsed = text.parse().map_err(|error: T::Err| self.source.wrong(&value.span(), error.to_string()));
@@ -169,6 +199,9 @@ impl<'a> Section<'a> {
     }
 
     /// A non-empty list of finite numbers that pass `fits`.
+    ///
+    /// # Errors
+    /// The first wrong number, an empty list, or a value that is no list.
     pub fn numbers(
         &self,
         key: &str,
@@ -191,6 +224,9 @@ impl<'a> Section<'a> {
     }
 
     /// A required list of lists of finite numbers.
+    ///
+    /// # Errors
+    /// The key is missing, or a value that is no list of lists of finite numbers.
     pub fn lists(&self, key: &str, expected: &str) -> Result<Vec<Vec<f64>>, StudyFileError> {
         let value = self.get(key).ok_or_else(|| self.lacks(key, expected))?;
         let lists = value.get_ref().as_array().ok_or_else(|| self.wrong(key, value, expected))?;

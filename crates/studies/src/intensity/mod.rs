@@ -54,13 +54,14 @@ pub enum Measure {
     Sv(f64),
     /// PGA/(g tan α) (1): above one, a block on a rigid base lifts off.
     PgaToUplift,
-    /// p·PGV/(g tan α) (1), the velocity relative to one that overturns a block of this size (E. G. Dimitrakopoulos,
-    /// T. S. Paraskeva, Dimensionless fragility curves for rocking response to near-fault excitations, EESD 44 (2015)
-    /// 2015–2033).
+    /// p·PGV/(g tan α) (1), PGV over one that overturns a block of this size.
+    ///
+    /// E. G. Dimitrakopoulos, T. S. Paraskeva, Dimensionless fragility curves for rocking response to near-fault excitations, EESD 44
+    /// (2015) 2015–2033.
     PgvToOverturning,
     /// Peak floor acceleration (m/s²): greatest absolute acceleration of the floor on which the block stands.
     Pfa,
-    /// Peak floor velocity (m/s): greatest absolute velocity of the floor, that of the ground included; the demand of FEMA P-58
+    /// Peak floor velocity (m/s): greatest absolute velocity of the floor. It includes that of the ground, and is the demand of FEMA P-58
     /// for blocks that overturn.
     Pfv,
     /// p·T_m (1), the mean period relative to the time scale 1/p of the block.
@@ -110,7 +111,7 @@ impl Measure {
         }
     }
 
-    /// The power of a factor on the record that multiplies the measure; 0 if the factor has no effect.
+    /// The power of a factor on the record that multiplies the measure, 0 without effect.
     pub fn power(self) -> u8 {
         match self {
             Measure::Arias => 2,
@@ -129,14 +130,15 @@ impl Measure {
         }
     }
 
-    /// The underlying measure of the record alone, and the factor that relates it to a block.
+    /// The underlying measure of the record, and the factor that relates it to a block.
     pub fn record_measure(self, block: &Block) -> (Measure, f64) {
         // The side with less base lifts and overturns first.
         let [left, right] = Corner::each(|corner| block.alpha_of(corner));
         self.record_measure_at(left.min(right), block.p, block.gravity)
     }
 
-    /// [`Measure::record_measure`] for the slenderness α (rad) of the side with less base, the frequency parameter p (rad/s) and gravity (m/s²).
+    /// [`Measure::record_measure`] for a slenderness, a frequency parameter and gravity. They are α (rad) of the side with less base, p
+    /// (rad/s) and g (m/s²).
     pub fn record_measure_at(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
         let uplift = || gravity * libm::tan(alpha);
         match self {

@@ -19,14 +19,14 @@ pub struct OscillatorPeaks {
     pub velocity: f64,
 }
 
-/// Elastic pseudo-acceleration Sa(T) = ω² max|u| (m/s²) of an oscillator of 5 % damping and this period (s).
+/// Elastic pseudo-acceleration Sa(T) = ω² max|u| (m/s²) of an oscillator. It has 5 % damping and this period (s).
 pub fn spectral_acceleration(record: &Record, period: f64) -> f64 {
     displacement(record, period) * (TAU / period) * (TAU / period)
 }
 
-/// Housner's spectrum intensity ∫ω max|u| dT (m) over the periods from 0.1 to 2.5 s, of pseudo-velocities at 5 % damping
-/// (G. W. Housner, Spectrum intensities of strong-motion earthquakes, Symposium on Earthquake and Blast Effects on
-/// Structures, EERI, 1952, 20–36), by the trapezoidal rule in steps of 0.02 s.
+/// Housner's spectrum intensity ∫ω max|u| dT (m) over the periods from 0.1 to 2.5 s. Pseudo-velocities are at 5 % damping (G. W. Housner,
+/// Spectrum intensities of strong-motion earthquakes, Symposium on Earthquake and Blast Effects on Structures, EERI, 1952, 20–36), by the
+/// trapezoidal rule in steps of 0.02 s.
 pub fn spectrum_intensity(record: &Record) -> f64 {
     const STEPS: u32 = 120;
     let velocity = |number: u32| {
@@ -44,7 +44,7 @@ fn displacement(record: &Record, period: f64) -> f64 {
     peaks::<false>(record, period).displacement
 }
 
-/// Peak response of an oscillator of 5 % damping and this period (s), from rest until one period after the record.
+/// Peak response of an oscillator of 5 % damping and this period (s). It begins at rest, and ends one period after the record.
 ///
 /// Each step is exact for an acceleration that is linear in time (N. C. Nigam, P. C. Jennings, Calculation of response
 /// spectra from strong-motion earthquake records, Bull. Seism. Soc. Am. 59 (1969) 909–922). Peaks inside a step are found on the
@@ -127,7 +127,7 @@ impl OscillatorStep {
         OscillatorStep { omega, damping, omega_d, duration, cos: decay * cos, sin: decay * sin }
     }
 
-    /// `[u, u̇]` at the end of the step, from those at its start, the acceleration there and its rate.
+    /// `[u, u̇]` at the end of the step. They follow from those at its start, the acceleration there and its rate.
     pub(crate) fn advance(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
         let OscillatorStep { omega, damping, omega_d, duration, cos, sin } = *self;
         // The particular solution `c0 + c1 t`, plus the free vibration that meets the initial state.

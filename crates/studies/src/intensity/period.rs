@@ -11,10 +11,9 @@ const BAND: std::ops::RangeInclusive<f64> = 0.25..=20.0;
 /// Greatest spacing of the frequencies (Hz).
 const RESOLUTION: f64 = 0.05;
 
-/// Mean period T_m = Σ C²/f / Σ C² (s), where C are the Fourier amplitudes of the samples at the frequencies f from 0.25 to
-/// 20 Hz, at most 0.05 Hz apart (E. M. Rathje, N. A. Abrahamson, J. D. Bray, J. Geotech. Geoenviron. Eng. 124 (1998)
-/// 150–159; E. M. Rathje, F. Faraj, S. Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119–144). `None` for a record
-/// without amplitudes in the band.
+/// Mean period T_m = Σ C²/f / Σ C² (s) of the Fourier amplitudes C of the samples. The frequencies f are those from 0.25 to 20 Hz, at most
+/// 0.05 Hz apart (E. M. Rathje, N. A. Abrahamson, J. D. Bray, J. Geotech. Geoenviron. Eng. 124 (1998) 150–159; E. M. Rathje, F. Faraj, S.
+/// Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119–144). `None` for a record without amplitudes in the band.
 ///
 /// Zeros are appended until the number of samples is a power of two and the frequency spacing is small enough.
 pub fn mean_period(record: &Record) -> Option<f64> {

@@ -32,9 +32,9 @@ pub fn rotated(record: &Record, transverse: &Record, angle: f64) -> Result<Recor
     Ok(Record { title, acceleration, ..record.clone() })
 }
 
-/// Percentiles RotDnn of a measure over the directions of a pair of components, in steps of one degree over half a turn
-/// (D. M. Boore, Orientation-independent, nongeometric-mean measures of seismic intensity from two horizontal components of motion,
-/// BSSA 100 (2010) 1830–1835). Between two directions they are interpolated linearly.
+/// Percentiles RotDnn of a measure over the directions of a pair of components. Directions are in steps of one degree over half a turn (D.
+/// M. Boore, Orientation-independent, nongeometric-mean measures of seismic intensity from two horizontal components of motion, BSSA 100
+/// (2010) 1830–1835). Between two directions they are interpolated linearly.
 ///
 /// `None` for measures that a record in some direction does not have.
 ///

@@ -51,9 +51,9 @@ pub fn arias(record: &Record, gravity: f64) -> f64 {
     0.5 * PI / gravity * steps(record).map(|step| square(step, record.time_step)).sum::<f64>()
 }
 
-/// Cumulative absolute velocity ∫|a| dt (m/s), over the whole record and without a threshold (EPRI, A criterion for
-/// determining exceedance of the operating basis earthquake, NP-5930, 1988). The trapezoidal rule over samples gives more
-/// where the acceleration changes its sign between two of them.
+/// Cumulative absolute velocity ∫|a| dt (m/s), over the whole record and without a threshold. Source: EPRI, A criterion for determining
+/// exceedance of the operating basis earthquake, NP-5930, 1988. The trapezoidal rule over samples gives more where the acceleration changes
+/// its sign between two of them.
 pub fn cumulative_absolute_velocity(record: &Record) -> f64 {
     let area = |[a, b]: [f64; 2]| match a * b < 0.0 {
         true => (a * a + b * b) / (a - b).abs(),
@@ -62,9 +62,9 @@ pub fn cumulative_absolute_velocity(record: &Record) -> f64 {
     0.5 * record.time_step * steps(record).map(area).sum::<f64>()
 }
 
-/// Significant duration D5–95 (s): from the time at which ∫a² dt has reached 5 % of its final value to that of 95 %
-/// (M. D. Trifunac, A. G. Brady, A study on the duration of strong earthquake ground motion, Bull. Seism. Soc. Am. 65
-/// (1975) 581–626), with times between samples. `None` for a record of zeros.
+/// Significant duration D5–95 (s): the time in which ∫a² dt grows from 5 % to 95 %. The fractions are of its final value (M. D. Trifunac,
+/// A. G. Brady, A study on the duration of strong earthquake ground motion, Bull. Seism. Soc. Am. 65 (1975) 581–626), with times between
+/// samples. `None` for a record of zeros.
 pub fn significant_duration(record: &Record) -> Option<f64> {
     let h = record.time_step;
     let total: f64 = steps(record).map(|step| square(step, h)).sum();

@@ -151,7 +151,7 @@ fn is_open_file(path: &Path) -> bool {
 pub enum Identity {
     /// Device and inode.
     Inode(u64, u64),
-    /// Absolute path without links, for a file that does not exist yet or a system without inodes.
+    /// Absolute path without links, for a new file or a system without inodes.
     Name(PathBuf),
 }
 

@@ -29,7 +29,7 @@ pub struct PartNumber {
 }
 
 impl PartNumber {
-    /// Returns the number of a part; `None` unless it is at least 1 and at most the number of parts.
+    /// Returns the number of a part. `None` unless it is at least 1 and at most the number of parts.
     pub fn new(number: u64, count: u64) -> Option<PartNumber> {
         (1..=count).contains(&number).then_some(PartNumber { count, number })
     }

@@ -215,7 +215,7 @@ impl<'a> TableReader<'a> {
         TableReader { is_wanted, headings: Vec::new(), columns: Vec::new(), keys: Vec::new(), rows: 0 }
     }
 
-    /// Gives the rows of the next file a column for each key, unless the file has that column.
+    /// Gives the rows of the next file a column for each key that it lacks.
     pub(super) fn set_keys(&mut self, keys: &[(String, String)]) {
         self.keys = keys.to_vec();
     }
@@ -251,7 +251,7 @@ impl<'a> TableReader<'a> {
         Ok(())
     }
 
-    /// Takes note of rows, whose fields are in the columns already, and gives them their keys.
+    /// Records rows whose fields are already in the columns, and gives them their keys.
     fn end_rows(&mut self, rows: usize) {
         let of_file = self.columns.len() - self.keys.len();
         for (column, (_, value)) in self.columns[of_file..].iter_mut().zip(&self.keys) {
@@ -403,7 +403,7 @@ pub fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
 }
 
-/// Returns the description in a file of Parquet, line by line, and the number of its rows.
+/// Returns the description in a Parquet file, line by line, and its number of rows.
 #[cfg(feature = "parquet")]
 pub(super) fn parquet_description(file: &str, content: File) -> Result<(Vec<String>, u64), TableReadError> {
     let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;

@@ -109,6 +109,9 @@ impl TableHeader {
     }
 
     /// The first lines of the file, with their ends.
+    ///
+    /// # Errors
+    /// A name of a column that CSV cannot write.
     pub fn text(&self) -> std::io::Result<String> {
         Ok(self.study_text() + &heading_line(&self.columns)?)
     }
@@ -143,7 +146,7 @@ pub struct TableOptions {
     pub resume: bool,
     /// Replace an existing table.
     pub force: bool,
-    /// Go on after the reader of a pipe has closed it, for others who need the rows.
+    /// Whether rows are made for other receivers after the reader of a pipe closed it.
     pub outlives_reader: bool,
 }
 
@@ -227,7 +230,7 @@ impl ResumableTable {
         Ok(table)
     }
 
-    /// Begins a table that is complete or absent, in CSV; `name` is its name in errors.
+    /// Begins a table in CSV that is complete or absent. `name` is its name in errors.
     ///
     /// # Errors
     /// `out` takes no bytes.
@@ -321,6 +324,9 @@ impl ResumableTable {
     }
 
     /// Writes the next rows, whose lines these are; on return, they are in the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn push(&mut self, lines: std::io::Result<String>, rows: &Table) -> Result<(), TableWriteError> {
         match &mut self.sink {
             Sink::File { .. } | Sink::Stream { .. } => self.write(lines)?,

@@ -36,7 +36,7 @@ pub trait Study: Sync {
     fn rows_together(&self) -> u64 {
         1
     }
-    /// Makes rows by their numbers, which ascend, in the columns of the header; each depends on its number alone.
+    /// Makes rows by their ascending numbers, in the columns of the header. Each row depends on its number alone.
     ///
     /// Runs are stepped in vectors of this width, or one by one without.
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows;
@@ -83,10 +83,13 @@ pub struct StudySummary {
     pub reason: Option<SimulationError>,
 }
 
-/// Makes the missing rows of a study; `progress` receives the numbers of resumed and of complete rows.
+/// Makes the missing rows of a study. `progress` receives the numbers of resumed and of complete rows.
 ///
 /// `follow` receives all rows in batches, resumed ones as well. The bytes of the table depend neither on the number of threads nor on
 /// interruptions.
+///
+/// # Errors
+/// The table cannot be read or written.
 pub fn run(
     study: &impl Study,
     pool: &rayon::ThreadPool,
@@ -121,19 +124,25 @@ pub fn run(
 pub type Follower<'a> = &'a mut dyn FnMut(Table) -> Result<(), TableWriteError>;
 
 /// A pool of this number of threads; without a number, one per core.
+///
+/// # Errors
+/// The system refuses a thread.
 pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
     rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()
 }
 
-/// Rows per batch: enough to fill the lanes of this width most of the time, few enough to occupy all threads.
+/// Returns the rows per batch. They fill the lanes of this width most of the time, and occupy all threads.
 pub(crate) fn batch(width: Option<VectorWidth>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
     let (ahead, most) = if width.is_none() { (AHEAD, MAX_SINGLE_RUNS) } else { (BATCHES_AHEAD, MAX_RUNS) };
     rows.div_ceil(ahead * threads).min(most / runs_in_a_row).max(1)
 }
 
-/// Makes rows of `runs_in_a_row` runs in batches and passes the batches to `take` in order, as [`in_order`] does.
+/// Makes rows of `runs_in_a_row` runs in batches, and passes these to `take` in order. It proceeds as [`in_order`].
 ///
 /// `make` makes the rows with the given numbers; the size of a batch suits vectors of this width.
+///
+/// # Errors
+/// The first error of `take`.
 pub fn in_batches<T: Send, E>(
     pool: &rayon::ThreadPool,
     rows: Range<u64>,
@@ -149,10 +158,13 @@ pub fn in_batches<T: Send, E>(
     in_order_ahead(pool, ahead, batches, |number| make(of(number)), |_, rows| take(rows))
 }
 
-/// Makes tasks on the pool, in any order, and passes the results to `take` in the order of the tasks.
+/// Makes tasks on the pool, and passes the results to `take` in order. The tasks are made in any order.
 ///
 /// At most 32 tasks per thread are in progress or waiting for their turn. The first error of `take` ends the work; so does a panic
 /// of a task, which continues in the caller.
+///
+/// # Errors
+/// The first error of `take`.
 pub fn in_order<T: Send, E>(
     pool: &rayon::ThreadPool,
     tasks: Range<u64>,

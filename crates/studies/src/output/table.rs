@@ -121,7 +121,7 @@ impl<'c, R> TableColumn<'c, R> {
         TableColumn::new(name, None, Kind::Text, Value::Text(Box::new(value)))
     }
 
-    /// The same column with another unit, or none.
+    /// Gives the column another unit, or none.
     #[must_use]
     pub fn with_unit(mut self, unit: Option<&str>) -> TableColumn<'c, R> {
         self.heading.unit = unit.map(String::from);
@@ -198,7 +198,7 @@ impl Series {
         Series { heading, values }
     }
 
-    /// Appends the value in a row to a line of text: digits that restore a number exactly, and nothing for a missing number.
+    /// Appends the value in a row to a line of text. Digits restore a number exactly, and a missing number is empty.
     pub fn write(&self, row: usize, text: &mut String) {
         let written = match &self.values {
             Values::Real(values) if values[row].is_nan() => Ok(()),
@@ -217,7 +217,7 @@ impl Series {
         text
     }
 
-    /// The number in a row; `None` where it is missing, and in a column of another type.
+    /// The number in a row. `None` where it is missing, and in a column of another type.
     pub fn number(&self, row: usize) -> Option<f64> {
         match &self.values {
             Values::Real(values) => Some(values[row]).filter(|value| !value.is_nan()),
@@ -246,7 +246,7 @@ impl Series {
         }
     }
 
-    /// Appends the value that this text stands for; returns false for a text that stands for none.
+    /// Appends the value of this text, or returns false if it has none.
     #[must_use]
     pub(super) fn push_text(&mut self, text: &str) -> bool {
         fn push<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
@@ -312,7 +312,7 @@ impl Table {
         self.columns.iter().find(|column| column.heading.name == name)
     }
 
-    /// Appends the rows of another batch of the same table; a table without columns takes its columns too.
+    /// Appends the rows of another batch of this table. A table without columns takes its columns too.
     pub fn append(&mut self, more: Table) {
         if self.columns.is_empty() {
             *self = more;
@@ -371,7 +371,7 @@ impl Table {
     }
 }
 
-/// Lists of values by the names of the columns; numbers that a row lacks, or that are infinite, are null.
+/// Lists of values by the names of the columns. Missing and infinite numbers are null.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.columns.len()))?;

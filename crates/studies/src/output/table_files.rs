@@ -7,7 +7,7 @@ use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_
 use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
 use crate::output::table::{Table, Values};
 
-/// The files of a table: the parts of a folder, all of one set, or other files. Folders named `key=value` split it: each has a set of its own.
+/// The files of a table: the parts of a folder, all of one set, or others. Folders named `key=value` split it: each has a set of its own.
 pub struct TableFiles {
     folder: String,
     files: Vec<TableFile>,
@@ -108,7 +108,8 @@ impl TableFiles {
         Ok(())
     }
 
-    /// Reads the wanted columns of all files, of the parts of one study in the order of the rows; returns the headings of all columns as well.
+    /// Reads the wanted columns of all files. Parts of a study are in the order of the rows; the headings of all columns are returned as
+    /// well.
     ///
     /// # Errors
     /// A part is damaged or no table, or one of another study.
@@ -129,7 +130,7 @@ impl TableFiles {
         Ok((table, headings))
     }
 
-    /// Passes the wanted columns on in batches of rows, in the order of the files, with the headings of all columns.
+    /// Passes the wanted columns on in batches of rows, file by file. Returns the headings of all columns.
     ///
     /// # Errors
     /// Those of [`TableFiles::read`], and of `each`.

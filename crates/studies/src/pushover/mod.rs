@@ -27,7 +27,7 @@ use walk::{ROUNDING, Walk};
 pub struct Push {
     /// The corner over which the block turns.
     pub over: Corner,
-    /// Greatest rotation (rad) to this side; `None`: that at which the centre of mass stands over the corner.
+    /// Greatest rotation (rad) to this side. By default the centre of mass then stands over the corner.
     pub to: Option<f64>,
     /// Amplitude of the cycles (rad), without which there are none.
     pub amplitude: Option<f64>,
@@ -142,7 +142,7 @@ pub struct Pushover {
 pub struct Cycle {
     /// Amplitude (rad).
     pub amplitude: f64,
-    /// Equilibria of the first rotation to the amplitude and of the closed cycle after it, in the order of the path.
+    /// Equilibria of the first rotation to the amplitude and of the closed cycle after it. They are in the order of the path.
     pub rows: Vec<Equilibrium>,
     /// Energy lost by yielding in the closed cycle (J), by the numbers of the restraints.
     pub lost: [f64; restraints::MAX],
@@ -154,7 +154,7 @@ pub struct Cycle {
     /// L. S. Jacobsen, "Steady forced vibration as influenced by damping", Transactions of the ASME 52 (1930) 169–181. Landings take
     /// energy beside it. NaN where the moments do not resist the rotation.
     pub equivalent_damping: f64,
-    /// Recentring ratio λ at the amplitude (1): the moment of weight, supports and ties over that of the dampers. Infinite without dampers.
+    /// Recentring ratio λ at the amplitude (1): moment of weight, supports and ties over the dampers'. Infinite without dampers.
     ///
     /// With λ above 1 a lifted corner lands again; on supports a rotation in full contact may remain. NZS 3101:2006, appendix B, asks for at
     /// least the overstrength of the dampers, 1.15 or more.

@@ -31,7 +31,7 @@ pub struct Equilibrium {
     pub restraints: [ObservedRestraint; restraints::MAX],
     /// The moment of each restraint against the lateral force, about the foot (N.m).
     pub resisting: [f64; restraints::MAX],
-    /// Position of the block, and its rates as θ moves in the direction of the path.
+    /// Position of the block, and its rates as θ moves along the path.
     pub(super) kinematics: Kinematics<f64>,
 }
 
@@ -62,7 +62,8 @@ impl Stretch {
         self.regime.foot().unwrap_or(Foot::Middle)
     }
 
-    /// Returns the displacement of the centre of mass (m) from its place over the middle of the base, less that of the foot.
+    /// Returns the displacement of the centre of mass (m), less that of the foot. It is measured from the place over the middle of the
+    /// base.
     pub fn lean<T: CombinesWith<f64>>(&self, block: &Block, [sin, cos]: [T; 2]) -> T {
         sin * block.h - sin * sin / (cos + 1.0) * block.offset_from(self.foot())
     }
@@ -112,6 +113,9 @@ impl Stretch {
     }
 
     /// Returns the equilibrium at a rotation; the search for the height begins at `near` (m).
+    ///
+    /// # Errors
+    /// [`PushoverError::NoEquilibrium`]: the vertical forces do not balance.
     pub fn equilibrium(
         &self,
         block: &Block,

@@ -5,7 +5,7 @@ use crate::output::table::{Table, TableColumn};
 use rocking_block::block::Block;
 use rocking_block::block::restraints::{LinkKind, tie};
 
-/// Returns the table of equilibria: the columns of a history that a slow rotation has, and the lateral force with its moment.
+/// Returns the table of equilibria. Its columns are those of a history that a slow rotation has, and the lateral force with its moment.
 pub fn table(block: &Block, rows: &[Equilibrium]) -> Table {
     let weight = block.mass * block.gravity;
     let mut columns: Vec<TableColumn<Equilibrium>> = vec![

@@ -50,7 +50,10 @@ pub(super) const ROUNDING: f64 = 1e-12;
 const MAX_EVENTS: u32 = 200;
 
 impl<'a> Walk<'a> {
-    /// Begins at θ = 0 under the weight and the pull of the restraints, in this direction.
+    /// Begins at θ = 0 under the weight and the restraints' pull, in this direction.
+    ///
+    /// # Errors
+    /// [`PushoverError::NoEquilibrium`].
     pub fn new(
         block: &Block,
         direction: f64,
@@ -122,6 +125,9 @@ impl<'a> Walk<'a> {
     /// Walks to a rotation in steps of at most this length (rad).
     ///
     /// Returns whether it gets there: not beyond the balance, nor where the block slides or leaves the ground.
+    ///
+    /// # Errors
+    /// [`PushoverError::NoEquilibrium`] on the way.
     pub fn to(&mut self, target: f64, step: f64) -> Result<bool, PushoverError> {
         let direction = if target >= self.at.theta { 1.0 } else { -1.0 };
         if direction != self.direction {

@@ -141,7 +141,7 @@ impl FragilityCurve {
         }
     }
 
-    /// `∫ P |dH|` over a power law; infinite if the hazard grows faster than P falls at small measures.
+    /// `∫ P |dH|` over a power law. Infinite if the hazard grows faster than P falls at small measures.
     ///
     /// By parts this is `P H` at the lower end minus `P H` at the upper end plus `∫ H dP`. Below both the hazard's levels and its own,
     /// a table contributes nothing: a constant probability would meet an unbounded rate.

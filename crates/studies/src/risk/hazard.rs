@@ -30,7 +30,7 @@ pub struct HazardCurve {
 }
 
 impl HazardCurve {
-    /// Checks levels and annual rates, and leaves out levels at the end with a rate of zero.
+    /// Checks levels and annual rates, and drops levels at the end with rate zero.
     ///
     /// Levels are above zero and increase; rates do not. Two of them are above zero.
     ///
@@ -83,7 +83,7 @@ impl HazardCurve {
         &self.rates
     }
 
-    /// Multiplies the levels by a factor above zero, as for another unit or a measure relative to a block.
+    /// Multiplies the levels by a factor above zero, as for another unit or a relative measure.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> HazardCurve {
         self.levels.iter_mut().for_each(|level| *level *= factor);

@@ -32,7 +32,7 @@ pub struct RatePart {
 }
 
 impl AnnualRate {
-    /// Integrates a fragility curve over a hazard curve of the same measure in the same unit.
+    /// Integrates a fragility curve over a hazard curve. Both are over one measure in one unit.
     pub fn new(hazard: &HazardCurve, curve: &FragilityCurve) -> AnnualRate {
         let mut found = AnnualRate {
             rate: 0.0,
@@ -49,7 +49,7 @@ impl AnnualRate {
         found
     }
 
-    /// The part of the rate (1/year) from a range of the measure, from zero to infinity at most.
+    /// The contribution to the rate (1/year) of a range of the measure. The range is within zero to infinity.
     pub fn between(&self, from: f64, to: f64) -> f64 {
         let [from, to] = [from, to].map(libm::log);
         let laws = self.hazard.power_laws();
@@ -83,7 +83,7 @@ impl AnnualRate {
         ends.windows(2).map(part).collect()
     }
 
-    /// The measure below which this share of the rate arises; `None` without a finite rate above zero.
+    /// The measure below which this fraction of the rate arises. `None` without a finite rate above zero.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         if !(self.rate > 0.0 && self.rate.is_finite()) {
             return None;
@@ -102,12 +102,12 @@ impl AnnualRate {
     }
 }
 
-/// The probability of at least one event in some years, for events at this annual rate that do not depend on each other.
+/// The probability of at least one event in some years. Events have this annual rate and are independent.
 pub fn probability_in(years: f64, rate: f64) -> f64 {
     -libm::expm1(-rate * years)
 }
 
-/// The interval of the annual rate from the uncertainty of a fitted curve; an end that is not finite is `None`.
+/// The interval of the annual rate from the uncertainty of a fitted curve. An end that is not finite is `None`.
 ///
 /// With a bootstrap, the interval of the rates of its curves. Otherwise the rates of the lower and the upper end of the pointwise
 /// band, which lie at least as far apart as those of any curve inside the band.

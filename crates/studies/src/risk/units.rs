@@ -1,6 +1,6 @@
 //! A unit of an intensity measure → its SI unit and factor.
 
-/// Returns the SI unit and the value of a unit in it, with `gravity` (m/s²) for `g`; `None` for an unknown unit.
+/// Returns the SI unit and the value of a unit in it. `gravity` (m/s²) is that of `g`; `None` for an unknown unit.
 pub fn si(unit: &str, gravity: f64) -> Option<(&'static str, f64)> {
     let plain = unit.trim().to_ascii_lowercase().replace('²', "2").replace(['*', '.', '·'], " ");
     Some(match plain.as_str() {

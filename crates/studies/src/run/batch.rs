@@ -33,7 +33,7 @@ struct ActiveRun {
     incidents: Incidents,
 }
 
-/// Makes runs with vectors of this width, or one by one without, and returns their outcomes in order.
+/// Makes runs with vectors of this width, or singly, and returns their outcomes in order.
 ///
 /// `ended` is called after each run, in any order.
 pub fn outcomes(width: Option<VectorWidth>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {

@@ -8,7 +8,8 @@ use rocking_block::simulation::Simulation;
 /// The beginning of the column's name, before the amplitude.
 pub const COLUMN: &str = "half_cycles>";
 
-/// The column of the greatest number of half cycles of any tie or damper above an amplitude (m), over rows with this run.
+/// The column of the greatest number of half cycles of any tie or damper. It is over rows with this run; their amplitude exceeds the given
+/// one (m).
 pub fn column<'c, R>(amplitude: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
     TableColumn::count(format!("{COLUMN}{amplitude}"), move |row| {
         run(row).half_cycles(amplitude).into_iter().max().unwrap_or_default()
@@ -41,7 +42,7 @@ impl HalfCycles {
 }
 
 impl Run {
-    /// The half cycles of the plastic elongations of ties and dampers whose amplitude exceeds this one (m), by their numbers.
+    /// The half cycles of plastic elongations of ties and dampers above an amplitude (m), by number.
     ///
     /// The amplitude is half the range between two turning points; the first half cycle begins at zero. A failed run counts as far as it came.
     pub fn half_cycles(&self, amplitude: f64) -> [u32; MAX] {

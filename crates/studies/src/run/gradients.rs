@@ -12,7 +12,7 @@ use crate::run::{History, Row, Run};
 pub struct Derivatives {
     /// The parameter.
     pub name: String,
-    /// Derivatives of the rows of the history at their times; the time and the regime are those of the rows.
+    /// Derivatives of the rows of the history at their times. Time and regime are those of the rows.
     pub rows: Vec<Row>,
     /// Derivatives of the times of the events (s per unit of the parameter).
     pub events: Vec<f64>,
@@ -30,9 +30,13 @@ pub struct Gradients {
 }
 
 impl Run {
-    /// Makes the run with its derivatives with respect to the named `parameters`, which are those of this run. None if they lack one.
+    /// Makes the run with its derivatives with respect to the named `parameters`. These are the parameters of this run; `None` if they lack
+    /// one.
     ///
     /// The history has the bits of [`Run::history`].
+    ///
+    /// # Errors
+    /// The solver cannot go on.
     pub fn history_with_gradients(
         &self,
         parameters: &Parameters,

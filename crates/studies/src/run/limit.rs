@@ -9,15 +9,15 @@ use crate::run::outcome::End;
 pub enum Limit {
     /// Overturning.
     Overturned,
-    /// The balance of a side: the rotation |θ| that puts the centre of mass over the corner; a block that overturns exceeds it.
+    /// The balance of a side, the rotation |θ| with the centre of mass over the corner. A block that overturns exceeds it.
     Balance,
     /// A rotation |θ|/α (1); a block that overturns exceeds it.
     Rotation(f64),
-    /// A slip of the foot from its place at the start (m); a block that overturns exceeds it.
+    /// A slip of the foot since the start (m). A block that overturns exceeds it.
     Slip(f64),
-    /// A plastic elongation of a tie or damper, in either sense (m); a block that overturns exceeds it.
+    /// A plastic elongation of a tie or damper, in either sense (m). A block that overturns exceeds it.
     Plastic(f64),
-    /// A number of half cycles of a plastic elongation above the amplitude of a study; a block that overturns exceeds it.
+    /// A number of half cycles of a plastic elongation above the amplitude of a study. A block that overturns exceeds it.
     HalfCycles(f64),
 }
 
@@ -33,7 +33,8 @@ impl Limit {
         }
     }
 
-    /// Whether a run exceeds the limit, or `None` if that is unknown: the run failed, or it ended before the limit and its motion goes on.
+    /// Whether a run exceeds the limit, or `None` if that is unknown. It is unknown if the run failed, or ended before the limit while its
+    /// motion went on.
     ///
     /// `response` is the greatest value of the limit's quantity, for [`Limit::Balance`] of |θ| over the balance of its side, if it is known.
     pub fn verdict(self, end: End, response: Option<f64>) -> Option<bool> {

@@ -100,10 +100,10 @@ pub struct History {
 
 /// Longest duration of a run in a study (s); longer ones would be typing errors.
 pub const MAX_DURATION: f64 = 1e6;
-/// Shortest time between two stops of a run in a study (s); shorter ones would be typing errors.
+/// Shortest time between two stops of a run in a study (s). Shorter ones would be typing errors.
 pub const MIN_STEP: f64 = 1e-6;
 
-/// Greatest number of rows of a history, including those of its derivatives; they need some 10 GB of memory.
+/// Greatest number of rows of a history, including those of its derivatives. They need some 10 GB of memory.
 pub const MAX_ROWS: f64 = 1e7;
 /// Memory for a row (bytes): two in a vector that doubles its capacity, and the numbers of the table.
 const MEMORY_OF_ROW: f64 = 2.0 * size_of::<Row>() as f64 + 256.0;
@@ -168,7 +168,7 @@ impl Run {
         }
     }
 
-    /// Checks that the history fits into memory, with its derivatives with respect to a number of parameters.
+    /// Checks that the history and the derivatives with respect to some parameters fit into memory.
     ///
     /// # Errors
     /// Rows beyond [`MAX_ROWS`], or beyond the memory that the system provides now.
@@ -188,6 +188,9 @@ impl Run {
     }
 
     /// Makes the run; `progress` receives the fraction done, 0 to 1.
+    ///
+    /// # Errors
+    /// The solver cannot go on.
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
         let (mut rows, mut events) = (Vec::new(), Vec::new());
         let mut simulation = self.begin();
@@ -210,7 +213,7 @@ impl Run {
         History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, yield_works, lean }
     }
 
-    /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].
+    /// Makes the run without keeping rows. Its stops, and thus its bits, are those of [`Run::history`].
     pub fn outcome(&self) -> Outcome {
         let mut simulation = self.begin();
         let mut incidents = Incidents::begin(&simulation);
@@ -247,7 +250,7 @@ impl Run {
         }
     }
 
-    /// The longest uninterrupted time (s) for which |H|/(N_L + N_R) exceeds a coefficient of friction (1).
+    /// The longest uninterrupted time (s) with |H|/(N_L + N_R) above a coefficient of friction (1).
     pub fn longest_above(&self, friction: f64) -> f64 {
         let mut sliding = Sliding::new(friction);
         let mut simulation = self.begin();
@@ -263,7 +266,7 @@ impl Run {
         sliding.longest
     }
 
-    /// Time of the start (s): of the first sample, or of a pulse before it; 0 without a record.
+    /// Time of the start (s), that of the first sample or an earlier pulse. 0 without a record.
     pub fn start(&self) -> f64 {
         let first = self.ground.start();
         if self.pulse.shape == PulseShape::None || self.ground.is_empty() { first } else { first.min(self.pulse.start) }
@@ -421,7 +424,7 @@ impl Schedule {
         self.next_row = if time < end - 1e-12 * (end - start) { time } else { end };
     }
 
-    /// Records that the run has reached the stop, or ended before; returns the fraction done if a row is due.
+    /// Records that the run has reached the stop, or ended before. Returns the fraction done if a row is due.
     #[inline]
     pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
         self.lean.follow(simulation);
@@ -447,7 +450,7 @@ fn earlier(first: f64, second: f64) -> f64 {
 }
 
 impl History {
-    /// Whether the block rests at the end without standing upright, as one that leans on a tie.
+    /// Whether the block rests at the end without standing upright, as on a tie.
     pub fn ends_tilted(&self, block: &Block) -> bool {
         self.is_at_rest && self.lean.is_tilted(block.alpha)
     }

@@ -7,7 +7,7 @@ use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Simulation, SimulationError};
 use rocking_block::system::events::{Event, EventKind};
 
-/// The result of a run without its history; all numbers refer to the run until its end.
+/// The result of a run without its history. All numbers refer to the run until its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// How the run ended.
@@ -35,8 +35,8 @@ pub struct Outcome {
 pub enum End {
     /// The block stands: it is at rest, or will come to rest without overturning.
     Completed,
-    /// The block overturned: it lies on its side, or it left its supports while overturning (see
-    /// [`Ending::at_separation`](rocking_block::simulation::Ending::at_separation)).
+    /// The block overturned: it lies on its side, or left its supports while overturning. See
+    /// [`Ending::at_separation`](rocking_block::simulation::Ending::at_separation).
     Overturned,
     /// The run ended at complete separation, as its settings require.
     Separated,
@@ -155,7 +155,7 @@ pub trait OutcomeRow {
     fn alpha(&self) -> f64;
 }
 
-/// The columns of the outcomes of blocks; those of friction, ties and dampers only where there are any.
+/// The columns of the outcomes of blocks. Those of friction, ties and dampers are there if a block has any.
 ///
 /// The time of the first separation is missing where there is none.
 pub fn columns<'c, R: OutcomeRow + 'c>(holds: Holds) -> Vec<TableColumn<'c, R>> {
@@ -252,10 +252,10 @@ impl Flights {
     }
 }
 
-/// How far a block leans, in terms of the balance: the rotation that puts the centre of mass over the corner it stands on.
+/// How far a block leans, over the balance. That is the rotation that puts the centre of mass over the corner it stands on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lean {
-    /// Peak |θ| over the balance angle of its side; beyond 1 the block needs more than its weight to come back.
+    /// Peak |θ| over the balance angle of its side. Beyond 1 the block needs more than its weight to come back.
     pub over_balance: f64,
     /// Rotation θ at the end of the run (rad).
     pub end: f64,
@@ -276,7 +276,7 @@ impl Lean {
         self.end.abs() > Lean::TILTED * alpha
     }
 
-    /// Includes the motion of an uneven block since the last stop; the end of the run tells that of an even one.
+    /// Includes the motion of an uneven block since the last stop. The end of the run has that of an even one.
     ///
     /// Both sides of a block share a peak. An uneven one has it on the side on which it is when the peak has risen.
     #[inline]

@@ -11,7 +11,7 @@ use rocking_block::simulation::Simulation;
 /// Greatest time between two samples of the friction demand (s).
 const SAMPLING: f64 = 1e-3;
 
-/// The column of these times for a coefficient of friction (1) over rows with this run.
+/// The column of these times for a coefficient of friction (1). It is over rows with this run.
 pub fn column<'c, R>(friction: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
     TableColumn::real(format!("friction_demand>{friction}"), "s", move |row| run(row).longest_above(friction))
 }
@@ -34,7 +34,7 @@ impl Sliding {
         Sliding { friction, last: None, interval: 0.0, longest: 0.0 }
     }
 
-    /// Samples a run from its current time to its next stop (s), at least every millisecond.
+    /// Samples a run from now to its next stop (s), at least every millisecond.
     ///
     /// A copy makes the extra steps, so that the bits of the run itself do not change.
     pub(super) fn follow(&mut self, simulation: &Simulation, stop: f64, inputs: &Inputs) {

@@ -83,8 +83,8 @@ fn cycle(block: &Block, ties: &States, slip: f64, theta: f64, fraction: f64) -> 
     }
 }
 
-/// Rocking period (s) of a block with ties on the rigid base, at this slip (m) and rotation and an energy of `fraction` times the barrier
-/// of the rigid base: twice `∫ dθ/θ̇` between the rotations at which it turns back.
+/// Rocking period (s) of a block with ties on the rigid base. It has this slip (m), and an energy of `fraction` times the barrier of the
+/// rigid base. The period is twice `∫ dθ/θ̇` between the rotations at which the block turns back.
 ///
 /// By energy `½ (I0/M + R_I²) θ̇² = E − g R_I [cos(α_I − |θ|) − cos α_I] − Σ k s²/(2 M)`, with the elastic elongation s of each tie that is not
 /// broken; beyond its yield force [`tie::pull::work_to`]. A tendon through the base shortens the period (Vassiliou and Makris
@@ -94,7 +94,7 @@ pub fn tied_rocking_period(block: &Block, ties: &States, slip: f64, theta: f64, 
     const SCAN: u32 = 400;
     /// Halvings of the interval of a turning point.
     const HALVINGS: u32 = 50;
-    /// Nodes of the integral in the angle of `θ = middle − half cos φ`, which is smooth where the block turns back.
+    /// Nodes of the integral in the angle of `θ = middle − half cos φ`. It is smooth where the block turns back.
     const NODES: u32 = 400;
     let barrier = Corner::each(|corner| libm::hypot(block.offset(corner), block.h) - block.h);
     let energy = fraction * block.gravity * barrier[0].min(barrier[1]);
@@ -156,7 +156,7 @@ fn slowest(block: &Block) -> f64 {
     left.min(right)
 }
 
-/// Checks a block every 1/p after the ground has come to rest, and decides when its run is over.
+/// Checks a block every 1/p after the ground's rest, until its run is over.
 #[derive(Clone, Copy, Debug)]
 pub struct StoppingRule {
     /// Time from which the ground is at rest (s).
@@ -190,7 +190,7 @@ impl StoppingRule {
         self.time_of(block, self.checks)
     }
 
-    /// Time at which the run is over (s); the latest possible time while it is unknown.
+    /// Time at which the run is over (s), the latest possible one while unknown.
     pub fn end(&self, block: &Block) -> f64 {
         let decays = block.friction > 0.0 || self.until_rest && loses_energy(block);
         let longest = if decays { MAX_DECAY } else { MAX_TIME };
@@ -220,7 +220,7 @@ impl StoppingRule {
     }
 }
 
-/// Energy as a fraction of the barrier, for a block that will come to rest without further excitation.
+/// Energy over the barrier, for a block that will come to rest without further excitation.
 ///
 /// `None` for a block that may overturn.
 pub fn fraction_of_barrier(simulation: &Simulation) -> Option<f64> {
@@ -263,8 +263,8 @@ fn is_held_by_ties(simulation: &Simulation) -> bool {
     still && acceleration <= most_acceleration * block.gravity
 }
 
-/// Whether a block is at rest: on both corners, with too little energy to lift one without excitation, and not sliding; with ties,
-/// also leaning on one.
+/// Whether a block is at rest and does not slide. It is on both corners, with too little energy to lift one without excitation; with ties,
+/// it may also lean on one.
 pub fn is_at_rest(simulation: &Simulation) -> bool {
     let block = simulation.block();
     if simulation.slides() {

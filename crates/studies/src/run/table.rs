@@ -73,7 +73,7 @@ impl HistoryColumn {
     }
 }
 
-/// The columns of a block's history: those of every table, and those of friction, ties and dampers where the block has them.
+/// The columns of a block's history. They are those of every table, and those of friction, ties and dampers where the block has them.
 pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     let holds = Holds::of(block);
     let fixed = |(name, unit, value): FixedColumn| HistoryColumn { name: name.into(), unit, value: Box::new(value) };
@@ -101,13 +101,18 @@ pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     columns
 }
 
-/// Writes a block's history as CSV, with the derivatives of its columns after them; numbers have the digits that restore them
-/// exactly.
+/// Writes a block's history as CSV, with the derivatives of its columns after them. Numbers have the digits that restore them exactly.
+///
+/// # Errors
+/// `out` cannot be written.
 pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: impl Write) -> csv::Result<()> {
     write_part(block, history, gradients, 0..history.rows.len(), out)
 }
 
-/// Writes a range of rows as [`write()`] does; the headings precede the first row of the history.
+/// Writes a range of rows as [`write()`] does. The headings precede the first row of the history.
+///
+/// # Errors
+/// `out` cannot be written.
 pub fn write_part(
     block: &Block,
     history: &History,

@@ -15,7 +15,7 @@ pub struct Scan {
     pub to: f64,
     /// Number of values, evenly spaced, both ends included; at least two.
     pub points: u64,
-    /// Width to which a change is bracketed, above zero, in the unit of the values; never narrower than round-off.
+    /// Width to which a change is bracketed, above zero, in the unit of the values. It is never narrower than round-off.
     pub resolution: f64,
 }
 
@@ -72,7 +72,7 @@ pub struct OutcomeMap<K> {
 pub enum Threshold {
     /// The upper end of the bracketed change.
     At(f64),
-    /// An upper bound: the outcome occurs at the least value of the scan, or the runs below this value failed.
+    /// An upper bound. The outcome occurs at the least value of the scan, or the runs below this value failed.
     AtMost(f64),
     /// A lower bound, the greatest value of the scan: the outcome does not occur.
     Above(f64),
@@ -119,7 +119,7 @@ impl OutcomeMap<End> {
         }
     }
 
-    /// The least damping ratio above which no run of the scan separates; it cannot be below zero.
+    /// The least damping ratio above which no run of the scan separates, zero or more.
     pub fn damping_against_separation(&self) -> Threshold {
         match self.least_without(End::Separated) {
             Some(least) if least > self.first.0 || least == 0.0 => Threshold::At(least),
@@ -142,7 +142,7 @@ impl<K: PartialEq + Copy> OutcomeMap<K> {
         self.stretches().into_iter().find(|stretch| stretch.2 == outcome).map(|stretch| stretch.0)
     }
 
-    /// The least value above which this outcome does not recur; `None` if the greatest value has it.
+    /// The least value above which this outcome does not recur. `None` if the greatest value has it.
     pub fn least_without(&self, outcome: K) -> Option<f64> {
         let stretches = self.stretches();
         let without = stretches.iter().rev().take_while(|stretch| stretch.2 != outcome);
@@ -150,7 +150,7 @@ impl<K: PartialEq + Copy> OutcomeMap<K> {
     }
 }
 
-/// Finds the changes of outcome in a range, in several searches at once: scans it, then bisects each change.
+/// Finds the changes of outcome in a range, in several searches at once. It scans the range, then bisects each change.
 ///
 /// `outcomes` receives the number of the search and the value of each evaluation, and returns the outcomes in the same order:
 /// first those of all scans, then repeatedly those at the midpoints of all brackets wider than the resolution.

@@ -51,10 +51,13 @@ fn changes_of_end(
     found.swap_remove(0)
 }
 
-/// Scans the damping ratio ξ_v of a block that starts from rest on its supports with θ̇(0) = `rate` α p.
+/// Scans the damping ratio ξ_v of a block thrown from its supports. It starts with θ̇(0) = `rate` α p.
 ///
 /// The block of each ξ_v, from `block_with`, vibrates freely until it has come down.
 /// [`OutcomeMap::damping_against_separation`] gives the damping needed against separation.
+///
+/// # Errors
+/// An invalid block at an end of the range.
 pub fn damping_against_separation(
     block_with: impl Fn(f64) -> Result<Block, BlockError> + Sync,
     rate: f64,
@@ -82,7 +85,7 @@ pub enum Shaking {
     Records(Ground),
 }
 
-/// The range of strengths in which a block is likely to overturn first, up to ten times a PGA of g tan α.
+/// The range of strengths in which a block is likely to overturn first. It goes up to ten times a PGA of g tan α.
 ///
 /// On a rigid base under horizontal motion it begins at g tan α (the smaller one of both sides), below which no block rocks. Otherwise
 /// it begins at zero: viscoelastic supports respond to weaker motions, vertical motion reduces the weight, and ties may pull to a side.
@@ -99,7 +102,7 @@ pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
     [if holds { left.min(right) } else { 0.0 }, 10.0 * static_limit(block.alpha)]
 }
 
-/// Scans the strength of the ground motion of a block that starts from rest and is followed until it has come down.
+/// Scans the strength of the ground motion of a block that starts from rest. Each run ends when the block has come down.
 ///
 /// [`OutcomeMap::overturning`] gives the minimum overturning amplitude, or factor.
 pub fn overturning(

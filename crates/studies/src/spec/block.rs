@@ -144,7 +144,7 @@ impl BlockSpec {
         },
     };
 
-    /// Returns the numbers that must be said for this block: those other than their defaults, and the mass if something depends on it.
+    /// Returns the numbers to state for this block: those that are no defaults, and the mass if it has an effect.
     pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let needs_mass = self.needs_mass().is_some();
         self.numbers().into_iter().zip(BlockSpec::DEFAULT.numbers()).filter_map(move |((name, value), (_, default))| {
@@ -213,7 +213,7 @@ impl BlockSpec {
         field(self).or(field(&BlockSpec::DEFAULT)).unwrap_or(f64::NAN)
     }
 
-    /// Returns the height of the body (m), which is unknown if only that of its centre of mass is given.
+    /// Returns the height of the body (m). It is unknown if only that of its centre of mass is given.
     pub fn body_height(&self, block: &Block) -> Option<f64> {
         self.center_height.is_none().then_some(2.0 * block.h)
     }

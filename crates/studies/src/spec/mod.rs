@@ -30,7 +30,7 @@ pub use tie::{damper, tie};
 
 use rocking_block::block::BlockError;
 
-/// Returns a name as an option of the program, without its dashes; `foundation = rigid` with its value.
+/// Returns a name as an option of the program, without its dashes. `foundation = rigid` has its value.
 pub fn option(name: &str) -> String {
     match name {
         "K" => "stiffness".into(),
@@ -76,7 +76,7 @@ pub enum SpecError {
 }
 
 impl SpecError {
-    /// Returns the message with each name in backquotes, as `K` or `foundation = rigid`, as `spell` writes it.
+    /// Returns the message with each name in backquotes, such as `K`, as `spell` writes it.
     pub fn spelled(&self, spell: impl Fn(&str) -> String) -> String {
         let text = self.to_string();
         match self {

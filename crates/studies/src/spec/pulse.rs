@@ -72,7 +72,7 @@ impl PulseSpec {
         }
     }
 
-    /// Returns the pulse with this amplitude (m/s²), if it has any, for searches of the amplitude and for rows of several.
+    /// Returns the pulse with this amplitude (m/s²), if any. It serves searches of the amplitude, and rows of several.
     ///
     /// # Errors
     /// The first parameter that would not be read, or that is out of range.

@@ -3,11 +3,17 @@
 use rocking_block::block::restraints::{LinkKind, Tie};
 
 /// Reads a tie, as in `block_z=2,ground_x=3,stiffness=1e5`; other values are zero.
+///
+/// # Errors
+/// An unknown key, a value that is no number, or a tie that [`check`] refuses.
 pub fn tie(text: &str) -> Result<Tie, String> {
     link(LinkKind::Tie, text)
 }
 
 /// Reads a damper, as in `block_x=1,ground_x=1,ground_z=-1,stiffness=1e6,yield_force=2e4`; other values are zero.
+///
+/// # Errors
+/// An unknown key, a value that is no number, or a damper that [`check`] refuses.
 pub fn damper(text: &str) -> Result<Tie, String> {
     link(LinkKind::Damper, text)
 }
@@ -36,6 +42,9 @@ fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
 }
 
 /// Refuses an impossible tie or damper, and a hardening that has no effect.
+///
+/// # Errors
+/// The first impossible parameter.
 pub fn check(tie: &Tie) -> Result<(), String> {
     tie.check().map_err(|error| error.to_string())?;
     if tie.hardening > 0.0 && !tie.yields() {

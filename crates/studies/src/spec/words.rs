@@ -50,7 +50,7 @@ impl Words for OnOverturning {
         &[("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
 }
 
-/// The friction of the feet as users write it: a coefficient μ > 0, or infinity for no limit, which a block stores as 0.
+/// The friction of the feet as users write it. It is a coefficient μ > 0, or infinity for no limit, which a block stores as 0.
 pub mod friction {
     use rocking_block::block::BlockError;
 
@@ -58,6 +58,9 @@ pub mod friction {
     pub const NONE: &str = "none";
 
     /// Returns the number of a block. Zero is refused: it could mean either no limit or no friction.
+    ///
+    /// # Errors
+    /// A friction that is not above 0.
     pub fn of_user(friction: f64) -> Result<f64, BlockError> {
         const EXPECTED: &str = "a number > 0, or none (inf) for no limit; feet without any friction cannot rock";
         match friction {
@@ -68,13 +71,16 @@ pub mod friction {
     }
 
     /// Reads a number or [`NONE`], in any case.
+    ///
+    /// # Errors
+    /// A text that is neither a number above 0 nor [`NONE`].
     pub fn parse(text: &str) -> Result<f64, String> {
         let found = if text.eq_ignore_ascii_case(NONE) { Ok(f64::INFINITY) } else { text.parse() };
         let found = found.map_err(|_| format!("found `{text}`; expected a number > 0, or {NONE} for no limit"))?;
         of_user(found).map_err(|error| error.to_string())
     }
 
-    /// Returns the number that users see for that of a block; infinity sorts after all limits.
+    /// Returns the number that users see for that of a block. Infinity sorts after all limits.
     pub fn to_user(friction: f64) -> f64 {
         if friction == 0.0 { f64::INFINITY } else { friction }
     }

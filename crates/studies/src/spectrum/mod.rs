@@ -89,8 +89,8 @@ impl Sizes {
     }
 }
 
-/// Eccentricity and ties in proportion to each block, so that blocks of all sizes are similar. The units are R0 for places and slack,
-/// M g/R0 for stiffness, M g for pretension and strength, and M p for damping.
+/// Eccentricity and ties in proportion to each block, for similar blocks of all sizes. The units are R0 for places and slack, M g/R0 for
+/// stiffness, M g for pretension and strength, and M p for damping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InProportion {
     /// Eccentricity over half the width, e_x/b (1).
@@ -157,7 +157,7 @@ pub struct Spectrum {
     pub settings: Settings,
     /// Duration of each run (s); without it, until the block has come down.
     pub duration: Option<f64>,
-    /// Longest time between two stops (s); without it, only record samples and pulse ends are stops.
+    /// Longest time between two stops (s). Without it, only record samples and pulse ends are stops.
     pub step: Option<f64>,
     /// Friction demand (1) of the column with the longest time above it, if any.
     pub friction_demand: Option<f64>,
@@ -176,6 +176,9 @@ pub struct RowInputs {
 
 impl Spectrum {
     /// Checks that all rows have valid blocks.
+    ///
+    /// # Errors
+    /// The first invalid block.
     pub fn check(&self) -> Result<(), BlockError> {
         for &base in &self.bases {
             for p in [self.sizes.greatest, self.sizes.least] {
@@ -198,12 +201,18 @@ impl Spectrum {
     }
 
     /// The block of this size on a foundation.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
     pub fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
         let common = Common { epsilon: base.epsilon, ..self.common };
         self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, supports: base.supports }, &common)
     }
 
     /// The run of a row.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
     pub fn run(&self, row: u64) -> Result<Run, BlockError> {
         let RowInputs { motion, base, p } = self.inputs(row);
         let block = self.block(self.bases[base], p)?;

@@ -102,7 +102,7 @@ impl SizeStatistics {
     }
 }
 
-/// The blocks of one foundation under all ground motions with, or all without, a vertical component.
+/// The blocks of one foundation under all ground motions of a kind. The kinds have or lack a vertical component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundationStatistics {
     /// Number of the foundation.

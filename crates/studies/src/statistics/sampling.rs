@@ -3,7 +3,7 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 
-/// A Latin hypercube: n points in the unit cube, one at random in each of n equal strata of every direction.
+/// A Latin hypercube: n random points in the unit cube. Each of n equal strata of every direction has one.
 ///
 /// M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239–245. The same seed gives the same points on every
 /// machine: ChaCha with 8 rounds, two streams per direction.
@@ -33,7 +33,7 @@ impl LatinHypercube {
     }
 }
 
-/// The numbers below `count` in random order, determined by the seed and the number of the stream.
+/// The numbers below `count` in random order, by seed and number of the stream.
 pub(crate) fn shuffled(count: u32, seed: u64, number: u64) -> Vec<u32> {
     let mut random = stream(seed, number);
     let mut order: Vec<u32> = (0..count).collect();

@@ -21,21 +21,21 @@ const HARDENING: f64 = 0.03;
 pub enum Change {
     /// Another value of a parameter, in its unit.
     Parameter(Variable, f64),
-    /// A factor on the width of the base; mass, inertia, height of the centre of mass, supports and ties stay.
+    /// A factor on the width of the base. Mass, inertia, height of the centre of mass, supports and ties stay.
     Width(f64),
     /// A factor on the stiffness ratio η; ξ_v stays.
     StiffnessRatio(f64),
     /// A factor on the damping ratio ξ_v.
     DampingRatio(f64),
-    /// A coefficient of friction over the static threshold (b − |e_x|)/h of the block; below 1 the block slides before it rocks.
+    /// A coefficient of friction over the static threshold (b − |e_x|)/h of the block. Below 1 the block slides before it rocks.
     FrictionOverThreshold(f64),
-    /// A horizontal tie to each side at twice the height of the centre of mass, to anchors at a distance of h that move with the
-    /// ground. The stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break, unless
-    /// [`Change::Parameter`] beside it says so: `tie_1` is the first tie of the block, that on the left if it had none.
+    /// A horizontal tie to each side at twice the height of the centre of mass. Its anchor, at a distance of h, moves with the ground. The
+    /// stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break, unless [`Change::Parameter`]
+    /// beside it says so: `tie_1` is the first tie of the block, that on the left if it had none.
     Tied(f64),
-    /// A damper under each corner, as stiff as ten times M g/R0, to an anchor at a depth of half the width that moves with the ground. The
-    /// number is its yield force over the weight M g; the hardening is 0.03, and it does not break, unless [`Change::Parameter`]
-    /// beside it says so: `damper_1` is the first damper of the block, that on the left if it had none.
+    /// A damper under each corner, as stiff as ten times M g/R0. Its anchor, at a depth of half the width, moves with the ground. The
+    /// number is its yield force over the weight M g; the hardening is 0.03, and it does not break, unless [`Change::Parameter`] beside it
+    /// says so: `damper_1` is the first damper of the block, that on the left if it had none.
     Damped(f64),
 }
 
@@ -150,8 +150,8 @@ fn with_links(block: Block, added: [Tie; 2], changes: &[Change]) -> Result<Block
     block.with_ties(&ties)
 }
 
-/// The field of a parameter that a tie of [`Change::Tied`] or a damper of [`Change::Damped`] reads; ends and stiffness follow from the
-/// block, and so does the yield force of a damper.
+/// The field of a parameter of a tie of [`Change::Tied`] or a damper of [`Change::Damped`]. Ends and stiffness follow from the block, and
+/// so does the yield force of a damper.
 pub(super) fn tie_field(ties: &mut [Tie], variable: Variable) -> Option<&mut f64> {
     let names = tie::names(ties);
     let (name, key) = variable.name().split_once('.')?;

@@ -9,7 +9,7 @@ use crate::sweep::strength::Strengths;
 use crate::sweep::{RowInputs, Sweep};
 
 impl Sweep {
-    /// The columns: of the block, of the ground motion, and of the run or the search.
+    /// The columns: of the block, of the ground motion, and of the run or search.
     pub(super) fn columns<'a>(&'a self) -> Vec<TableColumn<'a, SweepRow<'a>>> {
         type Of<'a> = TableColumn<'a, SweepRow<'a>>;
         let parameters = self.parameters.iter().enumerate();
@@ -52,7 +52,7 @@ impl Sweep {
 /// A row of the table.
 pub(super) struct SweepRow<'a> {
     pub(super) inputs: &'a RowInputs<'a>,
-    /// The run, followed by its samples, each with the slenderness of its block (rad); none in a search.
+    /// The run, followed by its samples, each with its block's slenderness (rad). None in a search.
     pub(super) made: &'a [(f64, Outcome)],
     /// The outcomes over the range of a search.
     pub(super) found: Option<&'a OutcomeMap<End>>,

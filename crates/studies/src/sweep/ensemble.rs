@@ -64,14 +64,14 @@ pub enum Distribution {
 /// The standard deviation of a distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpreadWidth {
-    /// Coefficient of variation (1): relative to the row's value; relative to the mean for a lognormal distribution.
+    /// Coefficient of variation (1), relative to the row's value. For a lognormal distribution, relative to the mean.
     Relative(f64),
     /// In the unit of the value. A lognormal distribution takes its ratio to the row's value as `Relative`.
     Absolute(f64),
 }
 
 impl UncertainQuantity {
-    /// The quantile at `probability`, above 0 and below 1, in a row with the value `nominal`.
+    /// The quantile at `probability` in a row with the value `nominal`. The probability is above 0 and below 1.
     pub fn value(&self, nominal: f64, probability: f64) -> f64 {
         let (relative, deviation) = match self.width {
             SpreadWidth::Relative(relative) => (relative, relative * nominal.abs()),
@@ -88,7 +88,7 @@ impl UncertainQuantity {
 }
 
 impl Ensemble {
-    /// For each sample of a row, the probability at which it takes the quantile of each spread.
+    /// For each sample of a row, the probability at which it takes each spread's quantile.
     ///
     /// In each row a spread takes the midpoints `(i + ½)/n` of n strata of equal probability. The fraction of a distribution beyond
     /// a threshold is then off by at most 1/(2n), and on average by less than with random points in the strata or anywhere.
@@ -106,7 +106,7 @@ impl Ensemble {
         (0..self.samples as usize).map(|sample| strata.iter().map(|of| midpoint(of[sample])).collect()).collect()
     }
 
-    /// The columns of the results of a row's samples: the slenderness α (rad) and the outcome of each.
+    /// The columns of a row's samples: slenderness α (rad) and outcome of each.
     ///
     /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
     pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[(f64, Outcome)]) -> Vec<TableColumn<'c, R>> {
@@ -248,8 +248,8 @@ fn spread(
     Ok(UncertainQuantity { target, distribution, width })
 }
 
-/// Checks that all samples of an ensemble make a block and that the block reads their values; the error gives the reason.
-/// Blocks that are valid at all corners of the spreads are valid between them.
+/// Checks that all samples of an ensemble make a block, which reads their values. Blocks that are valid at all corners of the spreads are
+/// valid between them.
 pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> {
     let ends = [0.5 / f64::from(ensemble.samples), 1.0 - 0.5 / f64::from(ensemble.samples)];
     for corner in 0..1_usize << ensemble.spreads.len() {

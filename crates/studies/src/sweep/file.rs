@@ -32,7 +32,10 @@ struct GivenParameter<'a> {
     values: ParameterValues,
 }
 
-/// Reads a study from the text of its file; paths of records are relative to `folder`.
+/// Reads a study from the text of its file. Paths of records are relative to `folder`.
+///
+/// # Errors
+/// The first fault of the file or of a record that it names, with its line.
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileError> {
     let source = StudyText { file, text };
     let document = source.parse()?;

@@ -8,13 +8,14 @@ use rocking_block::excitation::records::Ground;
 /// A ground motion and its intensity measures.
 #[derive(Clone, Debug)]
 pub struct GroundMotion {
-    /// The horizontal and the vertical file as written in the study; empty where there is none.
+    /// The horizontal and the vertical file as written in the study, or empty.
     pub files: [String; 2],
-    /// Names of the horizontal and the vertical record, each of one content: files, with channels where a file has several records.
+    /// Names of the horizontal and the vertical record, each of one content. They are files, with channels where a file has several
+    /// records.
     pub names: [String; 2],
-    /// The records, unscaled; in a building the horizontal one is the absolute acceleration of the floor.
+    /// The records, unscaled. In a building the horizontal one is the absolute acceleration of the floor.
     pub ground: Ground,
-    /// The floor on which the block stands, in a study with a building; 0 is the ground.
+    /// The floor on which the block stands, in a study with a building. The ground is 0.
     pub floor: Option<usize>,
     /// Measures of the unscaled horizontal record, computed once for all blocks; `None` where it has no value.
     intensities: Vec<(Measure, Option<f64>)>,
@@ -23,7 +24,7 @@ pub struct GroundMotion {
 }
 
 impl GroundMotion {
-    /// Computes these measures, which depend on the record alone; `gravity` (m/s²) is that of the Arias intensity.
+    /// Computes these measures of the record alone. `gravity` (m/s²) is that of the Arias intensity.
     pub fn new(names: [String; 2], ground: Ground, measures: &[Measure], gravity: f64) -> GroundMotion {
         let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
         let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
@@ -31,7 +32,7 @@ impl GroundMotion {
         GroundMotion { files: names.clone(), names, ground, floor: None, intensities, vertical_pga }
     }
 
-    /// The motion of a floor under this ground motion; measures of the record remain those of the ground.
+    /// The motion of a floor under this ground motion. Measures of the record remain those of the ground.
     pub fn on_floor(&self, motion: FloorMotion) -> GroundMotion {
         let FloorMotion { floor, record, pfa, pfv } = motion;
         let mut on_floor = GroundMotion { floor: Some(floor), ..self.clone() };
@@ -40,7 +41,7 @@ impl GroundMotion {
         on_floor
     }
 
-    /// A measure of the horizontal record times `scale`, relative to this block where the measure is.
+    /// A measure of the horizontal record times `scale`, relative to this block if it is relative.
     ///
     /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not compute it.
     pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
@@ -50,7 +51,7 @@ impl GroundMotion {
         value.map(|value| value * factor * scales)
     }
 
-    /// The factor on the records at which a measure has this value: the inverse of [`GroundMotion::intensity`].
+    /// The factor on the records at which a measure has this value. Inverse of [`GroundMotion::intensity`].
     ///
     /// Needs `value` > 0 and a measure > 0 that grows with the factor.
     pub fn scale_to(&self, measure: Measure, value: f64, block: &Block) -> f64 {

@@ -12,14 +12,14 @@ pub struct Hunt {
     pub step: f64,
     /// The growth of each further step.
     pub growth: f64,
-    /// The distance between the greatest level that stands and the least that overturns, over the latter, at which runs fill gaps below.
+    /// Gap, over the least level that overturns, below which runs fill lower gaps. It extends from the greatest level that stands.
     pub resolution: f64,
     /// Number of runs.
     pub runs: u64,
 }
 
 impl Hunt {
-    /// Returns the level of the run after these, each with its level and whether it overturned the block.
+    /// Returns the level of the run after these. Each has its level, and whether it overturned the block.
     pub fn next(&self, runs: &[(f64, bool)]) -> f64 {
         let overturned = runs.iter().filter(|run| run.1).map(|run| run.0).reduce(f64::min);
         let Some(least) = overturned else {

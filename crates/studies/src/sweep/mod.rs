@@ -73,11 +73,11 @@ pub struct Sweep {
     pub tolerance: f64,
     /// Duration of each run (s); without it, until the block has come down.
     pub duration: Option<f64>,
-    /// Longest time between two stops (s); without it, only record samples and pulse ends are stops.
+    /// Longest time between two stops (s). Without it, only record samples and pulse ends are stops.
     pub step: Option<f64>,
     /// Friction demand (1) of the column with the longest time above it, if any.
     pub friction_demand: Option<f64>,
-    /// Amplitude (m) of the column with the half cycles of plastic elongations above it, if any.
+    /// Amplitude (m) of the column of half cycles of plastic elongations, if any.
     pub half_cycles: Option<f64>,
     /// Changes of each block, one after the other. The ground motions stay those of the blocks without them.
     pub changes: Vec<Change>,
@@ -150,7 +150,7 @@ impl Sweep {
         remarks
     }
 
-    /// Everything that affects the rows, line by line: the study without its comments and its `[assess]`.
+    /// Everything that affects the rows, line by line: the study without comments and `[assess]`.
     pub fn identity(&self) -> Vec<String> {
         let Sweep { parameters, design, strengths, ensemble, measures, changes, .. } = self;
         let Sweep { on_separation, tolerance, duration, step, friction_demand, half_cycles, .. } = self;
@@ -241,13 +241,13 @@ impl Sweep {
         self.run_of(values, motion, *scale)
     }
 
-    /// The same sweep of changed blocks, under the same ground motions.
+    /// The sweep with changed blocks under its ground motions.
     #[must_use]
     pub fn with(&self, changes: &[Change]) -> Sweep {
         Sweep { changes: [&self.changes, changes].concat(), ..self.clone() }
     }
 
-    /// Checks that all blocks are valid with these changes, and that one of them reads each changed parameter.
+    /// Checks that all blocks are valid with these changes. One of them has to read each changed parameter.
     ///
     /// # Errors
     /// The first invalid parameter, or the condition under which a block would read an unread one.
@@ -282,13 +282,13 @@ impl Sweep {
             .map_or(Ok(()), |(name, needed)| Err(format!("{name} is read by no block of the study; expected {needed}")))
     }
 
-    /// The variables in the middle of the study: each parameter in the middle of its range or list.
+    /// The variables in the middle of the study, each in its range's or list's middle.
     pub fn middle(&self) -> Values {
         let middle: Vec<f64> = self.parameters.iter().map(|swept| swept.values.at(0.5)).collect();
         self.values(&middle)
     }
 
-    /// A ground motion at one of the strengths, scaled for a block where the strength is relative to it.
+    /// A ground motion at one of the strengths. It is scaled for a block if the strength is relative to it.
     pub fn ground(&self, motion: usize, strength: u64, block: &Block) -> Ground {
         let motion = &self.motions[motion];
         motion.ground.clone().scaled(self.strengths.scale(strength, motion, block))

@@ -29,7 +29,7 @@ pub enum ParameterValues {
 }
 
 impl ParameterValues {
-    /// The value at a fraction of the way from the first to the last, 0 ≤ fraction ≤ 1.
+    /// The value at a fraction of the way from first to last, 0 to 1.
     pub fn at(&self, fraction: f64) -> f64 {
         match *self {
             ParameterValues::List(ref values) => {

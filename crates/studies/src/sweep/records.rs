@@ -14,7 +14,8 @@ use crate::sweep::ground_motion::GroundMotion;
 use rocking_block::excitation::records::{Ground, checksum, fingerprint};
 use rocking_records::{Choice, Processing, ReadOptions, Record, Setting};
 
-/// Reads the ground motions, computes these measures, and says what is doubtful in the records; without `[[records]]` the only motion has no record.
+/// Reads the ground motions, computes these measures, and returns doubts about the records. Without `[[records]]` the only motion has no
+/// record.
 ///
 /// Paths and patterns are relative to `folder`; `gravity` (m/s²) is called only if there are records.
 pub(super) fn read(
@@ -129,7 +130,7 @@ fn all<T>(results: impl Iterator<Item = Result<T, StudyFileError>>) -> Result<Ve
     failed.map_or(Ok(values), Err)
 }
 
-/// Reads the ground motions of one table, at these bytes of the text, with the names of their files.
+/// Reads the ground motions of one table with the names of their files. The table is at these bytes of the text.
 pub(crate) fn in_table(
     section: &Section,
     range: Range<usize>,

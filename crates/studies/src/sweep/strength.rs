@@ -16,9 +16,9 @@ pub enum Strengths {
     /// Values of a measure of the horizontal record, a row each: incremental dynamic analysis (D. Vamvatsikos, C. A. Cornell,
     /// Incremental dynamic analysis, EESD 31 (2002) 491–514).
     Levels(Measure, Vec<f64>),
-    /// Values of a measure that depend on the runs before, a row each: incremental dynamic analysis by hunt and fill.
+    /// Values of a measure that depend on the runs before, a row each. Incremental dynamic analysis by hunt and fill.
     Hunt(Measure, Hunt),
-    /// One row for a whole range of a measure: a search for the values at which the block overturns.
+    /// One row for a whole range of a measure, searched for values that overturn.
     Least(Measure, Scan),
 }
 
@@ -40,7 +40,7 @@ impl Strengths {
         }
     }
 
-    /// The prescribed measure of a row and its exact value, which the scaled record meets only to rounding.
+    /// The prescribed measure of a row and its exact value. The scaled record meets it only to rounding.
     pub(super) fn level(&self, number: u64) -> Option<(Measure, f64)> {
         match self {
             Strengths::Levels(measure, values) => Some((*measure, values[number as usize])),
@@ -48,7 +48,7 @@ impl Strengths {
         }
     }
 
-    /// Factor on the records in a row of a ground motion; 1 for a row that searches a whole range, and where other runs decide it.
+    /// Factor on the records in a row of a ground motion. It is 1 for a row that searches a whole range, and where other runs decide it.
     pub(crate) fn scale(&self, number: u64, motion: &GroundMotion, block: &Block) -> f64 {
         match self {
             Strengths::Scales(scales) => scales[number as usize],

@@ -34,7 +34,8 @@ const DAMPERS: [&str; MAX_TIES] =
 /// Number of ties and dampers among the variables of the FMU: two of each.
 pub const VARIABLES: usize = 4;
 
-/// A tendon, guy or restrainer, which pulls a point of the block towards a point of the ground and never pushes; or a damper, which does both.
+/// A tendon, guy or restrainer, or a damper. The first pull a point of the block towards a point of the ground and never push; a damper
+/// does both.
 ///
 /// The force of the spring, positive in tension, stays between the lines `r k s ± (1 − r) F_y` over the stretch s of [`pull`]: kinematic
 /// hardening after W. Prager, "A new method of analyzing stresses and strains in work-hardening plastic solids", Journal of Applied
@@ -51,13 +52,13 @@ pub struct Tie<T = f64> {
     pub stiffness: T,
     /// Tension T0 (N) at the length at rest.
     pub pretension: T,
-    /// Elongation (m) beyond the length at rest at which a tie without pretension begins to pull.
+    /// Elongation (m) beyond rest at which a tie without pretension begins to pull.
     pub slack: T,
     /// Damping c (N.s/m).
     pub damping: T,
-    /// Tension (N) at which it breaks, of a damper also the compression; 0 means that it does not break.
+    /// Tension (N) at which it breaks, of a damper also the compression. It does not break if 0.
     pub strength: T,
-    /// Force F_y (N) of the spring at which it yields first, in tension and in compression; 0 means that it stays elastic.
+    /// Force F_y (N) of the spring at first yielding, in tension and in compression. It stays elastic if 0.
     pub yield_force: T,
     /// Stiffness while it yields over that before, r (1): at least 0, below 1.
     pub hardening: T,
@@ -90,7 +91,7 @@ pub enum Ties<T = f64> {
 }
 
 impl<T: Copy> Ties<T> {
-    /// Makes ties of the first [`MAX_TIES`] of a list, without checks; ties are numbered before dampers.
+    /// Makes ties of the first [`MAX_TIES`] of a list, without checks. Ties are numbered before dampers.
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
         let Some(&last) = ties.last() else { return Ties::Nothing };
         let of_kind = |kind| ties.iter().filter(move |tie| tie.kind == kind);
@@ -144,7 +145,7 @@ impl<T: Scalar<Real = f64>> Tie<T> {
     }
 }
 
-/// Returns the names of ties and dampers among the variables, such as `tie_1`, each numbered within its kind.
+/// Returns the names of ties and dampers, such as `tie_1`, each numbered within its kind.
 pub fn names<T>(ties: &[Tie<T>]) -> Vec<String> {
     let number = |i: usize, kind| ties[..=i].iter().filter(|tie| tie.kind == kind).count();
     ties.iter().enumerate().map(|(i, tie)| format!("{}_{}", tie.kind.word(), number(i, tie.kind))).collect()
@@ -193,7 +194,7 @@ impl LinkKind {
         }
     }
 
-    /// Returns the [`NUMBERS`] that users give of it: a damper, which is never slack, has no pretension and no slack.
+    /// Returns the [`NUMBERS`] that users give of it. A damper, which is never slack, has no pretension and no slack.
     pub fn numbers(self) -> impl Iterator<Item = (&'static str, &'static str)> {
         NUMBERS.into_iter().filter(move |(name, _)| self == LinkKind::Tie || !matches!(*name, "pretension" | "slack"))
     }
@@ -230,7 +231,10 @@ impl<T: Elementary> Tie<T> {
 }
 
 impl Tie {
-    /// Refuses an impossible tie. An error names the parameter.
+    /// Refuses an impossible tie.
+    ///
+    /// # Errors
+    /// The first impossible parameter, with its value and the valid ones.
     pub fn check(&self) -> Result<(), BlockError> {
         let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind } =
             *self;
@@ -269,8 +273,10 @@ impl Tie {
 }
 
 impl Block {
-    /// Returns the block with these ties and dampers, at most [`MAX_TIES`]; ties are numbered before dampers. An error names the first
-    /// invalid parameter.
+    /// Returns the block with these ties and dampers, at most [`MAX_TIES`]. Ties are numbered before dampers.
+    ///
+    /// # Errors
+    /// More than [`MAX_TIES`], or the first impossible parameter of one.
     pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > MAX_TIES {
             return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
@@ -331,11 +337,11 @@ pub struct Link<'a, P, S> {
     pub tie: &'a Tie<P>,
     /// Its state.
     pub state: TieState,
-    /// Its plastic elongation s_p (m) unless it yields; `None` if no tie of the block can yield.
+    /// Its plastic elongation s_p (m) unless it yields. `None` if no tie of the block can yield.
     pub plastic: Option<S>,
 }
 
-/// The plastic elongations s_p (m) of ties at the end of their last yielding, positive for longer ones; `None` if none can yield.
+/// The plastic elongations s_p (m) of ties after their last yielding, positive for longer ones. `None` if none can yield.
 pub type Plastic<T> = Option<[T; MAX_TIES]>;
 
 /// Returns the ties of a block with their numbers and states.

@@ -16,7 +16,7 @@ pub struct Stretch<T> {
     pub length: T,
     /// Its rate ṡ (m/s).
     pub rate: T,
-    /// Direction from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
+    /// Direction from the ground to the block (1), and moment arm (m). The arm is about the centre of mass, positive clockwise.
     along: [T; 3],
 }
 
@@ -142,7 +142,7 @@ fn any(&[a, b, c, d, e, f, g, h]: &TieStates, is: impl Fn(TieState) -> bool) -> 
     is(a) | is(b) | is(c) | is(d) | is(e) | is(f) | is(g) | is(h)
 }
 
-/// Returns the direction in which a tie without plastic elongation yields if it is stretched by `length` (m), if it does.
+/// Returns the direction in which a tie stretched by `length` (m) yields, if it does. It has no plastic elongation.
 pub fn yielding_at_rest<T: Elementary>(tie: &Tie<T>, length: T, rounding: f64) -> Option<YieldDirection> {
     let beyond = (length * tie.stiffness).value().abs() > tie.yield_force.value() + rounding;
     let direction = if length.value() > 0.0 { YieldDirection::Longer } else { YieldDirection::Shorter };
@@ -159,7 +159,7 @@ fn at_rest<T: Elementary>(tie: &Tie<T>, length: T) -> Link<'_, T, T> {
     Link { tie, state, plastic: None }
 }
 
-/// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
+/// Returns a vertical force at rest less the pull of the ties (N, positive up).
 pub fn less_static_pull<T: Elementary>(
     block: &Block<T>,
     ties: &Ties<T>,
@@ -242,8 +242,8 @@ pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     sum
 }
 
-/// Returns the work (J) that stretches a tie from its plastic elongation to `length` (m) without a turn: `½ k (s − s_p)²` up to the yield
-/// surface, from where on the stiffness is `r k`.
+/// Returns the work (J) that stretches a tie to `length` (m) without a turn. It begins at the plastic elongation, is `½ k (s − s_p)²` up to
+/// the yield surface, and has the stiffness `r k` beyond.
 pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
     let Link { tie, plastic, .. } = link;
     let Tie { stiffness, yield_force, hardening, .. } = *tie;
@@ -299,7 +299,7 @@ fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
     sum
 }
 
-/// Returns sums of bounds on the squared circular frequencies ((rad/s)²) and on the decay rates (1/s) that ties give a free block.
+/// Returns sums of bounds on squared circular frequencies ((rad/s)²) and decay rates (1/s) from ties. The block is free.
 pub fn stiffest(block: &Block, ties: &Ties) -> [f64; 2] {
     let Block { mass, i0, h, eccentricity, .. } = *block;
     let (mut stiffness, mut damping) = (0.0, 0.0);

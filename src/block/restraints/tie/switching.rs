@@ -1,3 +1,5 @@
+//! The watched functions of a tie and its states.
+//!
 //! A tie becomes taut when its elastic elongation rises through zero, slack when its tension falls through zero, and breaks when its
 //! tension reaches its strength, that of a damper in either sense. It yields when the force of its spring reaches the yield surface, and
 //! unloads when its rate of elongation changes its sign.
@@ -75,7 +77,7 @@ impl std::fmt::Display for TieEvent {
 /// Number of functions of a tie that are watched at once, at most.
 pub const WATCHED: usize = 4;
 
-/// Returns the watched functions of a tie in its state: two of pulling and breaking, then two of yielding.
+/// Returns the watched functions of a tie in its state. Two are of pulling and breaking, two of yielding.
 pub fn watched<P, S>(link: Link<P, S>) -> [Option<TieFunction>; WATCHED]
 where
     P: Elementary,
@@ -100,7 +102,7 @@ where
     [first, second, yielding[0], yielding[1]]
 }
 
-/// Returns the function whose value is the tension of a tie in this state, if it pulls.
+/// Returns the function whose value is the tension of a tie, if it pulls.
 pub fn of_pull(state: TieState) -> Option<TieFunction> {
     match state {
         TieState::Taut | TieState::Yields(_) => Some(TieFunction::Tension),
@@ -197,7 +199,7 @@ impl TieFunction {
         }
     }
 
-    /// Returns the state of the tie and the reported event after this function has fallen through zero.
+    /// Returns the state of the tie and the reported event after this function's fall.
     pub fn switched<T: Elementary>(
         self,
         block: &Block<T>,
@@ -232,8 +234,8 @@ fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
     spring.max(dashpot).max((block.mass * block.gravity).value())
 }
 
-/// Returns the states of ties at the beginning, and their plastic elongations: a tie without slack is taut, one beyond its yield force
-/// yields, and one beyond its strength is broken. `rounding` is the round-off of a zero relative to its largest term.
+/// Returns the states of ties at the beginning, and their plastic elongations. A tie without slack is taut, one beyond its yield force
+/// yields, and one beyond its strength is broken. `rounding` is the round-off of a zero over its largest term.
 pub fn at_beginning<T: Elementary>(
     block: &Block<T>,
     ties: &Ties<T>,

@@ -38,6 +38,9 @@ pub(super) struct ManyRowsBuilder {
 
 impl ManyRowsBuilder {
     /// Takes a row with its measures; the second is 1 for a curve.
+    ///
+    /// # Errors
+    /// Rows that cannot be kept on disk.
     pub fn push(&mut self, case: &Case, measures: [f64; 2]) -> Result<(), CurveFitError> {
         let row = self.count;
         if let Some(&found) = measures.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
@@ -64,7 +67,10 @@ impl ManyRowsBuilder {
         self.sorter.push(EqualRows { measures, fraction: case.fraction + 0.0, motion, count: 1 })
     }
 
-    /// Ends with the rows in order; `ranks` has the place of each motion in the order of their first rows.
+    /// Ends with the rows in order. `ranks` has the place of each motion in the order of their first rows.
+    ///
+    /// # Errors
+    /// Rows that cannot be kept on disk.
     pub fn finish(self, ranks: &[usize]) -> Result<ManyRows, CurveFitError> {
         let ManyRowsBuilder { sorter, count, ends, of_motions, own, scatter } = self;
         let mut motions: Vec<u32> = (0..of_motions.len() as u32).filter(|&of| of_motions[of as usize] > 0).collect();
@@ -89,7 +95,7 @@ pub(super) struct Quality {
     pub auc: f64,
     pub brier: f64,
     pub groups: Vec<Group>,
-    /// Some of many rows in the order of their measures, the first and the last one included.
+    /// Some of many rows in the order of their measures, including the ends.
     pub marks: Option<Vec<Observation>>,
 }
 
@@ -111,7 +117,10 @@ impl ManyRows {
         })
     }
 
-    /// The values of the first measure with the sum of the fractions and the number of the rows.
+    /// The values of the first measure, with the sum of fractions and number of rows.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn levels(&self) -> Result<Vec<(f64, f64, usize)>, CurveFitError> {
         let mut levels: Vec<(f64, f64, usize)> = Vec::new();
         self.each(&mut |measure, fraction, weight, _| match levels.last_mut() {
@@ -133,7 +142,7 @@ impl ManyRows {
         alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::Alike { value, rows }))
     }
 
-    /// Fits a curve over the first measure, and returns its data in few observations, with the width of their cells.
+    /// Fits a curve over the first measure. Returns its data in few observations, with the width of their cells.
     ///
     /// # Errors
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
@@ -167,6 +176,9 @@ impl ManyRows {
     }
 
     /// The quality of a curve.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn quality(&self, fit: &CurveFit) -> Result<Quality, CurveFitError> {
         let is_clustered = matches!(self.independence(), Independence::Records(_));
         // Rows are in the order of their scores.
@@ -202,9 +214,12 @@ impl ManyRows {
         })
     }
 
-    /// The covariance of the coefficients of a curve or surface, as in [`clusters::covariance`]; `width` is that of the cells of a curve.
+    /// The covariance of the coefficients of a curve or surface, as in [`clusters::covariance`]. `width` is that of the cells of a curve.
     ///
     /// Surfaces have no full refits.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
@@ -265,8 +280,8 @@ impl ManyRows {
         Ok(nodes)
     }
 
-    /// Fits curves to resampled records, or rows where no record repeats, as [`bootstrap`](crate::fragility::bootstrap()) does, which
-    /// draws the rows in the order of the table, not in that of their measures.
+    /// Fits curves to resampled records, or to rows where no record repeats. [`bootstrap`](crate::fragility::bootstrap()) draws rows in the
+    /// order of the table; this one does in that of their measures.
     ///
     /// # Errors
     /// [`CurveFitError::OneMotion`] for fewer than two groups, and those of temporary files.
@@ -350,7 +365,10 @@ impl ManyRows {
         fit_of(&SurfaceRows(&self.sorted), link, self.count as f64, sum / self.count as f64)
     }
 
-    /// The area under the receiver operating characteristic, the Brier score and some rows of a surface.
+    /// The area under the receiver operating characteristic, the Brier score, and some rows.
+    ///
+    /// # Errors
+    /// Rows that cannot be read back.
     pub fn quality_of_surface(&self, fit: &CurveFit) -> Result<(f64, f64, Vec<Observation>), CurveFitError> {
         let (mut marks, mut passed) = (Vec::new(), 0);
         let apart = self.count.div_ceil(MAX_MARKS);

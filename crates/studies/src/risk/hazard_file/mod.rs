@@ -36,7 +36,7 @@ pub struct HazardOptions {
     pub gravity: f64,
 }
 
-/// Reads a hazard curve and converts its levels to SI units and its probabilities p in T years to rates, `−ln(1 − p)/T`.
+/// Reads a hazard curve in SI units and annual rates. Probabilities p in T years become rates `−ln(1 − p)/T`.
 ///
 /// `file` is the name of the file; the folder of an nshmp-haz table names its measure.
 ///
@@ -102,7 +102,7 @@ impl RawCurve {
     }
 }
 
-/// Returns the name of a measure in this project for that of another program, such as `SA(1.0)` or `SA1P0`.
+/// Returns the name of another program's measure, such as `SA(1.0)` or `SA1P0`.
 pub fn canonical(name: &str) -> String {
     let lower = name.trim().to_ascii_lowercase().replace("sa_", "sa");
     let period = lower.strip_prefix("sa").map(|rest| rest.trim_matches(['(', ')', 's', ' ']).replace('p', "."));
