@@ -166,7 +166,7 @@ impl AnnualRate {
             parts.iter().map(|part| part.from).collect::<Vec<_>>(),
             parts.iter().map(|part| part.to).collect(),
             parts.iter().map(|part| part.rate).collect(),
-            parts.iter().map(|part| part.share).collect(),
+            parts.iter().map(|part| part.fraction).collect(),
         ]
         .map(|column| PyArray1::from_vec(py, column))
     }

@@ -53,8 +53,8 @@ pub fn is_resolved(remaining: f64, longest: f64) -> bool {
 #[inline(always)]
 pub fn near_a_peak<R: Real>(elapsed: R, longest: R) -> R {
     let phase = elapsed * LONGEST / longest;
-    let (part, half) = (R::from(1.0) - phase * phase, R::from(0.5));
-    R::select_less(part, half, half, part)
+    let (fraction, half) = (R::from(1.0) - phase * phase, R::from(0.5));
+    R::select_less(fraction, half, half, fraction)
 }
 
 /// Proposes step sizes.

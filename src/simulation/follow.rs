@@ -33,7 +33,7 @@ pub enum StepKind {
     Step,
     /// By a [short step](crate::numerics::short).
     ShortStep,
-    /// By this [swing](crate::system::swing), or by a part of it.
+    /// By this [swing](crate::system::swing), or by its beginning.
     Swing(Swing),
     /// The block rests to the stop.
     Rested,
@@ -140,7 +140,7 @@ impl Steps {
 fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &Excitation) -> ReachedEvent {
     // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
     const DEPTH: f64 = 1e4;
-    // Part of the fastest period over which the rate is compared.
+    // Fraction of the fastest period over which the rates are compared.
     const NEAR: f64 = 1e-4;
     let Simulation { system, pose, .. } = simulation;
     let block = &system.block;
@@ -189,15 +189,15 @@ pub fn repeat_step(
         let [theta, theta_dot, ..] = pose.state.0;
         let mut series = NO_TANGENTS;
         let wanted = (!samples.times.is_empty()).then_some(&mut series);
-        let part = |time: f64| (time - pose.time.re) / swing.size;
+        let fraction = |time: f64| (time - pose.time.re) / swing.size;
         let start = [pose.time, theta, theta_dot];
-        let last = swing.varied(block, corner, excitation, start, part(end), wanted);
+        let last = swing.varied(block, corner, excitation, start, fraction(end), wanted);
         let state = |[theta, theta_dot]: [Number; 2]| {
             let zero = Number::from(0.0);
             State::from([theta, theta_dot, zero, zero])
         };
         for &time in samples.times {
-            let state = state(swing.varied_by(&series, part(time)));
+            let state = state(swing.varied_by(&series, fraction(time)));
             (samples.seen)(&Pose { time: time.into(), state, ..*pose });
         }
         return (state(last), pose.footing);
@@ -225,7 +225,7 @@ fn repeat_under<const N: usize>(
     };
     let span = |end: f64| [start, end - start];
     let end_state = match kind {
-        // A part of a short step is one, too, and more accurate.
+        // A shorter step of order 5 is one, too, and more accurate.
         StepKind::ShortStep => {
             let short =
                 |end: f64| mode.repeat(&motion, &TangentStep { state, span: span(end), form: StepForm::Short }, None);

@@ -14,11 +14,11 @@ pub(super) const PRESSED: f64 = 1e-6;
 /// Most rounds of the search for a peak of the friction demand, which takes two or three.
 const MAX_ROUNDS: u32 = 8;
 
-/// The least part of a peak that a force must reach to be searched for.
+/// The least fraction of a peak that a force must reach to be searched for.
 pub(super) fn visible(tolerance: f64) -> f64 {
-    /// Of the tolerance: as much may a force exceed its peak unseen.
-    const SHARE: f64 = 0.01;
-    1.0 + SHARE * tolerance
+    /// Excess of a force over its recorded peak that may be missed, over the tolerance.
+    const MISSED: f64 = 0.01;
+    1.0 + MISSED * tolerance
 }
 
 /// The friction demand of N/M and H/M (m/s²).
@@ -119,7 +119,7 @@ impl ForcePair for Pair {
     }
 }
 
-/// A part of a step on which forces are searched for peaks.
+/// A segment of a step on which forces are searched for peaks.
 pub(super) trait ForceSegment {
     type Pair: ForcePair;
 
@@ -218,7 +218,7 @@ impl<R: Real> ForcePeaks<R> {
             searched = searched.and(known);
             segment.include_at(self, exceeds, place);
         }
-        // The end may not have been included.
+        // The force at the end is not included yet in some runs.
         let at_end = friction_demand(resultant.coefficients()[DEGREE]);
         for side in [one, -one] {
             let Highest { place, exceeds, known } =

@@ -14,7 +14,7 @@ pub(super) struct Limits<const N: usize = 4> {
     pub(super) work_weight: f64,
     /// The longest step (s).
     pub(super) longest: f64,
-    /// The part of the error of other steps that a short step may make.
+    /// The error of a short step over that of other steps (1).
     pub(super) short_fraction: f64,
 }
 
@@ -23,16 +23,16 @@ pub(super) struct Limits<const N: usize = 4> {
 /// Frequent stops, as under a record, add up the errors of more steps than the motion needs. A loose tolerance lifts this limit.
 const SHORT_FRACTION: f64 = 0.1;
 
-/// The smallest loose tolerance: from it on a short step may make the whole error.
+/// Tolerance from which on a short step may make the error of any other step.
 const LOOSE: f64 = 1e-6;
 
 impl<const N: usize> Limits<N> {
     /// Limits of a step.
     ///
     /// An error counts as an equivalent velocity: a displacement times the circular frequency of its motion, a vertical one
-    /// divided by R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
-    /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
-    /// is at most a third of the shortest period, so that it holds at most one extremum.
+    /// divided by R0. The allowed error is the tolerance times the velocity of rocking, α p. An error of the vertical
+    /// velocity also changes a reaction by at most some 5 tolerances times the weight, which is stricter on stiff supports. A step is at
+    /// most a third of the shortest period, so that it has at most one extremum.
     #[inline(always)]
     pub(super) fn of(block: &Block, tolerance: f64, mode: impl MotionMode, pulse_frequency: f64) -> Limits<N> {
         let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = *block;

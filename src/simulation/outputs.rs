@@ -144,7 +144,7 @@ fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, support_heights: [T; 2], co
 /// both vanish, and round-off would decide.
 #[inline(always)]
 fn friction_demand<T: Scalar>(regime: Regime, friction: T, horizontal: T, vertical: T) -> T {
-    // The only number below this one that is not negative is zero.
+    // The smallest positive number: only zero is less.
     const MIN_ABOVE_ZERO: f64 = f64::from_bits(1);
     let (zero, none) = (T::from(0.0), T::Real::from(0.0));
     if regime == Regime::Separated {

@@ -209,8 +209,8 @@ impl Peaks {
     }
 
     /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
-    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
-    /// part of that, and are zero elsewhere.
+    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these over its peak reaches
+    /// `near`, and are zero elsewhere.
     #[inline(always)]
     pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
         let Block { mass, foundation, .. } = *here.block;
@@ -241,7 +241,7 @@ impl Peaks {
 }
 
 impl Channels {
-    /// The derivatives of the peaks of a motion that begins with these values. Rates of `values` are derivatives in a direction. If several
+    /// The derivatives of the peaks of a motion that begins with these values. Their rates are derivatives in a direction. If several
     /// values are greatest, or all are zero, the one that grows most counts.
     pub fn peak_sensitivity(&self) -> Peaks {
         // Both reactions of a block at rest are the same number up to rounding.

@@ -59,35 +59,35 @@ impl RestForceSeries {
         RestForceSeries(forces)
     }
 
-    /// N_L/M and N_R/M up to a part of the step.
-    fn reactions(&self, part: f64) -> Pair {
+    /// N_L/M and N_R/M up to a fraction of the step.
+    fn reactions(&self, fraction: f64) -> Pair {
         let [left, right, _] = &self.0;
-        pair(part, |k| [left[k], right[k]])
+        pair(fraction, |k| [left[k], right[k]])
     }
 
-    /// Their sum and H/M up to a part of the step.
-    fn resultant(&self, part: f64) -> Pair {
+    /// Their sum and H/M up to a fraction of the step.
+    fn resultant(&self, fraction: f64) -> Pair {
         let [left, right, shear] = &self.0;
-        pair(part, |k| [left[k] + right[k], shear[k]])
+        pair(fraction, |k| [left[k] + right[k], shear[k]])
     }
 }
 
-/// Two polynomials in powers of the elapsed fraction of a `fraction`, from their coefficients.
+/// Two polynomials over the first `fraction` of a step, from their coefficients over the whole step.
 #[inline(always)]
-fn pair(part: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
+fn pair(fraction: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
     let (mut powers, mut power) = ([[0.0; 2]; ORDER + 1], 1.0);
     for (k, both) in powers.iter_mut().enumerate() {
         let [p, q] = of_power(k);
         *both = [p * power, q * power];
-        power *= part;
+        power *= fraction;
     }
     Pair::of(powers, ORDER)
 }
 
-/// A part of a step at rest.
+/// The beginning of a step at rest.
 struct RestSegment<'m, 'a, L> {
     motion: &'m Motion<'a, L>,
-    /// The beginning of the step (s), the part, and the size of the step (s).
+    /// Time at which the step begins (s), the fraction of it, and its size (s).
     span: [f64; 3],
 }
 
@@ -97,8 +97,8 @@ impl<L: MotionMode> ForceSegment for RestSegment<'_, '_, L> {
     #[inline(always)]
     fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
         if runs {
-            let [time, part, size] = self.span;
-            peaks.include_forces(&self.motion.at(time + place * part * size, State::zeros()));
+            let [time, fraction, size] = self.span;
+            peaks.include_forces(&self.motion.at(time + place * fraction * size, State::zeros()));
         }
     }
 }
@@ -172,33 +172,33 @@ impl Simulation {
             let reactions = forces.reactions(1.0);
             let zeros = Corner::each(|corner| {
                 let i = corner.index();
-                let reaction = |part: f64| motion.at(time + part * size, upright).instant.reaction[i];
+                let reaction = |fraction: f64| motion.at(time + fraction * size, upright).instant.reaction[i];
                 if reactions.coefficients().iter().all(|both| both[i] > 0.0) {
                     Zero::None
                 } else {
                     reactions.combined(UNITS[i]).zero_of(reaction)
                 }
             });
-            let (part, lifts) = match zeros {
+            let (fraction, lifts) = match zeros {
                 [Zero::None, Zero::None] => (1.0, None),
-                [Zero::At(part), Zero::None] => (part, Some(Corner::Left)),
-                [Zero::None, Zero::At(part)] => (part, Some(Corner::Right)),
+                [Zero::At(fraction), Zero::None] => (fraction, Some(Corner::Left)),
+                [Zero::None, Zero::At(fraction)] => (fraction, Some(Corner::Right)),
                 [Zero::At(left), Zero::At(right)] if left <= right => (left, Some(Corner::Left)),
                 [Zero::At(_), Zero::At(right)] => (right, Some(Corner::Right)),
                 [Zero::Unclear, _] | [_, Zero::Unclear] => return Ok(stayed(time)),
             };
-            let end = if part == 1.0 && size == remaining { stop } else { time + part * size };
+            let end = if fraction == 1.0 && size == remaining { stop } else { time + fraction * size };
             let there = motion.at(end, upright);
             if !is_pressed_down(&here) || end <= time || (lifts.is_none() && !is_pressed_down(&there)) {
                 return Ok(stayed(time));
             }
             self.stay(&here, &there);
-            let reactions = if part == 1.0 { reactions } else { forces.reactions(part) };
+            let reactions = if fraction == 1.0 { reactions } else { forces.reactions(fraction) };
             let each = UNITS.map(|unit| (&reactions, unit));
             let numbers = [block.mass, visible(self.settings.tolerance)];
-            let segment = RestSegment { motion: &motion, span: [time, part, size] };
+            let segment = RestSegment { motion: &motion, span: [time, fraction, size] };
             self.peaks.raise_forces(|peaks| {
-                peaks.search(true, &segment, &each, &forces.resultant(part), numbers);
+                peaks.search(true, &segment, &each, &forces.resultant(fraction), numbers);
             });
             if let Some(corner) = lifts {
                 return Ok(Some(StepsOutcome::Event(EventFunction::Reaction(corner), there)));

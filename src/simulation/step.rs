@@ -1,4 +1,4 @@
-//! The interface of steps: the excitation, the stop, and what is known of the first step → where the motion stands after them.
+//! The interface of steps: the excitation, the stop, and any knowledge of the first step → an event, or none.
 
 use std::cell::Cell;
 

@@ -113,8 +113,8 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
             continue;
         }
         let mut sample = |elapsed| inside.sample(function, elapsed);
-        // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
-        // support one may, where the angular momentum is kept.
+        // No corner leaves the rigid base with a rate, so a gap that falls from zero is that of a corner beside the pivot, which has come
+        // down. A corner may leave a support with a rate, as the angular momentum is kept.
         let on_base = here.block.foundation == Foundation::Rigid && matches!(function, EventFunction::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
         let fall =

@@ -28,7 +28,7 @@ pub(super) struct StepEnd<const N: usize> {
 
 /// The result of a step.
 pub(super) enum Finished {
-    /// Nothing: a function that begins at zero rises unseen within it. A step of this size (s) is to be tried.
+    /// No event: a function rises from zero unseen within the step. The next attempt has this size (s).
     TooLong(f64),
     /// The event function has reached zero.
     Event(EventFunction),
@@ -42,7 +42,7 @@ const SHORTENED: f64 = 0.125;
 /// The fraction of the longest step below which such a rise is none. The fall is then placed at the end of the step.
 const SHORTEST_RISE: f64 = 1e-10;
 
-/// The part of a step that the clock resolves where a shorter one is tried.
+/// The fraction of a step that the clock must resolve for a shorter one to be tried.
 const MIN_SHORTENED: f64 = 1e-2;
 
 impl Simulation {
@@ -83,7 +83,7 @@ impl Simulation {
         if mode.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(mode, input, budget)? {
             return Ok(StepsOutcome::Lasts);
         }
-        // After an event the block is evaluated once more, which is not counted, rather than copied.
+        // After an event the block is evaluated again instead of copied. The count of evaluations leaves this one out.
         let start_of = |pose: &Pose| Motion::<_, 4>::under(mode, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
         // Reactions of supports do not jump with the excitation.
@@ -109,7 +109,7 @@ impl Simulation {
         };
         loop {
             if steady && here.rests() {
-                // Loads may have come at this instant.
+                // Loads may begin at this instant.
                 self.peaks.include(&here.channels_called());
                 self.settle_at_rest(input.end);
                 return Ok(StepsOutcome::Lasts);
@@ -295,7 +295,7 @@ impl Simulation {
         }
         self.commit(&there, work);
         if mode.held().is_some() {
-            // The corner lifts and lands so often that only the energy tells.
+            // The corner lifts and lands too often for an account of each event; the balance of energy has their sum.
             let dissipated: f64 = beyond.0.iter().skip(6).sum();
             let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
             self.sums.constraint += made;

@@ -19,10 +19,10 @@ use crate::system::swing::{Bounds, Pivoting, Swing};
 /// The greatest rotation (rad) that is below a quarter turn.
 pub(super) const UPRIGHT: f64 = 1.5;
 
-/// A part of a swing, and the event function that reaches zero at its end.
+/// The beginning of a swing, and the event function that reaches zero at its end.
 #[derive(Clone, Copy)]
 struct SwingSegment {
-    part: f64,
+    fraction: f64,
     function: Option<EventFunction>,
 }
 
@@ -37,11 +37,13 @@ impl SwingSegment {
         };
         let turn = if bounds.theta < UPRIGHT { Zero::None } else { swing.quarter_turn(pivot) };
         match (landing, turn) {
-            (Zero::None, Zero::None) => Some(SwingSegment { part: 1.0, function: None }),
-            (Zero::At(part), Zero::None) => {
-                Some(SwingSegment { part, function: Some(EventFunction::Gap(pivot.other())) })
+            (Zero::None, Zero::None) => Some(SwingSegment { fraction: 1.0, function: None }),
+            (Zero::At(fraction), Zero::None) => {
+                Some(SwingSegment { fraction, function: Some(EventFunction::Gap(pivot.other())) })
             }
-            (Zero::None, Zero::At(part)) => Some(SwingSegment { part, function: Some(EventFunction::QuarterTurn) }),
+            (Zero::None, Zero::At(fraction)) => {
+                Some(SwingSegment { fraction, function: Some(EventFunction::QuarterTurn) })
+            }
             (Zero::At(_), Zero::At(_)) | (Zero::Unclear, _) | (_, Zero::Unclear) => None,
         }
     }
@@ -73,14 +75,14 @@ struct ActingSwing<'a> {
 }
 
 impl ActingSwing<'_> {
-    /// N/M and H/M (m/s²) at a part of the swing, by the equations of motion.
+    /// N/M and H/M (m/s²) at a fraction of the swing, by the equations of motion.
     #[inline]
-    fn forces_at(&self, part: f64) -> [f64; 2] {
-        self.pivoting.forces(self.swing.at(part), &self.excitation.at(self.time + part * self.swing.size))
+    fn forces_at(&self, fraction: f64) -> [f64; 2] {
+        self.pivoting.forces(self.swing.at(fraction), &self.excitation.at(self.time + fraction * self.swing.size))
     }
 }
 
-/// A swing up to a part.
+/// A swing up to a fraction of it.
 struct SwingPart<'a>(ActingSwing<'a>, f64);
 
 impl ForceSegment for SwingPart<'_> {
@@ -88,9 +90,9 @@ impl ForceSegment for SwingPart<'_> {
 
     #[inline(always)]
     fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
-        let SwingPart(acting, part) = self;
+        let SwingPart(acting, fraction) = self;
         if runs {
-            peaks.include(true, acting.mass, acting.forces_at(place * part));
+            peaks.include(true, acting.mass, acting.forces_at(place * fraction));
             peaks.evaluations += 1.0;
         }
     }
@@ -106,12 +108,12 @@ impl Simulation {
         }
     }
 
-    /// Includes the greatest rotation inside a swing, up to a part.
+    /// Includes the greatest rotation inside a swing, up to a fraction.
     #[inline(always)]
-    fn raise_highest(&mut self, swing: &Swing, bounds: &Bounds, pivot: Corner, part: f64) {
+    fn raise_highest(&mut self, swing: &Swing, bounds: &Bounds, pivot: Corner, fraction: f64) {
         if !bounds.is_greatest_at_end
             && bounds.theta > self.peaks.theta
-            && let Some(highest) = swing.highest(pivot, bounds, part, self.peaks.theta)
+            && let Some(highest) = swing.highest(pivot, bounds, fraction, self.peaks.theta)
         {
             self.raise_rotation(swing.at(highest)[0].abs());
         }
@@ -153,31 +155,33 @@ impl Simulation {
                 segment = segment.and_then(|segment| {
                     let next_is_swing = !lasts && segment.function.is_none();
                     let acting = ActingSwing { pivoting: &pivoting, excitation, swing, mass: block.mass, time };
-                    match self.accumulate_forces(&acting, segment.part, next_is_swing) {
+                    match self.accumulate_forces(&acting, segment.fraction, next_is_swing) {
                         Zero::None => Some(segment),
-                        Zero::At(part) => Some(SwingSegment { part, function: Some(EventFunction::Reaction(pivot)) }),
+                        Zero::At(fraction) => {
+                            Some(SwingSegment { fraction, function: Some(EventFunction::Reaction(pivot)) })
+                        }
                         Zero::Unclear => None,
                     }
                 });
             }
-            let SwingSegment { part, function } = segment.unwrap_or(SwingSegment { part: 1.0, function: None });
+            let SwingSegment { fraction, function } = segment.unwrap_or(SwingSegment { fraction: 1.0, function: None });
             let end = match function {
                 None if lasts => stop,
                 None => last_end,
-                Some(function) => event_time(function, time, part * swing.size),
+                Some(function) => event_time(function, time, fraction * swing.size),
             };
-            let [theta, theta_dot] = swing.at(part);
+            let [theta, theta_dot] = swing.at(fraction);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
             if segment.is_some() {
-                self.raise_highest(swing, &bounds, pivot, part);
-                self.commit_swing(end, state, swing.work(part));
+                self.raise_highest(swing, &bounds, pivot, fraction);
+                self.commit_swing(end, state, swing.work(fraction));
             } else {
                 let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
                 if begins_piece && let Some(function) = self.system.fallen(&here) {
                     self.counts.steps -= 1;
                     return Ok(StepsOutcome::Event(function, here));
                 }
-                match self.examine(mode, swing, part, end, &mut here)? {
+                match self.examine(mode, swing, fraction, end, &mut here)? {
                     Finished::TooLong(size) => {
                         most = size;
                         continue;
@@ -201,20 +205,20 @@ impl Simulation {
     ///
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
-    fn accumulate_forces(&mut self, acting: &ActingSwing, mut part: f64, next_is_swing: bool) -> Zero {
+    fn accumulate_forces(&mut self, acting: &ActingSwing, mut fraction: f64, next_is_swing: bool) -> Zero {
         let &ActingSwing { pivoting: &Pivoting { gravity, .. }, swing, mass, .. } = acting;
         let (pressed, mut lift_off) = (PRESSED * gravity, Zero::None);
-        let mut forces = swing.forces(part, gravity);
+        let mut forces = swing.forces(fraction, gravity);
         if !forces.coefficients().iter().all(|&[n, _]| n > pressed) {
             if forces.coefficients()[0][0] <= pressed {
                 return Zero::Unclear;
             }
-            match forces.combined(UNITS[0]).zero_of(|place| acting.forces_at(place * part)[0]) {
+            match forces.combined(UNITS[0]).zero_of(|place| acting.forces_at(place * fraction)[0]) {
                 Zero::None => {}
                 Zero::At(place) => {
-                    part *= place;
-                    lift_off = Zero::At(part);
-                    forces = swing.forces(part, gravity);
+                    fraction *= place;
+                    lift_off = Zero::At(fraction);
+                    forces = swing.forces(fraction, gravity);
                 }
                 Zero::Unclear => return Zero::Unclear,
             }
@@ -222,7 +226,7 @@ impl Simulation {
         let numbers = [mass, visible(self.settings.tolerance)];
         let with_end = lift_off != Zero::None || !next_is_swing;
         self.counts.evaluations += self.peaks.raise_forces(|peaks| {
-            peaks.raise(true, &SwingPart(*acting, part), &forces, numbers, with_end);
+            peaks.raise(true, &SwingPart(*acting, fraction), &forces, numbers, with_end);
         });
         lift_off
     }
@@ -245,25 +249,25 @@ impl Simulation {
         &mut self,
         mode: impl MotionMode,
         swing: &Swing,
-        part: f64,
+        fraction: f64,
         end: f64,
         here: &mut Evaluation,
     ) -> Result<Finished, SimulationError> {
         let (time, block, excitation) = (here.time, here.block, here.excitation);
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
-        let [theta, theta_dot] = swing.at(part);
+        let [theta, theta_dot] = swing.at(fraction);
         let state = State::from([theta, theta_dot, 0.0, 0.0]);
         let there = motion.at(end, state);
         self.counts.evaluations += 2;
         if ![theta, theta_dot, there.instant.theta_ddot].iter().all(|x| x.is_finite()) {
             return Err(SimulationError::NotFinite { time });
         }
-        if end <= time && part == 1.0 {
+        if end <= time && fraction == 1.0 {
             let (size, tolerance) = (swing.size, self.settings.tolerance);
             return Err(SimulationError::StepTooSmall { time, size, tolerance });
         }
         let longest = longest_swing(block.p, excitation.frequency());
-        let step_end = StepEnd { state, work: [swing.work(part), 0.0].into(), longest };
+        let step_end = StepEnd { state, work: [swing.work(fraction), 0.0].into(), longest };
         let inside = StepInterior { motion, between: Between::Swing(time, swing), evaluations: 0 };
         Ok(self.finish(here, there, &step_end, inside))
     }

@@ -116,8 +116,8 @@ pub fn landing_with_friction<T: Elementary>(
 /// Returns the impulse with `|P_H| ≤ μ P_N` nearest to `wanted`, where `P_N = constant + slope P_H`.
 fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T) -> T {
     let bound = |direction: f64| {
-        let part = -(friction * slope * direction) + 1.0;
-        if part.value() > 0.0 { friction * constant / part } else { T::from(f64::INFINITY) }
+        let reserve = -(friction * slope * direction) + 1.0;
+        if reserve.value() > 0.0 { friction * constant / reserve } else { T::from(f64::INFINITY) }
     };
     greatest(least(wanted, bound(1.0)), -bound(-1.0))
 }
@@ -182,8 +182,8 @@ pub fn height_over<T: Elementary>(block: &Block<T>, foot: Foot, theta: T) -> T {
 pub fn landing_loss<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, rate: T) -> T {
     let Block { i0, epsilon, .. } = *block;
     let Lever { x, q } = lever(block, corner, theta);
-    let share = (i0 + q * q) / (i0 + q * q + x * x);
-    (-(epsilon * epsilon) + 1.0) * 0.5 * rate * rate * share
+    let fraction = (i0 + q * q) / (i0 + q * q + x * x);
+    (-(epsilon * epsilon) + 1.0) * 0.5 * rate * rate * fraction
 }
 
 /// Returns the position of the centre of mass relative to a corner.

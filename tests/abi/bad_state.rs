@@ -30,7 +30,7 @@ fn refused(instance: &Instance, bytes: &[c_char], words: &[&str]) {
 }
 
 #[test]
-fn cut_bytes() {
+fn cut_bytes_are_refused() {
     let instance = rocking();
     let (bytes, before) = (bytes_of(&instance), instance.bits());
     for length in (0..bytes.len()).step_by(13).chain([1, 7, 8, bytes.len() - 1]) {
@@ -42,7 +42,7 @@ fn cut_bytes() {
 
 /// Flips one bit, or all bits, of each byte in turn.
 #[test]
-fn altered_bytes() {
+fn altered_bytes_are_refused() {
     let instance = rocking();
     let (bytes, before) = (bytes_of(&instance), instance.bits());
     for position in 0..bytes.len() {
@@ -57,7 +57,7 @@ fn altered_bytes() {
 }
 
 #[test]
-fn something_else_altogether() {
+fn foreign_bytes_are_refused() {
     let instance = rocking();
     for bytes in [&[0; 4096][..], &[-1; 4096], &[0x7f; 3]] {
         refused(&instance, bytes, &["serialized state refused"]);
@@ -68,7 +68,7 @@ fn something_else_altogether() {
 
 /// The version follows the magic number; the error names a later one.
 #[test]
-fn another_version() {
+fn another_version_is_refused() {
     let instance = rocking();
     let mut bytes = bytes_of(&instance);
     let version = bytes[8];
@@ -77,7 +77,7 @@ fn another_version() {
 }
 
 #[test]
-fn too_little_room() {
+fn too_little_room_is_refused() {
     let instance = rocking();
     let state = instance.save();
     let size = instance.serialize(state).len();
@@ -91,7 +91,7 @@ fn too_little_room() {
 }
 
 #[test]
-fn no_state_at_all() {
+fn calls_without_a_state_are_refused() {
     let instance = rocking();
     let before = instance.bits();
     instance.refuses(call!(instance, set_fmu_state, null_mut()), &["fmi2SetFMUstate", "NULL"]);

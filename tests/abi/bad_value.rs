@@ -24,7 +24,7 @@ fn all_of(instance: &Instance) -> Vec<std::ffi::c_char> {
 }
 
 #[test]
-fn unknown_value_references() {
+fn unknown_value_references_are_refused() {
     let count = FMU.description.variables.len() as u32;
     for unknown in [0, count + 1, 4711, u32::MAX] {
         let words: &[&str] = &[&unknown.to_string(), "does not exist"];
@@ -60,7 +60,7 @@ fn unknown_value_references() {
 
 /// Every mixture is refused.
 #[test]
-fn wrong_types() {
+fn wrong_types_are_refused() {
     let [_, _, instance] = settable();
     for variable in &FMU.description.variables {
         let (name, reference, kind) = (variable.name.as_str(), &variable.reference, variable.kind.as_str());
@@ -91,7 +91,7 @@ fn wrong_types() {
 }
 
 #[test]
-fn null_arrays() {
+fn null_arrays_are_refused() {
     let [_, _, instance] = settable();
     let before = all_of(&instance);
     let (theta, a_gx) = (reference("theta"), reference("a_gx"));
@@ -131,7 +131,7 @@ fn null_arrays() {
 }
 
 #[test]
-fn what_cannot_be_set() {
+fn variables_that_cannot_be_set_are_refused() {
     for instance in &settable() {
         for variable in &FMU.description.variables {
             let stepping = call!(instance, get_real_output_derivatives, null(), 0, null(), null_mut()) == OK;

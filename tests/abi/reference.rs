@@ -124,11 +124,11 @@ fn check(tolerance: Tolerance) {
 }
 
 #[test]
-fn at_a_tight_tolerance() {
+fn trajectories_match_at_a_tight_tolerance() {
     check(Tolerance::Tight);
 }
 
 #[test]
-fn at_the_default_tolerance() {
+fn trajectories_match_at_the_default_tolerance() {
     check(Tolerance::Default);
 }

@@ -199,7 +199,7 @@ fn arms(block: &Block, theta: f64) -> [[f64; 2]; 2] {
 
 /// The reactions satisfy Newton's and Euler's equations and the law of the supports in all situations.
 #[test]
-fn forces_balance() {
+fn forces_balance_in_all_situations() {
     for (block, pose) in situations() {
         let excitation = excitation(&block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);

@@ -160,11 +160,12 @@ pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureEr
         .filter(|_| !is_dense)
         .map(|curve| Curve::new(LineStyle::FAINT, segments(&curve.responses, &curve.levels, x.end)));
     let fractiles = [(LineStyle::DOTTED, 0.16), (LineStyle::BLACK, 0.5), (LineStyle::DASHED, 0.84)];
-    let fractiles = fractiles.map(|(style, part)| (style, part, segments(&found.fractile(part), &found.levels, x.end)));
-    let names = fractiles.iter().filter_map(|(_, part, segments)| {
+    let fractiles =
+        fractiles.map(|(style, fraction)| (style, fraction, segments(&found.fractile(fraction), &found.levels, x.end)));
+    let names = fractiles.iter().filter_map(|(_, fraction, segments)| {
         let (peak, level) = segments.iter().flatten().copied().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
         let below = (peak - 0.06 * x.end, level + 0.02 * y.end);
-        Some((below, format!("{} %", short(100.0 * part))))
+        Some((below, format!("{} %", short(100.0 * fraction))))
     });
     let (axis, _) = axis(heading);
     let chart = Chart {
@@ -241,8 +242,8 @@ fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
                     [(pair[1].0 - pair[0].0) / x.end * columns as f64, (pair[1].1 - pair[0].1) / y.end * rows as f64];
                 let steps = (2.0 * spans[0].abs().max(spans[1].abs())).ceil().max(1.0);
                 passed.extend((0..=steps as usize).map(|step| {
-                    let part = step as f64 / steps;
-                    let at = |a: f64, b: f64| a + part * (b - a);
+                    let fraction = step as f64 / steps;
+                    let at = |a: f64, b: f64| a + fraction * (b - a);
                     let row = cell(at(pair[0].1, pair[1].1), y, rows);
                     row * columns + cell(at(pair[0].0, pair[1].0), x, columns)
                 }));

@@ -16,7 +16,7 @@ const LOW: u8 = 195;
 const HIGH: u8 = 120;
 /// Space beyond the bars, relative to their extent, and the least extent relative to the middle.
 const MARGIN: f64 = 0.15;
-const LEAST: f64 = 0.02;
+const MIN_RANGE: f64 = 0.02;
 
 /// A quantity, its range, and the results at both ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<
     sorted.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
     let results = bars.iter().flat_map(|bar| bar.results).flatten().chain([middle]);
     let [low, high] = range(results).unwrap_or([middle; 2]);
-    let margin = MARGIN * (high - low).max(LEAST * middle.abs());
+    let margin = MARGIN * (high - low).max(MIN_RANGE * middle.abs());
     let x = low - margin..high + margin;
     let rows = sorted.len() as f64;
     let (mut tiles, mut notes) = (Vec::new(), Vec::new());

@@ -14,11 +14,11 @@ pub fn long(value: f64) -> String {
     significant(value, 4)
 }
 
-/// Writes a share in per cent.
-pub fn percent(share: f64) -> String {
-    let part = 100.0 * share;
+/// Writes a fraction in per cent.
+pub fn percent(fraction: f64) -> String {
+    let value = 100.0 * fraction;
     let text =
-        if part != 0.0 && part < 1e-3 { format!("{part:.1e}").replace('-', "−") } else { significant(part, 3) };
+        if value != 0.0 && value < 1e-3 { format!("{value:.1e}").replace('-', "−") } else { significant(value, 3) };
     format!("{text} %")
 }
 

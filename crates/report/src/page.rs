@@ -63,8 +63,8 @@ impl Page<'_> {
         short(*value.borrow())
     }
 
-    fn percent(&self, share: impl Borrow<f64>) -> String {
-        numbers::percent(*share.borrow())
+    fn percent(&self, fraction: impl Borrow<f64>) -> String {
+        numbers::percent(*fraction.borrow())
     }
 
     fn rate(&self, per_year: impl Borrow<f64>) -> String {
@@ -198,7 +198,7 @@ impl Page<'_> {
         long(std::f64::consts::TAU / self.report.object.p)
     }
 
-    /// Returns the share of ground motions that overturn the object at the strength of the spectrum.
+    /// Returns the fraction of ground motions that overturn the object at the strength of the spectrum.
     fn object_outcome(&self) -> Option<String> {
         let sizes = &self.report.sizes;
         let p = self.report.object.p;

@@ -1,6 +1,6 @@
 //! A record → the pulse that fits its velocity best.
 //!
-//! The ground velocity v is the integral of the acceleration from rest at the first sample. A pulse with velocity v_p explains the share
+//! The ground velocity v is the integral of the acceleration from rest at the first sample. A pulse with velocity v_p explains the fraction
 //! `R² = 1 − ∫(v − v_p)² dt/∫v² dt` of its energy. The fit maximizes R² over amplitude, period, start, and for [`PulseShape::Gabor`] phase and
 //! cycles: the extended wavelet transform of M. F. Vassiliou, N. Makris, Estimating time scales and length scales in pulselike earthquake
 //! acceleration records with wavelet analysis, BSSA 101 (2011) 596–618, applied to the velocity, in which G. P. Mavroeidis, A. S. Papageorgiou
@@ -302,7 +302,7 @@ mod tests {
                 velocity
             }))
             .collect();
-        let share = |pulse: &Pulse| {
+        let fraction = |pulse: &Pulse| {
             let residual = |(i, v): (usize, &f64)| (v - pulse.velocity(i as f64 * STEP)).powi(2);
             let left: f64 = velocities.iter().enumerate().map(residual).sum();
             1.0 - left / velocities.iter().map(|v| v * v).sum::<f64>()
@@ -310,7 +310,7 @@ mod tests {
         for shape in SHAPES {
             let PulseFit { pulse, r_squared } = fit(&noisy, shape).unwrap();
             // Ricker wavelets leave a velocity of some 1e-9 of their peak.
-            near(share(&pulse), r_squared, 1e-7);
+            near(fraction(&pulse), r_squared, 1e-7);
             let Pulse { amplitude, period, start, phase, cycles, .. } = pulse;
             for sign in [-1.0, 1.0] {
                 for other in [
@@ -321,7 +321,7 @@ mod tests {
                     Pulse { cycles: cycles * (1.0 + 0.01 * sign), ..pulse },
                 ] {
                     let is_changed = shape == PulseShape::Gabor || (other.phase, other.cycles) == (phase, cycles);
-                    assert!(!is_changed || share(&other) < r_squared, "{shape:?}: {other:?}");
+                    assert!(!is_changed || fraction(&other) < r_squared, "{shape:?}: {other:?}");
                 }
             }
         }

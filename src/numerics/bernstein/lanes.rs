@@ -30,7 +30,7 @@ struct Signs<V: Simd> {
     falls: Lanes<V>,
     /// The lanes in which negative numbers are followed by positive ones.
     rises: Lanes<V>,
-    /// Where the sequence falls, as a part of its length.
+    /// Where the sequence falls, as a fraction of its length.
     crossing: Wide<V>,
 }
 

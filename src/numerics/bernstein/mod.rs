@@ -17,8 +17,8 @@ use crate::numerics::scalar::Real;
 /// Relative error of a zero.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Of the interval, the width of the last step to a maximum. The error is of the order of its square, and the value as exact as the square
-/// of that.
+/// Width of the last Newton step to a maximum, over the interval. The error of its place is of the order of the width's square, that of the
+/// value of its fourth power.
 const WIDTH: f64 = 1e-5;
 
 /// Maximum number of Newton's steps to a zero or a maximum.
@@ -219,7 +219,7 @@ impl Bernstein {
         Zero::At(place)
     }
 
-    /// The first zero in a part of the interval.
+    /// The first zero in a segment of the interval.
     fn zero_within(&self, [low, high]: [f64; 2], coefficients: &Row, halvings: u32) -> Zero {
         match (sign_changes(coefficients), coefficients[DEGREE] > 0.0) {
             (0, true) => Zero::None,

@@ -109,7 +109,7 @@ fn halves_have_closer_bounds() {
 
 /// Pairs have the coefficients of each polynomial, and the greatest value of a combination is that of its powers.
 #[test]
-fn pairs_combine() {
+fn pairs_combine_as_their_polynomials_do() {
     let (p, q) = ([0.3, -1.0, 2.0, -0.5], [0.1, 4.0, -7.0, 3.0]);
     let pair = Pair::of(std::array::from_fn(|k| [p, q].map(|powers| powers.get(k).copied().unwrap_or(0.0))), 3);
     let each = [polynomial(&p), polynomial(&q)];

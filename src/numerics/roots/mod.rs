@@ -29,12 +29,12 @@ impl<R: std::ops::Neg<Output = R>> Sample<R> {
 /// that a piece is shorter than 1/24 of it and close to a cubic.
 pub const PIECES: u32 = 8;
 
-/// Returns the number of pieces of a step that is this part of the longest.
+/// Returns the number of pieces of a step that is this fraction of the longest.
 ///
 /// None is longer than a piece of the longest step.
-pub fn pieces(part_of_longest: f64) -> u32 {
+pub fn pieces(fraction_of_longest: f64) -> u32 {
     // NaN gives one piece.
-    ((f64::from(PIECES) * part_of_longest).ceil() as u32).clamp(1, PIECES)
+    ((f64::from(PIECES) * fraction_of_longest).ceil() as u32).clamp(1, PIECES)
 }
 
 /// Maximum number of halvings of a step, pieces included, that may still hide a root.

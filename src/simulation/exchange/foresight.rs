@@ -6,8 +6,8 @@ use crate::simulation::state::{Pending, Simulation};
 
 /// Longest time from an event to one that is foreseen after it, times p.
 ///
-/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative
-/// tolerance of 1e-6 has a hundred times that to resolve where the block takes longer.
+/// A rotation that returns within T peaks at some α (p T)²/32, here at most 8e-5 α. Longer arcs exceed a relative tolerance of 1e-6
+/// of an importer's solver a hundred times.
 const FORESIGHT: f64 = 0.05;
 
 /// The tolerance of steps to a foreseen event.

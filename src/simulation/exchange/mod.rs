@@ -225,7 +225,7 @@ impl Simulation {
         let here = motion.at(last.time, motion.state_at(last));
         let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
         let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
-        // An importer may step as far as it wants: the rates of all channels are compared.
+        // An importer may take steps of any length, so the rates of all channels are compared.
         let near = 0.0;
         let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
         inside.include_in(&mut self.peaks, &here, there, near);

@@ -11,7 +11,7 @@
 //! | [`grip`] | the pressure on a sliding foot without a limit of friction, if it gripped → it grips |
 //! | `friction` | the distance of H from Coulomb's limit, the speed of a sliding foot → it slides, or grips |
 //! | `restraint` | an event function of a restraint → its state changes |
-//! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
+//! | [`quarter_turn`] | the remaining angle → the run ends |
 //!
 //! [`watched`] is the table of the watched functions in each regime, for the driver, Model Exchange's indicators and the lanes. After
 //! each event `settle` decides the regime again, in a `change` of the pose.

@@ -24,7 +24,7 @@ where
     pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) -> TransitionCounts {
         let mut counts = TransitionCounts::NONE;
         let block = &self.system.block;
-        // Two events closer than this differ by round-off. On a clock far from zero they may be at one time, and yet apart.
+        // Events closer than this differ by round-off. Far from t = 0 the clock may show one time for distinct events.
         let resolution = 4.0 * f64::EPSILON / block.omega_v.value().max(block.p.value());
         loop {
             self.pose.contacts.let_bear();

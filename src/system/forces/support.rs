@@ -1,6 +1,6 @@
 //! The vertical Kelvin–Voigt support under each corner: it pushes but never pulls.
 //!
-//! A support with the share `n` of the weight at rest, ½ without eccentricity, gives `N/M = n g − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
+//! A support with the fraction `n` of the weight at rest, ½ without eccentricity, gives `N/M = n g − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -19,7 +19,7 @@ pub fn reaction_rate<R: Scalar>(block: &Block<R>, rate: R, acceleration: R) -> R
 where
     Dual<R>: CombinesWith<R>,
 {
-    // The static share has no rate, so either corner will do.
+    // The static load has no rate, so either corner will do.
     reaction(block, Corner::Left, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
 }
 

@@ -6,8 +6,8 @@ use crate::block::Corner;
 use crate::numerics::bernstein::{Bernstein, DEGREE, Zero};
 use crate::system::swing::{Bounds, ORDER, Series, Swing};
 
-/// Of a swing, the width of the last step to the greatest rotation. The error is of the order of its square, and the rotation as exact as
-/// the square of that.
+/// Width of the last Newton step to the greatest rotation, over the swing. The error of its place is of the order of the width's square,
+/// that of the rotation of its fourth power.
 pub(super) const TOP_WIDTH: f64 = 1e-5;
 
 /// Round-off of the acceleration of a block leaving the base, over its change.
@@ -23,22 +23,22 @@ pub(super) const MAX_NEWTON: u32 = 60;
 pub(super) const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
 
 impl Swing {
-    /// The part of the swing after which the block comes down.
+    /// The fraction of the swing after which the block comes down.
     ///
     /// Needs bounds that are certain, and a negative rotation at the end. θ̈ then points to the base all the time, so that Newton's
     /// method approaches the zero from the end of the swing without passing it. The result is within 4 ulp.
     #[inline]
     pub fn landing(&self) -> f64 {
-        let mut part = 1.0;
+        let mut fraction = 1.0;
         for _ in 0..MAX_NEWTON {
-            let [theta, slope] = self.theta_at(part);
-            let next = part - theta / slope;
-            if next >= STILL * part {
+            let [theta, slope] = self.theta_at(fraction);
+            let next = fraction - theta / slope;
+            if next >= STILL * fraction {
                 break;
             }
-            part = next;
+            fraction = next;
         }
-        part
+        fraction
     }
 
     /// The fraction of the swing after which a block that leaves the base, or is off it, lands.
@@ -53,7 +53,7 @@ impl Swing {
         let mut rest = [0.0; DEGREE + 1];
         rest[..ORDER + 1 - zeros].copy_from_slice(&theta[zeros..]);
         match Bernstein::of(rest, self.order - zeros).zero() {
-            Zero::At(part) if zeros > 1 && part < MIN_LANDING => Zero::Unclear,
+            Zero::At(fraction) if zeros > 1 && fraction < MIN_LANDING => Zero::Unclear,
             zero => zero,
         }
     }
@@ -67,22 +67,22 @@ impl Swing {
 
     /// The fraction of the swing at which the rotation away from a corner peaks, if below `fraction`. The peak exceeds `most` (rad) and
     /// both ends.
-    pub fn highest(&self, corner: Corner, bounds: &Bounds, part: f64, most: f64) -> Option<f64> {
+    pub fn highest(&self, corner: Corner, bounds: &Bounds, fraction: f64, most: f64) -> Option<f64> {
         if bounds.turns_back {
-            return self.top(-corner.sign(), part, most);
+            return self.top(-corner.sign(), fraction, most);
         }
-        Bernstein::of(self.away_from(corner, part), self.order).highest(most).map(|place| place * part)
+        Bernstein::of(self.away_from(corner, fraction), self.order).highest(most).map(|place| place * fraction)
     }
 
     /// The fraction of the swing at which the rotation peaks, if θ̈ always points to the base.
     ///
     /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
-    fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
-        let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(part));
+    fn top(&self, away: f64, fraction: f64, most: f64) -> Option<f64> {
+        let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(fraction));
         if first * away <= 0.0 || last * away >= 0.0 {
             return None;
         }
-        let (mut low, mut high, mut place) = (0.0, part, part * (first / (first - last)));
+        let (mut low, mut high, mut place) = (0.0, fraction, fraction * (first / (first - last)));
         for _ in 0..MAX_NEWTON {
             let [theta, slope, half_curvature] = self.curve_at(place);
             let rises = slope * away > 0.0;
@@ -101,12 +101,12 @@ impl Swing {
         Some(place)
     }
 
-    /// The series of the rotation away from a corner, in powers of the elapsed fraction of `fraction`.
-    fn away_from(&self, corner: Corner, part: f64) -> Series {
+    /// The series of the rotation away from a corner, over the first `fraction` of the swing.
+    fn away_from(&self, corner: Corner, fraction: f64) -> Series {
         let (mut theta, mut power) = (self.theta, -corner.sign());
         for term in &mut theta {
             *term *= power;
-            power *= part;
+            power *= fraction;
         }
         theta
     }

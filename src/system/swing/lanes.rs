@@ -48,12 +48,12 @@ fn term<V: Simd>(series: &Series<Wide<V>>, k: usize) -> Wide<V> {
 
 /// The work of a force linear in time on the motion with this series.
 #[inline(always)]
-fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order: usize, part: Wide<V>) -> Wide<V> {
+fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order: usize, fraction: Wide<V>) -> Wide<V> {
     let zero = Wide::default();
     if !zero.less(value.abs()).or(zero.less(rate.abs())).any() {
         return zero;
     }
-    let [way, moment] = way_and_moment(series, order, part);
+    let [way, moment] = way_and_moment(series, order, fraction);
     value * way + rate * moment
 }
 
@@ -80,7 +80,7 @@ impl<V: Simd> Swings<V> {
         Swings { series, orders: Wide::default() }
     }
 
-    /// The swings from `[θ, θ̇]` on, see [`Swing::of`]. They are made where they stand: a copy would take longer than a term.
+    /// Makes the swings from `[θ, θ̇]` on in place, since a copy costs more than a term. See [`Swing::of`].
     #[inline(always)]
     pub fn make(
         &mut self,
@@ -188,17 +188,17 @@ impl<V: Simd> Swings<V> {
     /// The fraction after which the block lands in these lanes, and 1 in the others. See [`Swing::landing`].
     #[inline(always)]
     pub fn landing(&self, lanes: Lanes<V>) -> Wide<V> {
-        let mut part = Wide::from(1.0);
+        let mut fraction = Wide::from(1.0);
         for _ in 0..MAX_NEWTON {
-            let [theta, slope] = self.series.theta_at(part);
-            let next = part - theta / slope;
-            let moves = next.less(part * STILL).and(lanes);
+            let [theta, slope] = self.series.theta_at(fraction);
+            let next = fraction - theta / slope;
+            let moves = next.less(fraction * STILL).and(lanes);
             if !moves.any() {
                 break;
             }
-            part = next.in_lanes(moves, part);
+            fraction = next.in_lanes(moves, fraction);
         }
-        part
+        fraction
     }
 
     /// The lanes in which the block certainly stays up, those in which it lands, and the fraction of the landing. See
@@ -219,9 +219,9 @@ impl<V: Simd> Swings<V> {
         let rotation = Bernsteins::of(rotation, order);
         let stays = lanes.and(rotation.is_positive());
         let others = lanes.except(stays);
-        let (part, lands) = rotation.only_zero(others);
-        let is_early = part.less(Wide::from(MIN_LANDING)).and(lands.except(moves));
-        (stays, lands.except(is_early), part)
+        let (fraction, lands) = rotation.only_zero(others);
+        let is_early = fraction.less(Wide::from(MIN_LANDING)).and(lands.except(moves));
+        (stays, lands.except(is_early), fraction)
     }
 
     /// Finds the lanes that exclude a quarter turn, as [`Swing::quarter_turn`] does.
@@ -239,35 +239,35 @@ impl<V: Simd> Swings<V> {
     /// The greatest rotation (rad) inside, and the lanes in which it is known. It lies before a fraction of the swing, and is 0 unless it
     /// exceeds `most` and both ends. See [`Swing::highest`].
     #[inline(always)]
-    pub fn highest(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> (Wide<V>, Lanes<V>) {
+    pub fn highest(&self, lanes: Lanes<V>, away: Wide<V>, fraction: Wide<V>, most: Wide<V>) -> (Wide<V>, Lanes<V>) {
         let Swing { order, ref theta, .. } = self.series;
         let (mut rotation, mut power) = ([Wide::default(); DEGREE + 1], away);
         for k in 0..order.min(ORDER) + 1 {
             rotation[k] = theta[k] * power;
-            power = power * part;
+            power = power * fraction;
         }
         let Highest { place, exceeds, known } = Bernsteins::of(rotation, order).highest(lanes, most);
-        let [theta, _] = self.series.theta_at(place * part);
+        let [theta, _] = self.series.theta_at(place * fraction);
         (theta.abs().in_lanes(exceeds, Wide::default()), known)
     }
 
-    /// N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
+    /// N/M and H/M (m/s²) up to a fraction, see [`Swing::forces`].
     #[inline(always)]
-    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Pairs<V> {
-        let (forces, degree) = self.series.force_series(part, gravity);
+    pub fn forces(&self, fraction: Wide<V>, gravity: Wide<V>) -> Pairs<V> {
+        let (forces, degree) = self.series.force_series(fraction, gravity);
         Pairs::of(forces, degree)
     }
 
     /// The greatest rotation (rad) inside these lanes, if it exceeds `most`, and otherwise 0. It lies before a fraction of the swing, and
     /// θ̈ always points to the base. See [`Swing::highest`].
     #[inline(always)]
-    pub fn top(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> Wide<V> {
+    pub fn top(&self, lanes: Lanes<V>, away: Wide<V>, fraction: Wide<V>, most: Wide<V>) -> Wide<V> {
         let zero = Wide::default();
         let first = self.series.theta[1];
-        let [_, last] = self.series.theta_at(part);
+        let [_, last] = self.series.theta_at(fraction);
         let mut active = lanes.and(zero.less(first * away)).and((last * away).less(zero));
         let mut found = zero.less(zero);
-        let (mut low, mut high, mut place) = (zero, part, part * (first / (first - last)));
+        let (mut low, mut high, mut place) = (zero, fraction, fraction * (first / (first - last)));
         for _ in 0..MAX_NEWTON {
             if !active.any() {
                 break;
@@ -291,19 +291,19 @@ impl<V: Simd> Swings<V> {
 
     /// See [`Swing::work`], which has the same sums.
     #[inline(always)]
-    pub fn work(&self, part: Wide<V>) -> Wide<V> {
+    pub fn work(&self, fraction: Wide<V>) -> Wide<V> {
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = self.series;
         let order = order.min(ORDER);
         let of_x = match forcing.terms > 2 {
-            true => self.work_of_wave(part),
-            false => linear([forcing.x[0], forcing.x[1]], x, order, part),
+            true => self.work_of_wave(fraction),
+            false => linear([forcing.x[0], forcing.x[1]], x, order, fraction),
         };
-        linear(forcing.moment, theta, order, part) - linear(forcing.z, q, order, part) - of_x
+        linear(forcing.moment, theta, order, fraction) - linear(forcing.z, q, order, fraction) - of_x
     }
 
     /// See [`Swing::work_of_wave`].
     #[inline(always)]
-    fn work_of_wave(&self, part: Wide<V>) -> Wide<V> {
+    fn work_of_wave(&self, fraction: Wide<V>) -> Wide<V> {
         let Swing { order, ref x, ref forcing, .. } = self.series;
         let mut velocity: Series<Wide<V>> = [Wide::default(); ORDER + 1];
         for n in 1..order.min(ORDER) + 1 {
@@ -318,18 +318,18 @@ impl<V: Simd> Swings<V> {
                     for j in 0..$n {
                         power = power + velocity[$n - j] * forcing.x[j];
                     }
-                    work = work * part + power * RECIPROCAL[$n];
+                    work = work * fraction + power * RECIPROCAL[$n];
                 })*
             };
         }
         terms!(16 15 14 13 12 11 10 9 8 7 6 5 4 3 2 1);
-        work * part
+        work * fraction
     }
 
-    /// `[θ, θ̇]` (rad, rad/s) after a part.
+    /// `[θ, θ̇]` (rad, rad/s) after a fraction.
     #[inline(always)]
-    pub fn at(&self, part: Wide<V>) -> [Wide<V>; 2] {
-        self.series.at(part)
+    pub fn at(&self, fraction: Wide<V>) -> [Wide<V>; 2] {
+        self.series.at(fraction)
     }
 
     /// Durations (s).

@@ -6,7 +6,7 @@
 //! (I0/M + X² + Q²) θ̈ = X (g + a_z) − Q a_x + m        Ẋ = Q θ̇        Q̇ = −X θ̇
 //! ```
 //!
-//! where X² + Q² is constant. Let τ be the elapsed part of the swing, from 0 to 1, h its duration, and `θ = Σ θ_k τᵏ`; X, Q and the
+//! where X² + Q² is constant. Let τ be the elapsed fraction of the swing, from 0 to 1, h its duration, and `θ = Σ θ_k τᵏ`; X, Q and the
 //! excitation likewise. Equal powers of τ on both sides give one coefficient after the other (Jorba and Zou, "A software package for the
 //! numerical integration of ODEs by means of high-order Taylor methods", Experimental Mathematics 14, 2005):
 //!
@@ -131,21 +131,21 @@ static OF_NEXT: Series = numbers(3);
 
 /// The fraction of a swing whose last terms meet the allowed error. `fraction` is the allowed error over that of the whole swing.
 #[inline(always)]
-fn shortening<T: Real>(part: T) -> T {
+fn shortening<T: Real>(fraction: T) -> T {
     const SAFETY: f64 = 0.75;
     // The root of order 16.
-    part.sqrt().sqrt().sqrt().sqrt() * SAFETY
+    fraction.sqrt().sqrt().sqrt().sqrt() * SAFETY
 }
 
-/// `∫ s' dτ` and `∫ τ s' dτ` over a part, for a series s of this order.
+/// `∫ s' dτ` and `∫ τ s' dτ` over a fraction, for a series s of this order.
 #[inline(always)]
-fn way_and_moment<T: Real>(series: &Series<T>, order: usize, part: T) -> [T; 2] {
+fn way_and_moment<T: Real>(series: &Series<T>, order: usize, fraction: T) -> [T; 2] {
     let (mut way, mut moment) = (T::from(0.0), T::from(0.0));
     for n in (1..order + 1).rev() {
-        way = way * part + series[n];
-        moment = moment * part + series[n] * OF_NEXT[n];
+        way = way * fraction + series[n];
+        moment = moment * fraction + series[n] * OF_NEXT[n];
     }
-    [way * part, moment * (part * part)]
+    [way * fraction, moment * (fraction * fraction)]
 }
 
 impl<T: Real> Swing<T> {
@@ -207,34 +207,34 @@ impl<T: Real> Swing<T> {
 
     /// The series of N/M and H/M (m/s²) up to a fraction of the swing, and their degree.
     #[inline(always)]
-    fn force_series(&self, part: T, gravity: T) -> (Row<[T; 2]>, usize) {
+    fn force_series(&self, fraction: T, gravity: T) -> (Row<[T; 2]>, usize) {
         let Swing { size, ref x, ref q, ref forcing, .. } = *self;
         let (degree, mut forces) = (self.force_order() - 2, [[T::from(0.0); 2]; DEGREE + 1]);
         let (mut per_second, mut power) = (T::from(1.0) / (size * size), T::from(1.0));
         for (k, force) in forces.iter_mut().enumerate().take(degree + 1) {
             let squares = per_second * PRODUCT[k + 2];
             *force = [q[k + 2] * squares, x[k + 2] * squares + forcing.x[k] * power];
-            (per_second, power) = (per_second * part, power * part);
+            (per_second, power) = (per_second * fraction, power * fraction);
         }
         forces[0][0] = forces[0][0] + (forcing.z[0] + gravity);
-        forces[1][0] = forces[1][0] + forcing.z[1] * part;
+        forces[1][0] = forces[1][0] + forcing.z[1] * fraction;
         (forces, degree)
     }
 
-    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
+    /// `[θ, θ̇]` (rad, rad/s) after a fraction of the swing.
     #[inline(always)]
-    pub fn at(&self, part: T) -> [T; 2] {
-        let [theta, slope] = self.theta_at(part);
+    pub fn at(&self, fraction: T) -> [T; 2] {
+        let [theta, slope] = self.theta_at(fraction);
         [theta, slope / self.size]
     }
 
     /// θ (rad) and its rate of change per swing.
     #[inline(always)]
-    pub fn theta_at(&self, part: T) -> [T; 2] {
+    pub fn theta_at(&self, fraction: T) -> [T; 2] {
         let (mut theta, mut slope) = (T::from(0.0), T::from(0.0));
         for k in (0..self.order + 1).rev() {
-            slope = slope * part + theta;
-            theta = theta * part + self.theta[k];
+            slope = slope * fraction + theta;
+            theta = theta * fraction + self.theta[k];
         }
         [theta, slope]
     }
@@ -243,12 +243,12 @@ impl<T: Real> Swing<T> {
 impl<T: Real> Swing<T> {
     /// θ (rad), its rate of change per swing, and half of the rate of that.
     #[inline(always)]
-    fn curve_at(&self, part: T) -> [T; 3] {
+    fn curve_at(&self, fraction: T) -> [T; 3] {
         let (mut theta, mut slope, mut half_curvature) = (T::from(0.0), T::from(0.0), T::from(0.0));
         for k in (0..self.order + 1).rev() {
-            half_curvature = half_curvature * part + slope;
-            slope = slope * part + theta;
-            theta = theta * part + self.theta[k];
+            half_curvature = half_curvature * fraction + slope;
+            slope = slope * fraction + theta;
+            theta = theta * fraction + self.theta[k];
         }
         [theta, slope, half_curvature]
     }
@@ -326,31 +326,32 @@ impl Swing {
 
     /// N/M and H/M (m/s²) up to a fraction of the swing, by the series. At its end they are less accurate than the equations of motion.
     #[inline(always)]
-    pub fn forces(&self, part: f64, gravity: f64) -> Pair {
-        let (forces, degree) = self.force_series(part, gravity);
+    pub fn forces(&self, fraction: f64, gravity: f64) -> Pair {
+        let (forces, degree) = self.force_series(fraction, gravity);
         Pair::of(forces, degree)
     }
 
-    /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
+    /// Work of the excitation per unit mass (m²/s²) over a fraction of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
-    pub fn work(&self, part: f64) -> f64 {
+    pub fn work(&self, fraction: f64) -> f64 {
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
         let linear = |[value, rate]: [f64; 2], series: &Series| {
             if value == 0.0 && rate == 0.0 {
                 return 0.0;
             }
-            let [way, moment] = way_and_moment(series, order, part);
+            let [way, moment] = way_and_moment(series, order, fraction);
             value * way + rate * moment
         };
-        let of_x = if forcing.terms > 2 { self.work_of_wave(part) } else { linear([forcing.x[0], forcing.x[1]], x) };
+        let of_x =
+            if forcing.terms > 2 { self.work_of_wave(fraction) } else { linear([forcing.x[0], forcing.x[1]], x) };
         linear(forcing.moment, theta) - linear(forcing.z, q) - of_x
     }
 
-    /// `∫ a_x u̇ dt` over a part of the swing.
-    fn work_of_wave(&self, part: f64) -> f64 {
+    /// `∫ a_x u̇ dt` over a fraction of the swing.
+    fn work_of_wave(&self, fraction: f64) -> f64 {
         const SERIES: usize = ORDER + 1;
         let Swing { order, ref x, ref forcing, .. } = *self;
-        // The velocity of the centre of mass, after zeros: each term of the forcing multiplies as many numbers.
+        // The velocity of the centre of mass, with zeros before it: each term of the forcing multiplies the same count of numbers.
         let (mut power, mut velocity) = ([0.0; SERIES + 1], [0.0; 2 * SERIES + 1]);
         for n in 1..order + 1 {
             velocity[SERIES + n] = x[n] * NUMBER[n];
@@ -366,9 +367,9 @@ impl Swing {
         terms!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
         let mut work = 0.0;
         for n in (1..SERIES).rev() {
-            work = work * part + power[n] * RECIPROCAL[n];
+            work = work * fraction + power[n] * RECIPROCAL[n];
         }
-        work * part
+        work * fraction
     }
 
     /// Bounds of the motion over the swing.

@@ -24,7 +24,7 @@ use crate::numerics::gradient::{Directions, MultiDual};
 use crate::numerics::scalar::CombinesWith;
 use crate::numerics::wide::{DIRECTIONS, DirectionsTask, Number, Packed, with_directions};
 
-/// The series of δθ in powers of the elapsed part of a swing.
+/// The series of δθ in powers of the elapsed fraction of a swing.
 pub type TangentSeries<D = [f64; DIRECTIONS]> = [D; ORDER + 1];
 
 /// No derivatives.
@@ -39,38 +39,38 @@ impl Swing {
         corner: Corner,
         excitation: &Excitation<Number>,
         start: [Number; 3],
-        part: f64,
+        fraction: f64,
         mut series: Option<&mut TangentSeries>,
     ) -> [Number; 2] {
-        let vary = Vary { swing: self, block, corner, excitation, start, part };
+        let vary = Vary { swing: self, block, corner, excitation, start, fraction };
         let change = with_directions(Task(vary, series.as_deref_mut()))
             .unwrap_or_else(|| Task(vary, series).run::<[f64; DIRECTIONS]>());
-        self.with_derivatives(part, change)
+        self.with_derivatives(fraction, change)
     }
 
     /// `[θ, θ̇]` after a fraction of the swing, with derivatives from the series of [`Swing::varied`].
-    pub fn varied_by(&self, series: &TangentSeries, part: f64) -> [Number; 2] {
-        self.with_derivatives(part, sums(series, self.order, part, self.size))
+    pub fn varied_by(&self, series: &TangentSeries, fraction: f64) -> [Number; 2] {
+        self.with_derivatives(fraction, sums(series, self.order, fraction, self.size))
     }
 
-    fn with_derivatives(&self, part: f64, [change, rate]: [[f64; DIRECTIONS]; 2]) -> [Number; 2] {
-        let [theta, theta_dot] = self.at(part);
+    fn with_derivatives(&self, fraction: f64, [change, rate]: [[f64; DIRECTIONS]; 2]) -> [Number; 2] {
+        let [theta, theta_dot] = self.at(fraction);
         [Number::new(theta, change), Number::new(theta_dot, rate)]
     }
 }
 
-/// `[δθ, δθ̇]` after a part of a swing of this order and size (s).
+/// `[δθ, δθ̇]` after a fraction of a swing of this order and size (s).
 #[inline(always)]
-fn sums<D: Directions>(series: &TangentSeries<D>, order: usize, part: f64, size: f64) -> [D; 2] {
+fn sums<D: Directions>(series: &TangentSeries<D>, order: usize, fraction: f64, size: f64) -> [D; 2] {
     let (mut change, mut slope) = (D::zeros(), D::zeros());
     for k in (0..order + 1).rev() {
-        slope = slope.times(part).plus(change);
-        change = change.times(part).plus(series[k]);
+        slope = slope.times(fraction).plus(change);
+        change = change.times(fraction).plus(series[k]);
     }
     [change, slope.times(1.0 / size)]
 }
 
-/// The changes of a forcing in powers of the elapsed part of a swing.
+/// The changes of a forcing in powers of the elapsed fraction of a swing.
 struct Changes<D> {
     x: [D; ORDER + 1],
     /// The number of those of x that may differ from zero.
@@ -98,7 +98,7 @@ where
     }
 }
 
-/// A swing that varies, up to a part of it.
+/// A varying swing up to a fraction of it.
 #[derive(Clone, Copy)]
 struct Vary<'a> {
     swing: &'a Swing,
@@ -106,10 +106,10 @@ struct Vary<'a> {
     corner: Corner,
     excitation: &'a Excitation<Number>,
     start: [Number; 3],
-    part: f64,
+    fraction: f64,
 }
 
-/// `[δθ, δθ̇]` of a swing that varies; the series goes to the second part.
+/// `[δθ, δθ̇]` of a swing that varies; the series goes to the second field.
 struct Task<'a>(Vary<'a>, Option<&'a mut TangentSeries>);
 
 impl DirectionsTask for Task<'_> {
@@ -121,7 +121,7 @@ impl DirectionsTask for Task<'_> {
         MultiDual<D>: CombinesWith<Number>,
     {
         let Task(vary, series) = self;
-        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot], part } = vary;
+        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot], fraction } = vary;
         let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *swing;
         let (sin, cos) = libm::sincos(rotation[0]);
         let lever = block.lever(Foot::Corner(corner), MultiDual::<D>::from(sin), MultiDual::from(cos));
@@ -173,7 +173,7 @@ impl DirectionsTask for Task<'_> {
                 series[k] = tangent[k].into();
             }
         }
-        let [change, rate] = sums(&tangent, order, part, size);
+        let [change, rate] = sums(&tangent, order, fraction, size);
         [change.into(), rate.into()]
     }
 }

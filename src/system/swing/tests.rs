@@ -85,14 +85,14 @@ proptest! {
         let (size, mut work) = (swing.size / f64::from(STEPS), 0.0);
         let mut now = motion.at(0.5, State::from([case.start[0], case.start[1], 0.0, 0.0]));
         for step in 0..=STEPS {
-            let part = f64::from(step) / f64::from(STEPS);
-            let ([theta, theta_dot], [n, h]) = (swing.at(part), forces.each_ref().map(|force| force.at(part)));
-            let off = [(theta - now.state[0]) / block.alpha, (theta_dot - now.state[1]) / rate, (swing.work(part) - work) / height];
-            prop_assert!(off.iter().all(|off| off.abs() < 1e-11), "{}: {:?}", part, off);
+            let fraction = f64::from(step) / f64::from(STEPS);
+            let ([theta, theta_dot], [n, h]) = (swing.at(fraction), forces.each_ref().map(|force| force.at(fraction)));
+            let off = [(theta - now.state[0]) / block.alpha, (theta_dot - now.state[1]) / rate, (swing.work(fraction) - work) / height];
+            prop_assert!(off.iter().all(|off| off.abs() < 1e-11), "{}: {:?}", fraction, off);
             let (found, i) = (now.rates(), corner.index());
             let reaction = found.reaction[i];
             let off = [n - reaction.re, h - found.horizontal.re].map(|off| off / block.gravity);
-            prop_assert!(off.iter().all(|off| off.abs() < 1e-8), "{}: {:?}", part, off);
+            prop_assert!(off.iter().all(|off| off.abs() < 1e-8), "{}: {:?}", fraction, off);
             let [least, most] = bounds.reaction;
             let slack = 1e-8 * block.gravity;
             prop_assert!(least - slack <= n && n <= most + slack, "N {} beyond {:?}", n, bounds);
@@ -121,33 +121,33 @@ proptest! {
             _ => prop_assert_eq!(landing, found),
         }
         for (zero, height) in [(landing, [away, 0.0]), (quarter, [-away, FRAC_PI_2])] {
-            let rest = |part: f64| height[0] * swing.at(part)[0] + height[1];
-            let part = match zero {
+            let rest = |fraction: f64| height[0] * swing.at(fraction)[0] + height[1];
+            let fraction = match zero {
                 Zero::None => 1.0,
-                Zero::At(part) => {
-                    let [before, after] = [part * (1.0 - 1e-13), part * (1.0 + 1e-13)].map(rest);
-                    prop_assert!(before >= 0.0 && after <= 0.0, "{} to {} at {}", before, after, part);
-                    part
+                Zero::At(fraction) => {
+                    let [before, after] = [fraction * (1.0 - 1e-13), fraction * (1.0 + 1e-13)].map(rest);
+                    prop_assert!(before >= 0.0 && after <= 0.0, "{} to {} at {}", before, after, fraction);
+                    fraction
                 }
                 Zero::Unclear => continue,
             };
             for i in 1..50 {
-                let on_the_way = rest(part * f64::from(i) / 50.0);
-                prop_assert!(on_the_way > 0.0, "{} before {}", on_the_way, part);
+                let on_the_way = rest(fraction * f64::from(i) / 50.0);
+                prop_assert!(on_the_way > 0.0, "{} before {}", on_the_way, fraction);
             }
         }
     }
 
     /// No rotation on the way exceeds the highest one.
     #[test]
-    fn the_highest_rotation_is_found(case in case(), part in 0.1..1.0_f64) {
+    fn the_highest_rotation_is_found(case in case(), fraction in 0.1..1.0_f64) {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
-        let at = |part: f64| away * swing.at(part)[0];
-        let ends = at(0.0).max(at(part));
+        let at = |fraction: f64| away * swing.at(fraction)[0];
+        let ends = at(0.0).max(at(fraction));
         let bounds = swing.bounds(&case.block, case.corner);
-        let highest = swing.highest(case.corner, &bounds, part, ends).map_or(ends, at);
+        let highest = swing.highest(case.corner, &bounds, fraction, ends).map_or(ends, at);
         for i in 0..=100 {
-            prop_assert!(at(part * f64::from(i) / 100.0) <= highest * (1.0 + 1e-14), "{} of {}", i, highest);
+            prop_assert!(at(fraction * f64::from(i) / 100.0) <= highest * (1.0 + 1e-14), "{} of {}", i, highest);
         }
     }
 }

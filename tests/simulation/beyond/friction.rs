@@ -197,7 +197,7 @@ proptest! {
 
     /// The boundaries between the four modes match Shenton's, to round-off.
     #[test]
-    fn shentons_boundaries(alpha in 0.1..0.6, friction in 0.05..1.2, over in 1.001..3.0) {
+    fn mode_boundaries_are_those_of_shenton(alpha in 0.1..0.6, friction in 0.05..1.2, over in 1.001..3.0) {
         const CLOSE: f64 = 1e-12;
         let tan = libm::tan(alpha);
         let [below, above] = [1.0 - CLOSE, 1.0 + CLOSE];

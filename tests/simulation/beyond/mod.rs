@@ -142,6 +142,6 @@ fn trajectories_with_ties_and_dampers_that_yield() {
 
 /// θ and the places within 1e-7 of α and of R0, with the same events within 1e-7 s.
 #[test]
-fn trajectories() {
+fn trajectories_match_the_references() {
     check_cases(&cases(), |case| &case.name, run);
 }

@@ -232,13 +232,13 @@ proptest! {
 
     /// Energies balance, no landing from flight adds energy, no reaction pulls, and friction stays within its limit.
     #[test]
-    fn energies_balance(draw in draws()) {
+    fn energies_balance_and_forces_stay_possible(draw in draws()) {
         prop_assert_eq!(check(&draw), Ok(()));
     }
 
     /// The mirror image of a block moves as the mirror image.
     #[test]
-    fn mirror_images(draw in draws()) {
+    fn mirror_images_move_alike(draw in draws()) {
         let runs = [1.0, -1.0].map(|side| draw.start(side, 1e-9));
         let [Some((mut right, inputs)), Some((mut left, _))] = runs else { return Ok(()) };
         let block = *right.block();

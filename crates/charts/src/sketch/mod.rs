@@ -123,19 +123,19 @@ impl Sketch {
         let is_symmetric = self.block.eccentricity == 0.0;
         let [alpha_l, alpha_r] = Corner::each(|corner| self.block.alpha_of(corner));
         let reach = |corner: f64| (centre.0 - corner).hypot(centre.1 - base);
-        let at = |corner: f64, part: f64, turned: f64| {
+        let at = |corner: f64, fraction: f64, turned: f64| {
             let (sin, cos) = libm::sincos(UP - turned);
-            (corner + part * reach(corner) * cos, base - part * reach(corner) * sin)
+            (corner + fraction * reach(corner) * cos, base - fraction * reach(corner) * sin)
         };
         let label = |value: f64, name: &str| format!("{name} = {}°", significant(value.to_degrees(), 4));
         let [left_edge, right_edge] = label_edges;
         // The arc of a squat block stays below its top.
-        let part = |corner: f64| (0.8 * (base - layout.top) / reach(corner)).min(0.5);
+        let fraction = |corner: f64| (0.8 * (base - layout.top) / reach(corner)).min(0.5);
         // A sloping leader keeps the arc of a small angle visible.
         const LOWER: f64 = 330.0;
         let name = if is_symmetric { "α" } else { "α_R" };
-        angle(area, (right, base), part(right) * reach(right), UP, UP + alpha_r)?;
-        let middle = at(right, part(right), -0.5 * alpha_r);
+        angle(area, (right, base), fraction(right) * reach(right), UP, UP + alpha_r)?;
+        let middle = at(right, fraction(right), -0.5 * alpha_r);
         // The line of the dimension h is above it.
         let height = (middle.1 + LOWER).max(centre.1 + 400.0);
         leader(area, (right_edge - 80.0, height), middle)?;
@@ -146,8 +146,8 @@ impl Sketch {
             let radius = format!("R0 = {} m", significant(self.block.r0, 4));
             return write(area, &radius, (left_edge, middle.1), HPos::Right, VPos::Center);
         }
-        angle(area, (left, base), part(left) * reach(left), UP - alpha_l, UP)?;
-        let middle = at(left, part(left), 0.5 * alpha_l);
+        angle(area, (left, base), fraction(left) * reach(left), UP - alpha_l, UP)?;
+        let middle = at(left, fraction(left), 0.5 * alpha_l);
         let height = middle.1 + LOWER;
         leader(area, (left_edge + 80.0, height), middle)?;
         write(area, &label(alpha_l, "α_L"), (left_edge, height), HPos::Right, VPos::Center)

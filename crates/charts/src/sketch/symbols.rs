@@ -74,7 +74,7 @@ pub fn support(area: &Area, middle: f64, corner: f64, [top, bottom]: [f64; 2]) -
     }
     points.extend([(spring, bar + 0.85 * length), (spring, bottom)]);
     stroke(area, &points, SYMBOL)?;
-    let [rim, piston, floor] = [0.3, 0.52, 0.72].map(|part| bar + part * length);
+    let [rim, piston, floor] = [0.3, 0.52, 0.72].map(|fraction| bar + fraction * length);
     let half = 170.0;
     stroke(area, &[(dashpot, bar), (dashpot, piston)], SYMBOL)?;
     stroke(area, &[(dashpot - 0.75 * half, piston), (dashpot + 0.75 * half, piston)], 2 * SYMBOL)?;
@@ -242,7 +242,7 @@ pub fn tie(area: &Area, [block, to]: [Point; 2], end: End, kind: LinkKind, label
             }
         }
     }
-    let at = |part: f64| (block.0 + part * dx, block.1 + part * dy);
+    let at = |fraction: f64| (block.0 + fraction * dx, block.1 + fraction * dy);
     let is_free = |(x, y): Point| (x - centre.0).hypot(y - centre.1) > 600.0;
     let middle = if is_free(at(0.4)) { at(0.4) } else { at(0.2) };
     match kind {

@@ -132,19 +132,19 @@ fn check_batch(run: &Run, names: &[&str]) {
 const ON_SUPPORTS: [&str; 8] = ["alpha", "p", "eta", "xi_v", "gamma", "g", "pulse.amplitude", "pulse.period"];
 
 #[test]
-fn on_supports_under_a_sine() {
+fn gradients_match_differences_on_supports_under_a_sine() {
     check(&reference("reference", "sine_eta40"), ON_SUPPORTS);
 }
 
 #[test]
-fn on_supports_with_restitution() {
+fn gradients_match_differences_with_restitution() {
     let mut run = reference("reference", "cosine_small_block");
     run.parameters.pulse.start = 0.25;
     check(&run, ["alpha", "p", "eta", "xi_v", "epsilon", "pulse.amplitude", "pulse.period", "pulse.start"]);
 }
 
 #[test]
-fn on_supports_from_a_tilt_and_from_a_throw() {
+fn gradients_match_differences_from_a_tilt_and_from_a_throw() {
     check(
         &Run { difference: 1e-4, ..reference("reference", "free_095") },
         ["alpha", "eta", "gamma", "initial.theta_dot"],
@@ -153,14 +153,14 @@ fn on_supports_from_a_tilt_and_from_a_throw() {
 }
 
 #[test]
-fn on_the_rigid_base() {
+fn gradients_match_differences_on_the_rigid_base() {
     let names = ["alpha", "p", "gamma", "restitution_factor", "pulse.amplitude", "pulse.period"];
     check(&reference("reference", "sine_rigid"), names);
     check(&reference("reference", "free_rigid"), ["alpha", "p", "restitution_factor", "initial.theta"]);
 }
 
 #[test]
-fn to_overturning() {
+fn gradients_match_differences_up_to_overturning() {
     check(&reference("reference", "overturns"), ["alpha", "p", "eta", "xi_v", "pulse.amplitude", "pulse.period"]);
     check(
         &reference("reference", "sine_separates"),
@@ -169,14 +169,14 @@ fn to_overturning() {
 }
 
 #[test]
-fn in_flight() {
+fn gradients_match_differences_in_flight() {
     let mut run = reference("reference", "sine_separates");
     (run.flies, run.rows) = (true, 30);
     check(&run, ["alpha", "p", "eta", "xi_v", "epsilon", "pulse.amplitude", "pulse.period"]);
 }
 
 #[test]
-fn with_friction() {
+fn gradients_match_differences_with_friction() {
     for name in ["slip_030", "slip_restitution"] {
         let run = Run { rows: 59, ..reference("reference_more", name) };
         check(&run, ["alpha", "p", "eta", "xi_v", "friction", "pulse.amplitude", "pulse.period"]);
@@ -184,13 +184,13 @@ fn with_friction() {
 }
 
 #[test]
-fn with_friction_on_the_rigid_base() {
+fn gradients_match_differences_with_friction_on_the_rigid_base() {
     let run = reference("reference_more", "slip_030").on_rigid_base();
     check(&run, ["alpha", "p", "gamma", "restitution_factor", "friction", "pulse.amplitude", "pulse.period"]);
 }
 
 #[test]
-fn with_ties() {
+fn gradients_match_differences_with_ties() {
     let names =
         ["alpha", "eta", "xi_v", "tie_1.stiffness", "tie_1.block_z", "tie_1.ground_x", "mass", "pulse.amplitude"];
     // Shortly before a landing.
@@ -205,7 +205,7 @@ fn with_ties() {
 
 /// The plastic elongations carry their derivatives from one yielding to the next.
 #[test]
-fn with_ties_and_dampers_that_yield() {
+fn gradients_match_differences_with_yielding_ties_and_dampers() {
     let cases =
         [("dampers", "damper_1"), ("dampers_plastic", "damper_1"), ("tendons_yield", "tie_1"), ("hybrid", "damper_1")];
     for (name, link) in cases {
@@ -234,7 +234,7 @@ fn uneven_and_all_three() {
 }
 
 #[test]
-fn under_records() {
+fn gradients_match_differences_under_records() {
     for (name, scale) in [("sine_eta40", 2.0), ("sine_rigid", 2.0)] {
         let mut run = under_record("reference", name, scale);
         // The kinks of the record leave smooth pieces that are short.
@@ -292,7 +292,7 @@ fn an_event_that_grazes_is_named() {
 }
 
 #[test]
-fn under_other_pulses() {
+fn gradients_match_differences_under_other_pulses() {
     let of = |shape: PulseShape| {
         let mut run = reference("reference", "sine_eta40");
         run.parameters.pulse = Pulse { shape, start: 0.15, period: 0.8, phase: 0.5, ..run.parameters.pulse };

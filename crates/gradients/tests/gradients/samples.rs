@@ -90,25 +90,25 @@ fn check(run: &Run, names: [&str; 2]) {
 }
 
 #[test]
-fn on_supports() {
+fn samples_match_stops_on_supports() {
     check(&reference("reference", "sine_eta40"), ["alpha", "eta"]);
     check(&reference("reference", "cosine_small_block"), ["p", "epsilon"]);
 }
 
 #[test]
-fn on_the_rigid_base() {
+fn samples_match_stops_on_the_rigid_base() {
     check(&reference("reference", "sine_rigid"), ["alpha", "restitution_factor"]);
     check(&reference("reference", "overturns"), ["alpha", "pulse.amplitude"]);
 }
 
 #[test]
-fn in_flight() {
+fn samples_match_stops_in_flight() {
     let run = Run { flies: true, rows: 30, ..reference("reference", "sine_separates") };
     check(&run, ["alpha", "xi_v"]);
 }
 
 #[test]
-fn with_friction_and_ties() {
+fn samples_match_stops_with_friction_and_ties() {
     let run = Run { rows: 59, ..reference("reference_more", "slip_030") };
     check(&run, ["alpha", "friction"]);
     check(&run.on_rigid_base(), ["alpha", "friction"]);
@@ -117,7 +117,7 @@ fn with_friction_and_ties() {
 
 /// Steps from sample to sample of the record, with times inside them: short ones at the second tolerance.
 #[test]
-fn under_a_record() {
+fn samples_match_stops_under_a_record() {
     for tolerance in [1e-13, 1e-9] {
         let run = Run { step: 0.003, rows: 2000, tolerance, ..under_record("reference", "sine_eta40", 1.0) };
         check(&run, ["eta", "scale"]);

@@ -5,7 +5,7 @@ use rocking_records::{Choice, Format, ReadOptions, Unit, parse_with_doubt};
 use super::{accelerations, assert_refused, parsed, refusal, unit_and_step};
 
 #[test]
-fn time_columns() {
+fn time_columns_must_be_evenly_spaced() {
     let g = ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() };
     assert_eq!(
         refusal("0.00 1\n0.01 2\n0.02 3\n0.04 4\n0.05 5\n", &g),
@@ -28,7 +28,7 @@ fn time_columns() {
 }
 
 #[test]
-fn delimited_files() {
+fn delimited_files_are_read_with_any_delimiter() {
     let none = ReadOptions::default();
     let expected = [0.5, -0.25, 0.125];
     for text in [

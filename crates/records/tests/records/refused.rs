@@ -10,7 +10,7 @@ const HEADER: &str =
     "PEER STRONG MOTION DATABASE RECORD\nSOMEWHERE 1/1/01, STATION, 090\nACCELERATION TIME HISTORY IN UNITS OF G\n";
 
 #[test]
-fn wrong_counts() {
+fn wrong_counts_are_refused() {
     let values = "0.1 0.2 0.3\n";
     assert_refused(
         &format!("{HEADER}NPTS= 4, DT= .01 SEC\n{values}"),
@@ -28,7 +28,7 @@ fn wrong_counts() {
 }
 
 #[test]
-fn truncated_numbers() {
+fn truncated_numbers_are_refused() {
     let row = "  0.1234567E-01".repeat(20);
     assert!(parsed(&format!("{HEADER}NPTS= 21, DT= .01 SEC\n{row}  0.1234567E-01"), &ReadOptions::default()).is_ok());
     for cut in ["0.1234567E-0", "0.1234567", "0.12", "0"] {
@@ -45,7 +45,7 @@ fn truncated_numbers() {
 }
 
 #[test]
-fn units() {
+fn units_that_disagree_are_refused() {
     let file = |unit: &str| {
         format!("TITLE\nACCELERATION TIME HISTORY IN UNITS OF {unit}\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n")
     };
@@ -92,7 +92,7 @@ fn units() {
 }
 
 #[test]
-fn velocities_and_displacements() {
+fn velocities_and_displacements_are_refused() {
     for (found, text) in [
         ("a velocity", "VELOCITY TIME HISTORY IN UNITS OF CM/S"),
         ("a displacement", "DISPLACEMENT TIME SERIES IN UNITS OF CM"),
@@ -121,7 +121,7 @@ fn velocities_and_displacements() {
 }
 
 #[test]
-fn time_steps() {
+fn time_steps_that_disagree_are_refused() {
     let file = format!("{HEADER}NPTS= 3, DT= .0200 SEC,\n0.1 0.2 0.3\n");
     let given = |time_step| ReadOptions { time_step: Some(time_step), ..ReadOptions::default() };
     assert_eq!(accelerations(&file, &given(0.02)).time_step, 0.02);
@@ -149,7 +149,7 @@ fn time_steps() {
 }
 
 #[test]
-fn other_files() {
+fn other_files_are_refused() {
     assert_refused("", "made-up: the file is empty, expected an accelerogram");
     assert_refused(" \r\n\r\n", "made-up: the file is empty, expected an accelerogram");
     let binary: Vec<u8> = (0..100u8).flat_map(|i| f32::from(i).to_le_bytes()).collect();
@@ -192,7 +192,7 @@ fn pairs_in_smc_are_refused() {
 
 /// A damaged SMC file.
 #[test]
-fn damaged_smc() {
+fn damaged_smc_files_are_refused() {
     let smc = include_str!("../../../../examples/records/0111a.smc");
     let none = ReadOptions::default();
     assert_eq!(
@@ -211,7 +211,7 @@ fn damaged_smc() {
 }
 
 #[test]
-fn interpolation() {
+fn records_are_linear_between_samples() {
     let record = accelerations("t [s],a [m/s2]\n2.0,1\n2.5,3\n3.0,-4\n", &ReadOptions::default());
     for (t, expected) in [
         (1.999, 0.0),

@@ -72,15 +72,15 @@ impl StateCurve {
     /// The annual rate with its interval.
     fn rate(&self, hazard: &HazardCurve, years: f64) -> Option<RateResult> {
         let (rate, assessment) = (self.rate.as_ref()?, self.assessment.as_ref().ok()?);
-        let share = |part: f64| if rate.rate > 0.0 { part / rate.rate } else { 0.0 };
+        let fraction = |contribution: f64| if rate.rate > 0.0 { contribution / rate.rate } else { 0.0 };
         let [least, greatest] = self.range;
         Some(RateResult {
             rate: rate.rate,
             rate_interval: ends(interval(hazard, assessment)),
             probability: probability_in(years, rate.rate),
-            below_runs: share(rate.between(0.0, least)),
-            above_runs: share(rate.between(greatest, f64::INFINITY)),
-            outside_hazard: share(rate.below_hazard + rate.above_hazard),
+            below_runs: fraction(rate.between(0.0, least)),
+            above_runs: fraction(rate.between(greatest, f64::INFINITY)),
+            outside_hazard: fraction(rate.below_hazard + rate.above_hazard),
         })
     }
 

@@ -217,15 +217,15 @@ fn remarks(plan: &Plan, report: &Report) -> Vec<String> {
     );
     for state in &report.states {
         if let Some(rate) = state.rate {
-            let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-            let shares = [
+            let percent = |fraction: f64| format!("{:.0} %", 100.0 * fraction);
+            let fractions = [
                 (rate.above_runs, "ground motions stronger than any in the runs; add greater levels to the study"),
                 (rate.below_runs, "ground motions weaker than any in the runs; add smaller levels to the study"),
                 (rate.outside_hazard, "levels beyond the hazard curve, which was continued"),
             ];
-            let notable = shares.into_iter().filter(|(share, _)| *share >= NOTABLE);
-            remarks.extend(notable.map(|(share, from)| {
-                format!("{} of the annual rate of the state “{}” comes from {from}.", percent(share), state.name)
+            let notable = fractions.into_iter().filter(|(fraction, _)| *fraction >= NOTABLE);
+            remarks.extend(notable.map(|(fraction, from)| {
+                format!("{} of the annual rate of the state “{}” comes from {from}.", percent(fraction), state.name)
             }));
         }
         if state.runs.left_out > 0 {

@@ -62,10 +62,10 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
         .collect();
     let logarithmic = terms.iter().all(|term| term.2.is_logarithmic);
     let product = terms.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
-    // Lists the joint changes; the largest is `part` of the value or of half its range.
-    let changes = |part: f64| {
+    // Lists the joint changes; the largest is `fraction` of the value or of half its range.
+    let changes = |fraction: f64| {
         let changes =
-            terms.iter().map(|(name, weight, unknown)| format!("{name} by {}", change(unknown, part * weight)));
+            terms.iter().map(|(name, weight, unknown)| format!("{name} by {}", change(unknown, fraction * weight)));
         listed(&changes.collect::<Vec<_>>())
     };
     match (is_determined, &terms[..]) {
@@ -90,11 +90,11 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
 }
 
 /// Formats a change of a coordinate of the Jacobian: in per cent, or in the unit of a parameter that may be negative.
-fn change(unknown: &Unknown, part: f64) -> String {
+fn change(unknown: &Unknown, fraction: f64) -> String {
     if unknown.is_logarithmic {
-        return format!("{} %", signed(100.0 * part));
+        return format!("{} %", signed(100.0 * fraction));
     }
-    let value = signed(0.5 * (unknown.bounds[1] - unknown.bounds[0]) * part);
+    let value = signed(0.5 * (unknown.bounds[1] - unknown.bounds[0]) * fraction);
     if unknown.unit == "1" { value } else { format!("{value} {}", unknown.unit) }
 }
 

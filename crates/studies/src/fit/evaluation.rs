@@ -161,17 +161,20 @@ impl Evaluator<'_> {
     }
 
     /// Returns for each fraction the numbers of values of the tests that reach it. Fractions are of a test's sum of squares about the mean.
-    pub fn windows(&self, parts: &[f64]) -> Vec<Vec<usize>> {
-        let count = |test: &Test, part: f64| {
+    pub fn windows(&self, fractions: &[f64]) -> Vec<Vec<usize>> {
+        let count = |test: &Test, fraction: f64| {
             let mean = test.values.iter().sum::<f64>() / test.values.len() as f64;
             let total: f64 = test.values.iter().map(|value| (value - mean) * (value - mean)).sum();
             let mut sum = 0.0;
             let reached = test.values.iter().position(|value| {
                 sum += (value - mean) * (value - mean);
-                sum >= part * total
+                sum >= fraction * total
             });
-            if part < 1.0 { reached.map_or(test.values.len(), |last| last + 1) } else { test.values.len() }
+            if fraction < 1.0 { reached.map_or(test.values.len(), |last| last + 1) } else { test.values.len() }
         };
-        parts.iter().map(|&part| self.problem.tests.iter().map(|test| count(test, part)).collect()).collect()
+        fractions
+            .iter()
+            .map(|&fraction| self.problem.tests.iter().map(|test| count(test, fraction)).collect())
+            .collect()
     }
 }

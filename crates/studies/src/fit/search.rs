@@ -12,7 +12,7 @@ use crate::statistics::sampling::LatinHypercube;
 /// Parts of the tests' sums of squares, fitted one after the other.
 ///
 /// The phase of late cycles depends strongly on the parameters, which makes many minima; a beginning with few impacts has few.
-const PARTS: [f64; 2] = [0.7, 1.0];
+const FRACTIONS: [f64; 2] = [0.7, 1.0];
 
 /// Number of starts from which searches begin.
 const SEARCHES: usize = 3;
@@ -29,7 +29,7 @@ pub const TOLERANCE: [f64; 2] = [1.0, 1e-6];
 /// No start has a valid block and runs that succeed.
 pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Result<Vec<Minimum>, FitError> {
     let options = evaluator.problem.options;
-    let windows = evaluator.windows(&PARTS);
+    let windows = evaluator.windows(&FRACTIONS);
     let count = evaluator.unknowns.len();
     let cube = LatinHypercube::new(options.starts.max(2) - 1, count, options.seed);
     let start = |number: u32| match number {
@@ -46,7 +46,7 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     // The sort is stable: of equal starts the first leads.
     starts.sort_by(|a, b| a.1.total_cmp(&b.1));
     starts.truncate(SEARCHES);
-    let all = 2 + PARTS.len() as u64;
+    let all = 2 + FRACTIONS.len() as u64;
     progress(1, all);
     let mut from: Vec<DVector<f64>> = starts.into_iter().map(|(at, _)| at).collect();
     let mut found = Vec::new();

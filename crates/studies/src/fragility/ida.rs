@@ -67,10 +67,10 @@ impl IdaCurve {
         }
         let before = above.checked_sub(1);
         let (start, first) = before.map_or((0.0, Response::Stands(0.0)), |i| (self.levels[i], self.responses[i]));
-        let part = (level - start) / (end - start);
+        let fraction = (level - start) / (end - start);
         match (first, after) {
-            (Response::Stands(low), Response::Stands(high)) => Response::Stands(low + part * (high - low)),
-            (Response::Stands(low), Response::Overturns) if part < 0.5 => Response::Stands(low),
+            (Response::Stands(low), Response::Stands(high)) => Response::Stands(low + fraction * (high - low)),
+            (Response::Stands(low), Response::Overturns) if fraction < 0.5 => Response::Stands(low),
             (Response::Stands(_) | Response::Overturns, Response::Overturns) => Response::Overturns,
             (Response::Overturns, Response::Stands(_)) => Response::Overturns,
             (Response::Unknown, _) | (_, Response::Unknown) => Response::Unknown,

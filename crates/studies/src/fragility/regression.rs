@@ -275,18 +275,18 @@ pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>
             let Some(inverse) = design.information(link, &at)?.cholesky() else { break };
             return Ok(Maximum { coefficients: at, covariance: inverse.inverse(), log_likelihood: best });
         }
-        let mut part = 1.0;
+        let mut fraction = 1.0;
         for _ in 0..MAX_HALVINGS {
-            let next = &at + part * &step;
+            let next = &at + fraction * &step;
             let there = design.sums(link, &next)?;
             // Near the maximum, round-off may make the better step look worse.
             if there.likelihood >= best - 1e-13 * (1.0 + best.abs()) {
                 (at, here) = (next, there);
                 break;
             }
-            part *= 0.5;
+            fraction *= 0.5;
         }
-        length = part * step.norm();
+        length = fraction * step.norm();
     }
     Err(CurveFitError::NotConverged { iterations: MAX_ITERATIONS, step: length })
 }

@@ -67,7 +67,7 @@ mod tests {
     fn motions_along_a_line_and_in_a_circle_have_closed_forms() {
         let beta = 37.0_f64.to_radians();
         let along =
-            |part: f64| record_of(&(0..400).map(|i| part * (0.05 * f64::from(i)).sin()).collect::<Vec<_>>(), 0.01);
+            |factor: f64| record_of(&(0..400).map(|i| factor * (0.05 * f64::from(i)).sin()).collect::<Vec<_>>(), 0.01);
         let line = [along(3.0 * beta.cos()), along(3.0 * beta.sin())];
         for (measure, power) in [(Measure::Pga, 1), (Measure::Pgv, 1), (Measure::Sa(0.5), 1), (Measure::Arias, 2)] {
             let whole = measure.of(&along(3.0), 9.81).unwrap();

@@ -15,11 +15,11 @@ const STRATA: u64 = 64;
 /// Most rows of a block.
 const MAX_BLOCK: u64 = 128;
 
-/// The sample ends after this time, with at least [`LEAST`] blocks.
+/// The sample ends after this time, with at least [`MIN_TASKS`] blocks.
 const LIMIT: Duration = Duration::from_secs(4);
 
 /// Least number of blocks, for a standard error that means something.
-const LEAST: usize = 8;
+const MIN_TASKS: usize = 8;
 
 /// The expected cost of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -50,7 +50,7 @@ impl Forecast {
         let stride =
             (1..=strata).rev().find(|&stride| stride * 8 <= strata * 5 && gcd(stride, strata) == 1).unwrap_or(1);
         for number in 0..strata {
-            if costs.len() >= LEAST && begin.elapsed() > LIMIT {
+            if costs.len() >= MIN_TASKS && begin.elapsed() > LIMIT {
                 break;
             }
             let stratum = number * stride % strata;

@@ -94,7 +94,7 @@ impl<'a> Walk<'a> {
         self.rows.len()
     }
 
-    /// Returns what the block does at the end of a path that stopped early.
+    /// Returns the motion of the block at the end of a path that stopped early.
     pub fn reason(&self) -> &'static str {
         match self.landmarks.last().map(|landmark| landmark.kind) {
             Some(LandmarkKind::Slides) => "slides",

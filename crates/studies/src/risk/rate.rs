@@ -27,8 +27,8 @@ pub struct RatePart {
     pub to: f64,
     /// The part of the rate (1/year).
     pub rate: f64,
-    /// Its share of the whole (1).
-    pub share: f64,
+    /// Its fraction of the whole (1).
+    pub fraction: f64,
 }
 
 impl AnnualRate {
@@ -78,17 +78,17 @@ impl AnnualRate {
         let ends: Vec<f64> = ends.collect();
         let part = |ends: &[f64]| {
             let rate = self.between(ends[0], ends[1]);
-            RatePart { from: ends[0], to: ends[1], rate, share: rate / self.rate }
+            RatePart { from: ends[0], to: ends[1], rate, fraction: rate / self.rate }
         };
         ends.windows(2).map(part).collect()
     }
 
     /// The measure below which this fraction of the rate arises. `None` without a finite rate above zero.
-    pub fn quantile(&self, share: f64) -> Option<f64> {
+    pub fn quantile(&self, fraction: f64) -> Option<f64> {
         if !(self.rate > 0.0 && self.rate.is_finite()) {
             return None;
         }
-        let excess = |x: f64| share - self.between(0.0, libm::exp(x)) / self.rate;
+        let excess = |x: f64| fraction - self.between(0.0, libm::exp(x)) / self.rate;
         let [mut low, mut high] = self.hazard_range().map(libm::log);
         // Doubling the distance brackets any quantile of a finite rate soon.
         let mut step = high - low;
@@ -233,8 +233,8 @@ mod tests {
         let hazard = HazardCurve::new(&[0.1, 0.3, 0.5, 1.2], &[1e-2, 4e-3, 3e-4, 1e-5]).unwrap();
         for median in [0.01, 0.5, 20.0] {
             let found = AnnualRate::new(&hazard, &FragilityCurve::lognormal(median, 0.4).unwrap());
-            for share in [0.05, 0.5, 0.95] {
-                near(found.between(0.0, found.quantile(share).unwrap()) / found.rate, share, 1e-10);
+            for fraction in [0.05, 0.5, 0.95] {
+                near(found.between(0.0, found.quantile(fraction).unwrap()) / found.rate, fraction, 1e-10);
             }
         }
     }

@@ -28,8 +28,8 @@ impl Scan {
     /// Number of bisections from the spacing to the resolution.
     pub(crate) fn halvings(&self) -> u64 {
         /// Bisections between any two numbers; the quotient of some is infinite.
-        const MOST: f64 = 2100.0;
-        libm::log2(self.spacing() / self.resolution).ceil().clamp(0.0, MOST) as u64
+        const MAX_HALVINGS: f64 = 2100.0;
+        libm::log2(self.spacing() / self.resolution).ceil().clamp(0.0, MAX_HALVINGS) as u64
     }
 
     fn value(&self, number: u64) -> f64 {

@@ -145,7 +145,7 @@ fn check_building(
     Ok(())
 }
 
-/// Checks that an ensemble spreads only what the study has, and that each row has the runs for it.
+/// Checks that an ensemble spreads only quantities of the study, and that each row has the runs for it.
 fn check_ensemble(
     study: &Section,
     source: StudyText,

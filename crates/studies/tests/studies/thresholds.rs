@@ -7,7 +7,7 @@ use rocking_gradients::Parameters;
 use rocking_studies::run::Run;
 use rocking_studies::search::{Scan, Shaking, Threshold, overturning};
 
-/// Allowed difference of a derivative, as a part of it.
+/// Allowed relative error of a derivative.
 const TOLERANCE: f64 = 1e-6;
 
 /// A block and a pulse whose amplitude is searched.
@@ -116,13 +116,13 @@ fn search(foundation: Foundation, shape: PulseShape, period: f64, range: [f64; 2
 /// The block lands while the ground moves: at rest a shift of its time, which a wrong jump of the derivatives at the impact amounts to,
 /// would leave the threshold as it is.
 #[test]
-fn on_the_rigid_base_under_a_type_c1_pulse() {
+fn derivatives_match_thresholds_on_the_rigid_base_under_a_type_c1_pulse() {
     let search = search(Foundation::Rigid, PulseShape::C1, 2.0, [5.0, 8.0]);
     search.check(&["alpha", "p", "restitution_factor", "pulse.period"]);
 }
 
 #[test]
-fn on_supports_under_a_sine() {
+fn derivatives_match_thresholds_on_supports_under_a_sine() {
     let search = search(Foundation::Viscoelastic, PulseShape::OneSine, 1.2566, [6.0, 12.0]);
     search.check(&["alpha", "p", "eta", "pulse.period"]);
 }

@@ -34,7 +34,7 @@ pub fn renadic() -> String {
 }
 
 #[test]
-fn renadic_pairs() {
+fn renadic_channels_of_pairs_are_read() {
     let text = renadic();
     for (name, peak) in [("EW", -0.505), ("z", 0.304)] {
         let record = accelerations(&text, &channel(name));
@@ -101,7 +101,7 @@ pub fn bhrc() -> String {
 }
 
 #[test]
-fn bhrc_channels() {
+fn bhrc_channels_are_read() {
     let text = bhrc();
     for (name, peak) in [("L", 1.25), ("V", -0.5)] {
         let record = accelerations(&text, &channel(name));

@@ -135,7 +135,7 @@ pub fn jma() -> String {
 }
 
 #[test]
-fn jma_components() {
+fn jma_components_are_read() {
     let text = jma();
     for (name, factor) in [("NS", 1.0), ("EW", -2.0), ("UD", 3.0)] {
         let record = accelerations(&text, &channel(name));

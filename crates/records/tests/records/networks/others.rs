@@ -30,7 +30,7 @@ pub fn geonet(velocities: usize) -> String {
 }
 
 #[test]
-fn geonet_volumes() {
+fn both_geonet_volumes_are_read() {
     for velocities in [0, 25] {
         let text = geonet(velocities);
         for (name, peak) in [("n10e", -23.9405), ("Up", 1.5899)] {
@@ -77,7 +77,7 @@ pub fn nsmn() -> String {
 }
 
 #[test]
-fn nsmn_components() {
+fn nsmn_components_are_read() {
     let text = nsmn();
     for (name, factor) in [("N-S", 1.0), ("E-W", 2.0), ("U-D", 3.0)] {
         let record = accelerations(&text, &channel(name));
@@ -123,7 +123,7 @@ pub fn unam(rows: usize) -> String {
 }
 
 #[test]
-fn unam_channels() {
+fn unam_channels_are_read() {
     let text = unam(COUNT);
     for (name, factor) in [("V", 1.0), ("N00E", 2.0), ("n90e", -3.0)] {
         let record = accelerations(&text, &channel(name));
@@ -182,7 +182,7 @@ pub fn cwb() -> String {
 }
 
 #[test]
-fn cwb_components() {
+fn cwb_components_are_read() {
     let text = cwb();
     for (name, factor) in [("U", 1.0), ("n", -2.0), ("E", 3.0)] {
         let record = accelerations(&text, &channel(name));

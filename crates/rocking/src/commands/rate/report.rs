@@ -175,15 +175,15 @@ impl RateReport {
             probability: probability_in(years, rate),
             interval: rate_interval.map(|end| end.map(|rate| probability_in(years, rate))),
         };
-        let part = |RatePart { from, to, rate, share }: RatePart| PartReport {
+        let part = |RatePart { from, to, rate, fraction }: RatePart| PartReport {
             from,
             to: Some(to).filter(|to| to.is_finite()),
             hazard: Some(from).filter(|from| *from > 0.0).map(|from| found.hazard().rate(from)),
             probability: if from > 0.0 { found.curve().probability(from) } else { 0.0 },
             rate,
-            share,
+            share: fraction,
         };
-        let share = |part: f64| if rate > 0.0 { part / rate } else { 0.0 };
+        let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
         RateReport {
             rate,
             rate_interval,
@@ -191,12 +191,12 @@ impl RateReport {
             return_period: 1.0 / rate,
             return_period_interval: [rate_interval[1], rate_interval[0]].map(|end| end.map(|rate| 1.0 / rate)),
             probabilities: years.iter().map(probability).collect(),
-            quantiles: [0.05, 0.5, 0.95].map(|share| found.quantile(share)),
+            quantiles: [0.05, 0.5, 0.95].map(|fraction| found.quantile(fraction)),
             extrapolated: Extrapolated {
-                below_hazard: share(found.below_hazard),
-                above_hazard: share(found.above_hazard),
-                below_rows: rows.map(|[least, _]| share(found.between(0.0, least))),
-                above_rows: rows.map(|[_, greatest]| share(found.between(greatest, f64::INFINITY))),
+                below_hazard: fraction(found.below_hazard),
+                above_hazard: fraction(found.above_hazard),
+                below_rows: rows.map(|[least, _]| fraction(found.between(0.0, least))),
+                above_rows: rows.map(|[_, greatest]| fraction(found.between(greatest, f64::INFINITY))),
                 rows,
             },
             deaggregation: found.deaggregation().into_iter().map(part).collect(),
@@ -232,9 +232,11 @@ impl RateReport {
             (below_rows, format!("below {first:.4}, the least value in the rows of the fragility curve")),
             (above_rows, format!("above {last:.4}, the greatest value in the rows of the fragility curve")),
         ];
+        let notable = parts
+            .into_iter()
+            .filter_map(|(fraction, place)| Some((fraction.filter(|fraction| *fraction >= NOTABLE)?, place)));
         let notable =
-            parts.into_iter().filter_map(|(share, place)| Some((share.filter(|share| *share >= NOTABLE)?, place)));
-        let notable = notable.map(|(share, place)| format!("{} % of the rate comes from {im} {place}", percent(share)));
+            notable.map(|(fraction, place)| format!("{} % of the rate comes from {im} {place}", percent(fraction)));
         remarks.iter().map(|remark| format!("{file}: {remark}")).chain(notable).collect()
     }
 
@@ -299,12 +301,12 @@ impl RateReport {
     }
 }
 
-/// Formats a probability or a share in per cent with three digits.
-fn percent(share: f64) -> String {
-    match 100.0 * share {
+/// Formats a probability or another fraction in per cent with three digits.
+fn percent(fraction: f64) -> String {
+    match 100.0 * fraction {
         ..1e-10 => "0".into(),
         small if small < 1e-3 => format!("{small:.1e}"),
-        part => rocking_charts::numerals::significant(part, 3),
+        other => rocking_charts::numerals::significant(other, 3),
     }
 }
 

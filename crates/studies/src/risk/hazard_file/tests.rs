@@ -1,4 +1,4 @@
-//! Files of each kind, and what they must not be taken for.
+//! Files of each kind, and kinds with which they must not be confused.
 
 use super::*;
 
