@@ -61,7 +61,9 @@ pub enum Progress {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// The step size fell below the resolution of time.
-    #[error("the step size fell to {size:e} s at t = {time} s: the tolerance {tolerance:e} cannot be met there")]
+    #[error(
+        "the step size fell to {size:e} s at t = {time} s; expected a tolerance that can be met there, above {tolerance:e}"
+    )]
     StepTooSmall {
         /// Time (s).
         time: f64,
@@ -71,14 +73,16 @@ pub enum SimulationError {
         tolerance: f64,
     },
     /// The motion overflowed.
-    #[error("the motion is not finite after t = {time} s; ground accelerations or loads are out of all proportion")]
+    #[error(
+        "the motion is not finite after t = {time} s; expected ground accelerations and loads in proportion to the block"
+    )]
     NotFinite {
         /// Time of the last good state (s).
         time: f64,
     },
     /// The motion takes more steps than any reasonable call.
     #[error(
-        "stopped at t = {time} s after {steps} steps towards t = {until} s: the motion is too fast for a step so long"
+        "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion"
     )]
     TooManySteps {
         /// Time that was reached (s).
@@ -89,7 +93,7 @@ pub enum SimulationError {
         steps: u64,
     },
     /// The regime changed again and again at one time.
-    #[error("{count} events in the same instant t = {time} s leave no regime that lasts")]
+    #[error("found {count} events in the instant t = {time} s; expected a regime that lasts after them")]
     NoRegime {
         /// Time (s).
         time: f64,

@@ -49,25 +49,31 @@ pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
 pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
     let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
     let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)
-        .map_err(|_| refuse(format!("{} bytes without a complete header", bytes.len())))?;
+        .map_err(|_| refuse(format!("found {} bytes; expected a complete header", bytes.len())))?;
     if header.magic != MAGIC {
-        return Err(refuse("it does not begin as a state of this FMU does".into()));
+        return Err(refuse("found another beginning; expected that of a state of this FMU".into()));
     }
     if header.version != VERSION {
-        return Err(refuse(format!("version {}; expected {VERSION}", header.version)));
+        return Err(refuse(format!("found version {}; expected {VERSION}", header.version)));
     }
     if header.guid != GUID {
-        return Err(refuse(format!("GUID {:?}; expected {GUID:?}", header.guid)));
+        return Err(refuse(format!("found GUID {:?}; expected {GUID:?}", header.guid)));
     }
     // The importer's buffer may be longer than the content.
     let content = usize::try_from(header.length)
         .ok()
         .and_then(|length| content.get(..length))
-        .ok_or_else(|| refuse(format!("{} bytes of content; expected {}", content.len(), header.length)))?;
-    if crc32fast::hash(content) != header.checksum {
-        return Err(refuse("its checksum does not fit, it was altered".into()));
+        .ok_or_else(|| refuse(format!("found {} bytes of content; expected {}", content.len(), header.length)))?;
+    let checksum = crc32fast::hash(content);
+    if checksum != header.checksum {
+        let expected = header.checksum;
+        return Err(refuse(format!("found altered content of checksum {checksum:08x}; expected {expected:08x}")));
     }
-    let unit: Unit =
-        postcard::from_bytes(content).map_err(|error| refuse(format!("its content is broken: {error}")))?;
-    if unit.is_valid() { Ok(unit) } else { Err(refuse("its content is no state of a block".into())) }
+    let unit: Unit = postcard::from_bytes(content)
+        .map_err(|error| refuse(format!("found broken content; expected a state: {error}")))?;
+    if unit.is_valid() {
+        Ok(unit)
+    } else {
+        Err(refuse("found impossible numbers; expected the state of a block".into()))
+    }
 }

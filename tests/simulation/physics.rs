@@ -194,6 +194,7 @@ fn a_mirrored_excitation_gives_the_mirrored_motion() {
                 if right.regime() == Regime::Separated { 2 } else { -right.regime().number() }
             );
         }
+        assert!(right.counts().impacts > 3, "{:?}", right.counts());
     }
 }
 
@@ -293,6 +294,7 @@ fn the_communication_step_does_not_matter() {
     let pulse = one_sine(6.2622, 1.25);
     let mut whole = start(block, pulse, Initial::default(), 1e-10);
     let events = go(&mut whole, 10.0);
+    assert!(events.len() > 10, "{events:?}");
     for cuts in [7, 100, 1000, 5003] {
         let mut cut = start(block, pulse, Initial::default(), 1e-10);
         let mut found = Vec::new();
@@ -367,7 +369,7 @@ fn landings_without_rebound_do_not_chatter() {
             events.extend(go(&mut simulation, 0.01 * f64::from(i)));
         }
         assert_eq!(simulation.ending(), None, "p = {p}");
-        assert!(events.len() < 30, "p = {p}: {} events", events.len());
+        assert!((6..30).contains(&events.len()), "p = {p}: {} events", events.len());
     }
 }
 

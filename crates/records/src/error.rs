@@ -118,7 +118,7 @@ pub enum RecordError {
         expected: String,
     },
     /// The count of the header differs from the number of values.
-    #[error("{file}, line {line}: header says {key}= {stated} but the file has {counted} values")]
+    #[error("{file}, line {line}: found {counted} values in the file, expected {stated}, the header's {key}")]
     Count {
         /// Name of the file.
         file: String,

@@ -14,16 +14,16 @@ fn wrong_counts_are_refused() {
     let values = "0.1 0.2 0.3\n";
     assert_refused(
         &format!("{HEADER}NPTS= 4, DT= .01 SEC\n{values}"),
-        "made-up, line 4: header says NPTS= 4 but the file has 3 values",
+        "made-up, line 4: found 3 values in the file, expected 4, the header's NPTS",
     );
     assert_refused(
         &format!("{HEADER}2 0.01 NPTS, DT\n{values}"),
-        "made-up, line 4: header says NPTS= 2 but the file has 3 values",
+        "made-up, line 4: found 3 values in the file, expected 2, the header's NPTS",
     );
     // No memory is reserved for the count of a header.
     assert_refused(
         &format!("{HEADER}NPTS= 9000000000000000000, DT= .01 SEC\n{values}"),
-        "made-up, line 4: header says NPTS= 9000000000000000000 but the file has 3 values",
+        "made-up, line 4: found 3 values in the file, expected 9000000000000000000, the header's NPTS",
     );
 }
 
@@ -197,7 +197,7 @@ fn damaged_smc_files_are_refused() {
     let none = ReadOptions::default();
     assert_eq!(
         refusal(smc.rsplit_once("-2.8745E-1").unwrap().0, &none),
-        "made-up, line 14: header says 17th integer= 6001 but the file has 6000 values"
+        "made-up, line 14: found 6000 values in the file, expected 6001, the header's 17th integer"
     );
     assert!(refusal(smc.trim_end().strip_suffix("45E-1").unwrap(), &none).contains("ends within the number \"-2.87\""));
     assert!(

@@ -63,14 +63,13 @@ pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result
     let record_options = RecordOptions { both: reading.read_options(*g)?, ..RecordOptions::default() };
     let record = record_options.read(false, RecordOption::option, |options| input::record(file, options));
     let record = record.map_err(anyhow::Error::msg)?;
-    let grounds = [Ground { horizontal: Some(record), vertical: None }];
+    let grounds = [Ground { horizontal: Some(record.clone()), vertical: None }];
     refuse_without_effect(&record_options, &grounds)?;
-    let [Ground { horizontal: Some(record), .. }] = &grounds else { unreachable!("the ground has this record") };
 
     let name = file.display();
-    let fit = pulse_fit::fit(record, *shape)
+    let fit = pulse_fit::fit(&record, *shape)
         .with_context(|| format!("{name}: no {} pulse fits into the motion; expected a longer record", shape.word()))?;
-    let samples = fit.samples(record);
+    let samples = fit.samples(&record);
     let mut files = Vec::new();
     if let Some(path) = csv {
         let mut table = String::from("t [s],a [m/s2],a_pulse [m/s2],v [m/s],v_pulse [m/s]\n");
@@ -99,8 +98,8 @@ pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result
         omega_p: fit.omega(),
         duration: fit.pulse.duration(),
         r_squared: fit.r_squared,
-        pga: [pga(record), peak(|sample| sample.acceleration[1])],
-        pgv: [pgv(record), peak(|sample| sample.velocity[1])],
+        pga: [pga(&record), peak(|sample| sample.acceleration[1])],
+        pgv: [pgv(&record), peak(|sample| sample.velocity[1])],
         command: command(&fit.pulse),
     };
     let written = WrittenFiles::new(outputs);

@@ -9,6 +9,7 @@ use rocking_charts::picture::PictureFormat;
 use rocking_studies::output::reading::is_parquet;
 #[cfg(feature = "parquet")]
 use rocking_studies::output::{parquet, reading::TableReader};
+use rocking_studies::spec::words::Words;
 
 /// Extensions of other formats than CSV, with advice for a table in one.
 const NOT_CSV: [(&[&str], &str); 7] = [
@@ -66,7 +67,7 @@ pub fn check_table(path: &Path) -> anyhow::Result<()> {
     }
     match NOT_CSV.iter().find(|(extensions, _)| extensions.contains(&extension.as_str())) {
         Some((_, advice)) => {
-            anyhow::bail!("{}: a table is written as CSV or Parquet, not as .{extension}; {advice}", path.display())
+            anyhow::bail!("{}: found .{extension}; expected a table as .csv or .parquet; {advice}", path.display())
         }
         None => Ok(()),
     }
@@ -91,7 +92,11 @@ impl PictureOptions {
         match (self.plot_format, path.extension()) {
             (Some(chosen), None) => Ok(Some(chosen)),
             (Some(chosen), Some(_)) if PictureFormat::of(path)? != chosen => {
-                anyhow::bail!("--plot {} has the extension of another format than --plot-format", path.display())
+                anyhow::bail!(
+                    "found --plot {} and --plot-format {}; expected one format",
+                    path.display(),
+                    chosen.word()
+                )
             }
             (Some(_) | None, _) => Ok(Some(PictureFormat::of(path)?)),
         }

@@ -67,6 +67,6 @@ fn other_parameters_are_refused() {
     refused(
         folder.path(),
         &["simulate", "--theta", "0.1", "--csv", "run.csv", "--gradients", "p,p"],
-        &["p is given twice"],
+        &["p is given twice; expected it once"],
     );
 }

@@ -272,7 +272,7 @@ fn errors_are_one_line_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let refuses: [(&[&str], &str); 9] = [
         (&["--record", "missing.at2"], "missing.at2"),
-        (&["--csv", "no/such/folder/run.csv"], "folder does not exist"),
+        (&["--csv", "no/such/folder/run.csv"], "found no folder"),
         (&["--csv", "/dev/null/run.csv"], "cannot be written"),
         (&["--plot", "run.jpeg"], ".jpeg"),
         (&["--alpha", "2"], "alpha = 2"),

@@ -260,11 +260,11 @@ pub struct RateResult {
     pub rate_interval: [Option<f64>; 2],
     /// Probability in the years of the report.
     pub probability: f64,
-    /// Share of the rate from measures below the runs.
+    /// Fraction of the rate from measures below the runs (1).
     pub below_runs: f64,
-    /// Share from measures above the runs.
+    /// Fraction from measures above the runs (1).
     pub above_runs: f64,
-    /// Share from outside the hazard curve.
+    /// Fraction from outside the hazard curve (1).
     pub outside_hazard: f64,
 }
 

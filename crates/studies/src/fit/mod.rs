@@ -160,11 +160,12 @@ fn with_intervals(
     let shared = evaluator.problem.free.len();
     let deviate = normal::quantile(0.5 + 0.5 * evaluator.problem.options.level);
     let mut best = minima.remove(0);
-    for restart in 0.. {
+    let mut lower = 0;
+    loop {
         let (least, variance) = (best.at.cost(), evaluator.variance(best.at.cost(), &counts));
         let others = minima.iter().filter(|other| other.at.cost() - least <= deviate * deviate * variance);
         let others: Vec<Minimum> = others.cloned().collect();
-        if restart > restarts {
+        if lower > restarts {
             return (best, others, None);
         }
         let found: Result<Vec<Ends>, Lower> = std::iter::once(&best)
@@ -183,6 +184,7 @@ fn with_intervals(
             Ok(found) => return (best, others, found.into_iter().reduce(hull)),
             Err(Lower(point)) => point,
         };
+        lower += 1;
         let linearize = |at: &_| evaluator.linearize(at, &counts).ok();
         if let Some(at) = linearize(&point) {
             let variance = |cost| evaluator.variance(cost, &counts);
@@ -190,7 +192,6 @@ fn with_intervals(
             minima.push(std::mem::replace(&mut best, minimize(linearize, point, at, variance, tolerance, None)));
         }
     }
-    unreachable!("the last restart returns")
 }
 
 /// Returns the intervals that cover both sets.

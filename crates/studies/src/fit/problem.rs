@@ -131,10 +131,10 @@ pub enum FitError {
     #[error(transparent)]
     Block(BlockError),
     /// A run that fails at every start.
-    #[error("no start has a run of each test; the first failed: {0}")]
+    #[error("found no start whose runs succeed; expected narrower bounds; the first failure: {0}")]
     Runs(SimulationError),
     /// Starts whose blocks are not valid.
-    #[error("no start has a valid block; expected narrower bounds")]
+    #[error("found no start with a valid block; expected narrower bounds")]
     Starts,
 }
 

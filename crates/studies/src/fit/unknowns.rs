@@ -115,7 +115,7 @@ pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
     }
     for (i, unknown) in found.iter().enumerate() {
         if found[..i].iter().any(|other| other.full_name() == unknown.full_name()) {
-            return Err(FitError::Free(format!("{} is given twice", unknown.full_name())));
+            return Err(FitError::Free(format!("{} is given twice; expected it once", unknown.full_name())));
         }
     }
     if found.is_empty() {

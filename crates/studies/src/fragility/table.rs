@@ -52,7 +52,7 @@ pub enum SweepTableError {
         column: String,
     },
     /// No row has the requested value.
-    #[error("{file}: no row has {column} = {value}")]
+    #[error("{file}: found no row with {column} = {value}; expected a value of that column")]
     NoRow {
         /// The table.
         file: String,
@@ -311,7 +311,10 @@ pub(super) mod tests {
         assert_eq!(kept.numbers("PGV").unwrap()[..3], [Some(0.5), Some(0.7), None]);
         kept.keep("p", "1.0").unwrap();
         assert_eq!(kept.rows(), 2);
-        assert_eq!(kept.keep("record", "c").unwrap_err().to_string(), "t.csv: no row has record = c");
+        assert_eq!(
+            kept.keep("record", "c").unwrap_err().to_string(),
+            "t.csv: found no row with record = c; expected a value of that column"
+        );
         let message = table(TABLE).numbers("outcome").unwrap_err().to_string();
         assert_eq!(message, "t.csv: row 0 has outcome = completed; expected a number");
         let message = table(TABLE).numbers("PGA").unwrap_err().to_string();

@@ -154,7 +154,7 @@ pub(crate) fn flatten<'a>(
             _ => {
                 let parameter = Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
                 if found.iter().any(|(known, _)| Parameter::named(known) == Ok(parameter)) {
-                    return Err(source.wrong(&key.span(), format!("{name} is given twice")));
+                    return Err(source.wrong(&key.span(), format!("{name} is given twice; expected it once")));
                 }
                 found.push((name, value));
             }

@@ -14,7 +14,7 @@ pub enum OutputTargetError {
     #[error("{0}: cannot be written: it is a folder; expected the name of a file")]
     Folder(String),
     /// The folder of the file does not exist.
-    #[error("{0}: cannot be written: its folder does not exist")]
+    #[error("{0}: cannot be written: found no folder for it; expected an existing one")]
     NoFolder(String),
     /// The name is that of a disk or a partition, whose content would be lost.
     #[error("{0}: cannot be written: it is a disk; expected the name of a file")]

@@ -218,7 +218,7 @@ fn errors_say_what_was_found_and_what_is_expected() {
     let cases: [(Change, &str); 12] = [
         (&|of| of.free[0].name = "eta".into(), "eta is no real parameter of this block; expected one of alpha, p"),
         (&|of| of.free[0].name = "initial.theta".into(), "initial.theta belongs to a test; expected it among"),
-        (&|of| of.free[1].name = "p".into(), "p is given twice"),
+        (&|of| of.free[1].name = "p".into(), "p is given twice; expected it once"),
         (&|of| of.free.clear(), "nothing is free; expected one parameter at least"),
         (&|of| of.free[0].bounds = Some([4.0, 5.0]), "p = 2.635 is not within its bounds [4, 5]; expected"),
         (

@@ -18,6 +18,7 @@ use rocking_studies::run::outcome::{End, Outcome};
 use rocking_studies::spec::words::Words;
 
 use crate::cases::cases;
+use crate::skipped::skip;
 
 /// The vector widths of this processor.
 fn widths() -> Vec<VectorWidth> {
@@ -295,6 +296,21 @@ fn whole_runs_have_the_bits_of_single_ones() {
     }
 }
 
+/// Vectors that this processor lacks are named among the skipped tests.
+#[test]
+fn widths_are_those_of_the_processor() {
+    for lanes in [2, 4, 8] {
+        let found = VectorWidth::at_most(lanes).map_or(1, VectorWidth::lanes);
+        assert!(found <= lanes && lanes.is_multiple_of(found), "{found} of {lanes} lanes");
+        if found < lanes {
+            skip(&format!("runs in vectors of {lanes} numbers: this processor has at most {found}"));
+        }
+    }
+    assert_eq!(VectorWidth::at_most(1), None);
+    assert_eq!(VectorWidth::widest(), widths().last().copied());
+    assert_eq!(VectorWidth::at_most(3), VectorWidth::at_most(2));
+}
+
 /// Runs that start in the air or have almost no duration, and an empty batch.
 #[test]
 fn runs_without_steps_are_included() {
@@ -305,7 +321,4 @@ fn runs_without_steps_are_included() {
         assert_eq!(in_lanes(width, (0..9).map(short), || ()).0, alone);
         assert!(in_lanes(width, std::iter::empty(), || ()).0.is_empty());
     }
-    assert_eq!(VectorWidth::at_most(1), None);
-    assert_eq!(VectorWidth::widest(), widths().last().copied());
-    assert_eq!(VectorWidth::at_most(3), VectorWidth::at_most(2));
 }

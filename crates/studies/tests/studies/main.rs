@@ -10,4 +10,6 @@ mod planted;
 mod published;
 mod pushover;
 mod relations;
+#[path = "../../../../tests/common/skipped.rs"]
+mod skipped;
 mod thresholds;

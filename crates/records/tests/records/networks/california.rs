@@ -58,7 +58,7 @@ fn csmip_since_2008() {
     let one_less = text.replacen("    40 points of accel", "    41 points of accel", 1);
     assert_eq!(
         refusal(&one_less, &channel("1")),
-        "made-up, line 20: header says POINTS= 41 but the file has 40 values"
+        "made-up, line 20: found 40 values in the file, expected 41, the header's POINTS"
     );
     let message = refusal(&text.replace("in cm/sec2. (8f10.5)", "in furlongs."), &channel("1"));
     assert!(message.contains("expected a unit as 3251 POINTS"), "{message}");
@@ -135,6 +135,6 @@ fn usc_volume_two() {
     let cut = text.trim_end().rsplit_once('\n').unwrap().0;
     assert_eq!(
         refusal(cut, &ReadOptions::default()),
-        "made-up, line 10: header says POINTS= 40 but the file has 32 values"
+        "made-up, line 10: found 32 values in the file, expected 40, the header's POINTS"
     );
 }

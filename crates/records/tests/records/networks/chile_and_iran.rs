@@ -47,7 +47,7 @@ fn renadic_channels_of_pairs_are_read() {
     assert_eq!(accelerations(&text, &channel("1")).title, "SOMEWHERE 2001; STATION S/N 1; CHAN 1: EW (STA CHN: 1)");
     assert_eq!(
         refusal(&text.replacen("NO. OF POINTS =   40", "NO. OF POINTS =   41", 1), &channel("1")),
-        "made-up, line 11: header says NO. OF POINTS= 41 but the file has 40 values"
+        "made-up, line 11: found 40 values in the file, expected 41, the header's NO. OF POINTS"
     );
     assert_eq!(
         doubt(&text.replace("MAX  = -0.051", "MAX  = -0.061"), &channel("1")).unwrap(),
@@ -56,7 +56,7 @@ fn renadic_channels_of_pairs_are_read() {
     let cut: String = text.lines().take(28 + 8 + 28).map(|line| format!("{line}\n")).collect();
     assert_eq!(
         refusal(&cut, &channel("Z")),
-        "made-up, line 47: header says NO. OF POINTS= 40 but the file has 5 values"
+        "made-up, line 47: found 5 values in the file, expected 40, the header's NO. OF POINTS"
     );
     let within_a_pair = refusal(text.rsplit_once("  0.0").unwrap().0, &channel("Z"));
     assert!(
@@ -114,7 +114,7 @@ fn bhrc_channels_are_read() {
     let (cut, _) = text.split_once("/&").unwrap();
     assert_eq!(
         refusal(&(cut.trim_end().rsplit_once('\n').unwrap().0.to_owned() + "\n/&\n"), &ReadOptions::default()),
-        "made-up, line 11: header says NO. OF POINTS= 40 but the file has 30 values"
+        "made-up, line 11: found 30 values in the file, expected 40, the header's NO. OF POINTS"
     );
     let message = refusal(&text.replacen("  .200000E+03", "  .000000E+00", 1), &channel("L"));
     assert!(

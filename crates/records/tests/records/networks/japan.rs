@@ -59,7 +59,7 @@ fn knet_counts_become_gal_about_their_mean() {
     let cut = text.rsplit_once('\n').unwrap().0.rsplit_once('\n').unwrap().0;
     assert_eq!(
         refusal(cut, &ReadOptions::default()),
-        "made-up, line 12: header says Duration Time(s) times Sampling Freq(Hz)= 40 but the file has 32 values"
+        "made-up, line 12: found 32 values in the file, expected 40, the header's Duration Time(s) times Sampling Freq(Hz)"
     );
     assert_eq!(
         refusal(&text[..text.len() - 2], &ReadOptions::default()),
@@ -107,7 +107,7 @@ fn knet_csv_is_read_without_its_offsets() {
     let (cut, _) = text.trim_end().rsplit_once('\n').unwrap();
     assert_eq!(
         refusal(cut, &channel("1")),
-        "made-up, line 12: header says #DurationTime(s) times #SamplingFrequency(Hz)= 40 but the file has 39 values"
+        "made-up, line 12: found 39 values in the file, expected 40, the header's #DurationTime(s) times #SamplingFrequency(Hz)"
     );
     // Cut off within the last column, which is not the chosen one.
     assert!(refusal(&text[..text.len() - 2], &channel("1")).contains("the file ends within the number"));

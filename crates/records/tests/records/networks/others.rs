@@ -55,7 +55,7 @@ fn both_geonet_volumes_are_read() {
     let first: String = text.lines().take(28).map(|line| format!("{line}\n")).collect();
     assert_eq!(
         refusal(&first, &ReadOptions::default()),
-        "made-up, line 20: header says 4th integer= 40 but the file has 20 values"
+        "made-up, line 20: found 20 values in the file, expected 40, the header's 4th integer"
     );
     assert!(refusal(&text.replace(" s\n", " hours\n"), &channel("1")).contains("expected a time step as 0.005 s"));
     assert!(
@@ -96,7 +96,7 @@ fn nsmn_components_are_read() {
     let cut = text.trim_end().rsplit_once('\n').unwrap().0;
     assert_eq!(
         refusal(cut, &channel("1")),
-        "made-up, line 5: header says NUMBER OF DATA= 40 but the file has 39 values"
+        "made-up, line 5: found 39 values in the file, expected 40, the header's NUMBER OF DATA"
     );
     let (row, _) = text.trim_end().rsplit_once(' ').unwrap();
     assert_eq!(refusal(row, &channel("1")), "made-up, line 49: found \"2 columns\", expected a row of 3 columns");
@@ -144,8 +144,9 @@ fn unam_channels_are_read() {
     assert_eq!(doubt(&longer, &channel("V")).unwrap(), "line 13 states 40 values; 2 after them are left out");
     assert_eq!(accelerations(&longer, &channel("V")), accelerations(&text, &channel("V")));
     for rows in [COUNT - 1, COUNT + 3] {
-        let message =
-            format!("made-up, line 13: header says NUM. TOTAL DE MUESTRAS= 40 but the file has {rows} values");
+        let message = format!(
+            "made-up, line 13: found {rows} values in the file, expected 40, the header's NUM. TOTAL DE MUESTRAS"
+        );
         assert_eq!(refusal(&unam(rows), &channel("V")), message);
     }
     assert!(
@@ -202,7 +203,7 @@ fn cwb_components_are_read() {
     let cut = text.trim_end().rsplit_once('\n').unwrap().0;
     assert_eq!(
         refusal(cut, &channel("U")),
-        "made-up, line 8: header says #RecordLength(sec) times #SampleRate(Hz)= 40 but the file has 39 values"
+        "made-up, line 8: found 39 values in the file, expected 40, the header's #RecordLength(sec) times #SampleRate(Hz)"
     );
     let uneven = refusal(&text.replace("     0.170  ", "     0.175  "), &channel("U"));
     assert_eq!(uneven, "made-up, line 33: found time 0.175 s, expected 0.17 s (even steps of 0.01 s)");

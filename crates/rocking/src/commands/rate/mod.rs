@@ -2,7 +2,7 @@
 
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Parser};
@@ -98,16 +98,12 @@ struct Fragility {
 
 /// Runs the command.
 pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let FragilityOptions { table, median, empirical, fit, .. } = &options.fragility;
+    let FragilityOptions { table, empirical, fit, .. } = &options.fragility;
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
     fit.check(explicit)?;
     explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
     explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
-    anyhow::ensure!(
-        table.is_some() || median.is_some(),
-        "no fragility curve; expected --table and --im, or --median and --beta"
-    );
     check("g", options.block.g, |x| x > 0.0, "an acceleration above 0")?;
     for &years in &options.years {
         check("years", years, |x| x > 0.0, "a number of years above 0")?;
@@ -206,8 +202,9 @@ impl RateCommand {
 impl FragilityOptions {
     fn read(&self, gravity: f64) -> anyhow::Result<Fragility> {
         match (&self.table, self.median, self.beta) {
+            (Some(path), ..) => self.fitted(path),
             (None, Some(median), Some(beta)) => self.lognormal(median, beta, gravity),
-            _ => self.table(),
+            (None, ..) => anyhow::bail!("found no fragility curve; expected --table and --im, or --median and --beta"),
         }
     }
 
@@ -242,9 +239,8 @@ impl FragilityOptions {
         })
     }
 
-    fn table(&self) -> anyhow::Result<Fragility> {
+    fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
-        let Some(path) = &self.table else { unreachable!("checked before") };
         let FitOptions { link, ci, .. } = self.fit;
         let mut found = self.fit.collected(None, vec![[Some(im.into()), None]]);
         let mut heading = None;

@@ -14,7 +14,7 @@ pub fn check(parameters: &Parameters, names: &[String]) -> anyhow::Result<()> {
             "gradients: {name} is no real parameter of this run; expected one of {}",
             known.join(", ")
         );
-        anyhow::ensure!(!names[..i].contains(name), "gradients: {name} is given twice");
+        anyhow::ensure!(!names[..i].contains(name), "gradients: {name} is given twice; expected it once");
     }
     Ok(())
 }

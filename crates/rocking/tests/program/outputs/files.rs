@@ -107,7 +107,7 @@ fn links_are_followed() {
     }
     symlink("nowhere/run.csv", path.join("lost")).unwrap();
     symlink("round", path.join("round")).unwrap();
-    fails_with(&mut program(path, &[&SIMULATE, &["--csv", "lost"]]), &["lost", "folder does not exist"]);
+    fails_with(&mut program(path, &[&SIMULATE, &["--csv", "lost"]]), &["lost", "found no folder"]);
     fails_with(&mut program(path, &[&SPECTRUM, &["--csv", "round"]]), &["round", "symbolic links"]);
     fails_with(&mut program(path, &[&SIMULATE, &["--csv", "inner"]]), &["inner", "is a folder"]);
     assert!(path.join("lost").is_symlink() && path.join("round").is_symlink());

@@ -23,7 +23,10 @@ fn extensions_of_other_formats_are_refused_with_advice() {
     ];
     for (name, words) in tables {
         for command in [&SIMULATE[..], &SPECTRUM, &SEARCH, &["sweep", "study.toml"]] {
-            fails_with(&mut program(path, &[command, &["--csv", name]]), &[name, "CSV", words]);
+            fails_with(
+                &mut program(path, &[command, &["--csv", name]]),
+                &[name, "expected a table as .csv or .parquet", words],
+            );
         }
     }
     let pictures = [("run.pdf", ".svg"), ("run.jpg", ".png"), ("run.csv", "--csv"), ("run", "--plot-format")];
@@ -33,9 +36,11 @@ fn extensions_of_other_formats_are_refused_with_advice() {
             fails_with(&mut program(path, &[command, &plot]), &[name, ".svg or .png", words]);
         }
     }
-    for (name, format) in [("run.svg", "png"), ("run.png", "svg"), ("run.pdf", "svg")] {
+    for (name, format, words) in
+        [("run.svg", "png", "one format"), ("run.png", "svg", "one format"), ("run.pdf", "svg", ".svg or .png")]
+    {
         let plot = ["--plot", name, "--plot-format", format];
-        fails_with(&mut program(path, &[&SIMULATE, &plot]), &[name]);
+        fails_with(&mut program(path, &[&SIMULATE, &plot]), &[name, words]);
     }
     assert_eq!(files(path), all);
 }

@@ -410,7 +410,7 @@ fn data_without_information_are_refused() {
         (&["zero.csv", "--im", "PGV"], &["zero.csv: PGV: found the measure 0 in row 0"]),
         (&["t.csv", "--im", "PGA"], &["t.csv: has no column PGA"]),
         (&["t.csv", "--im", "record"], &["t.csv: row 0 has record = r0; expected a number"]),
-        (&["t.csv", "--im", "PGV", "--where", "p=9"], &["no row has p = 9"]),
+        (&["t.csv", "--im", "PGV", "--where", "p=9"], &["found no row with p = 9"]),
         (&["t.csv", "--im", "PGV", "--where", "record=r1", "--where", "p"], &["--where p; expected COLUMN=VALUE"]),
         (&["t.csv", "--im", "PGV", "--ci", "1"], &["--ci", "below 1"]),
         (&["t.csv", "--im", "PGV", "--im", "T_m", "--plot", "x.svg"], &["--plot with 2 measures"]),

@@ -211,7 +211,7 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
         refusal.trim_start_matches(table).to_string()
     });
     assert_eq!(one, other);
-    refused(path, &["fragility", "other", "--im", "PGV", "--where", "p=99"], &["other: no row has p = 99"]);
+    refused(path, &["fragility", "other", "--im", "PGV", "--where", "p=99"], &["other: found no row with p = 99"]);
     let missing = path.join("parts/part-00003-of-00004.csv");
     let bytes = fs::read(&missing).unwrap();
     let arguments = ["fragility", "parts", "--im", "PGV"];
@@ -285,7 +285,11 @@ fn keys_of_folders_are_columns() {
     // A folder of one key has no key, and its rows have numbers.
     assert_eq!(fit("runs/region=north", &[]), fit("north.csv", &[]));
     refused(path, &["fragility", "runs/region=north", "--im", "PGV", "--where", "region=north"], &["no column region"]);
-    refused(path, &["fragility", "runs", "--im", "PGV", "--where", "region=west"], &["runs: no row has region = west"]);
+    refused(
+        path,
+        &["fragility", "runs", "--im", "PGV", "--where", "region=west"],
+        &["runs: found no row with region = west"],
+    );
     let lost = path.join("runs/region=north/part-00002-of-00002.csv");
     fs::rename(&lost, path.join("lost.csv")).unwrap();
     let refusal = refusal(path, &["fragility", "runs", "--im", "PGV"]);

@@ -38,6 +38,25 @@ fn an_interrupted_spectrum_resumes_to_the_same_bytes() {
     resumes_to_the_same_bytes(folder.path(), &spectrum(&[]), "whole.csv");
 }
 
+/// A resumed row that the picture needs is refused with its place, and the table stays as it was.
+#[test]
+fn a_resumed_row_with_a_bad_number_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), &spectrum(&["--csv", "a.csv"]));
+    let path = folder.path().join("a.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let row = text.lines().find(|line| line.starts_with("3,")).unwrap();
+    let size = Table::read(&path).get(3, "p [rad/s]").to_string();
+    for bad in ["much", "NaN"] {
+        let damaged = text.replace(row, &row.replace(&size, bad));
+        std::fs::write(&path, &damaged).unwrap();
+        let expected = format!("row 3 has p [rad/s] = {bad}; expected a number");
+        let again = ["--csv", "a.csv", "--plot", "a.svg", "--resume"];
+        refused(folder.path(), &spectrum(&again), &["a.csv", &expected]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), damaged);
+    }
+}
+
 /// A picture of an existing table equals that of a new one.
 #[test]
 fn a_complete_spectrum_can_be_drawn_again() {

@@ -150,6 +150,12 @@ fn check_without_years(options: &HazardOptions, place: &str) -> Result<(), Hazar
     options.years.map_or(Ok(()), refused)
 }
 
+/// Refuses a site for a file that names none.
+fn check_without_site(options: &HazardOptions) -> Result<(), HazardError> {
+    let refused = |site: &String| Err(HazardError::new(format!("the site {site}"), "none, as the file names no sites"));
+    options.site.as_ref().map_or(Ok(()), refused)
+}
+
 fn number(text: &str, location: &str) -> Result<f64, HazardError> {
     text.trim().parse().map_err(|_| HazardError::new(format!("`{text}` in {location}"), "a number"))
 }
@@ -173,6 +179,7 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
     }
     let measures = measures_of_columns(&header);
     if !has_sites && measures.is_empty() && !header.iter().any(|name| name.starts_with("poe-")) {
+        check_without_site(options)?;
         return two_columns(&header, &rows, years_of_file, options);
     }
     let of_all = match measures.is_empty() {
@@ -381,6 +388,7 @@ fn years_in(heading: &str) -> Option<f64> {
 fn json(text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {
     const EXPECTED: &str =
         "the reply of a hazard service of the USGS, with response.hazardCurves or response[].metadata.imt";
+    check_without_site(options)?;
     let reply: Value = serde_json::from_str(text).map_err(|error| HazardError::new(error.to_string(), "JSON"))?;
     let response = &reply["response"];
     let curves = response["hazardCurves"].as_array().or(response.as_array());

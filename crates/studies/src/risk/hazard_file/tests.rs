@@ -62,6 +62,28 @@ fn a_unit_must_agree_with_the_heading() {
     assert_curve(&found, "PGA", "m/s2", &[1.0, 2.0], &[1e-2, 1e-3]);
 }
 
+/// A file of one curve has no sites to choose from.
+#[test]
+fn a_site_must_be_one_of_the_file() {
+    let at = HazardOptions { site: Some("0,0".into()), ..options() };
+    let reply = r#"{"response": [{"metadata": {"imt": {"value": "PGA"}, "xvalues": [0.01, 0.1]}, "data": [{"yvalues": [0.02, 0.001]}]}]}"#;
+    for (name, text) in [("h.csv", "PGA [g],rate\n0.1,1e-2\n0.2,1e-3\n"), ("h.json", reply)] {
+        assert!(read_hazard(name, text, &options()).is_ok());
+        let refused = read_hazard(name, text, &at).unwrap_err().to_string();
+        assert_eq!(refused, "found the site 0,0; expected none, as the file names no sites");
+    }
+}
+
+#[test]
+fn an_investigation_time_is_above_zero() {
+    let text = "PGA [g],POE\n0.1,0.5\n0.2,0.1\n";
+    for years in [0.0, -50.0, f64::NAN, f64::INFINITY] {
+        let refused = read_hazard("h.csv", text, &HazardOptions { years: Some(years), ..options() }).unwrap_err();
+        let found = format!("found an investigation time of {years} years; expected a number above 0");
+        assert_eq!(refused.to_string(), found);
+    }
+}
+
 #[test]
 fn levels_of_probability_1_are_left_out_where_they_are() {
     let text = "PGA [g],POE\n0.4,0.1\n0.3,0.2\n0.2,1\n";
