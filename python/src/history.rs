@@ -76,10 +76,6 @@ pub fn history<'py>(
         return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or an initial state"));
     }
     let output_step = options.step.or(ground.time_step()).unwrap_or(0.01);
-    finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;
-    if let Some(duration) = options.duration {
-        finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
-    }
     let on_supports = block.get().block.foundation == Foundation::Viscoelastic;
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));

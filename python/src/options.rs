@@ -9,13 +9,17 @@ use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
 use rocking_studies::output::runner;
-use rocking_studies::run::{MAX_DURATION, MIN_STEP};
 use rocking_studies::spec::words::{Words, friction};
-use rocking_studies::spec::{GaborSpec, PulseSpec};
+use rocking_studies::spec::{GaborSpec, PulseSpec, SingleRunSpec, SpecError};
 
 /// Converts an error of the engine to a `ValueError` with the same message.
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// Converts an error of a specification, whose names are those of Python.
+pub fn unspelled(error: SpecError) -> PyErr {
+    PyValueError::new_err(error.spelled(str::to_owned))
 }
 
 /// Returns the choice of a word in any case; the error lists the words of all choices.
@@ -83,23 +87,10 @@ impl RunOptions {
     pub fn settings(&self) -> PyResult<Settings> {
         let separations = [OnSeparation::Terminate, OnSeparation::Hold, OnSeparation::Fly];
         let overturnings = [OnOverturning::Terminate, OnOverturning::Hold];
-        finite("tolerance", self.tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
-        Ok(Settings {
-            tolerance: self.tolerance,
-            on_separation: choice("on_separation", &self.on_separation, &separations)?,
-            on_overturning: choice("on_overturning", &self.on_overturning, &overturnings)?,
-        })
-    }
-
-    /// Checks that the duration is finite and the stops are not too close.
-    pub fn check_times(&self) -> PyResult<()> {
-        if let Some(duration) = self.duration {
-            finite("duration", duration, |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?;
-        }
-        match self.step {
-            Some(step) => finite("step", step, |x| x >= MIN_STEP, "a time of at least 1e-6 s"),
-            None => Ok(()),
-        }
+        let RunOptions { tolerance, duration, step, .. } = *self;
+        let spec = SingleRunSpec { tolerance: Some(tolerance), duration, step };
+        let settings = spec.settings(choice("on_separation", &self.on_separation, &separations)?).map_err(unspelled)?;
+        Ok(Settings { on_overturning: choice("on_overturning", &self.on_overturning, &overturnings)?, ..settings })
     }
 }
 

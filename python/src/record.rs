@@ -12,9 +12,10 @@ use rocking_records::{self as engine, Choice, Format, Processing, ReadOptions, R
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{self as measures_of, Measure, PERIODS, pga, pgv};
 use rocking_studies::pulse_fit::{self, PulseFit};
+use rocking_studies::spec::records::FileSpec;
 
 use crate::block::hash;
-use crate::options::{choice, finite, invalid, whole};
+use crate::options::{choice, finite, invalid, unspelled, whole};
 
 /// The samples of a record; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
@@ -163,7 +164,7 @@ impl ChoiceOption {
     /// Returns the choice of the parameter `name`.
     fn checked(self, name: &str) -> PyResult<Choice> {
         Ok(match self {
-            ChoiceOption::Number(number) => Choice::Number(whole(name, number, 1..=1_000_000)? as usize),
+            ChoiceOption::Number(number) => Choice::Number(whole(name, number, 1..=100_000)? as usize),
             ChoiceOption::Name(name) => Choice::Name(name),
         })
     }
@@ -230,30 +231,29 @@ type Reading = (Py<PyArray1<f64>>, f64, String, f64, Option<String>);
 pub fn read_record(
     py: Python,
     path: PathBuf,
-    unit: Option<&str>,
+    unit: Option<String>,
     dt: Option<f64>,
-    format: Option<&str>,
+    format: Option<String>,
     channel: Option<ChoiceOption>,
-    layout: Option<&str>,
+    layout: Option<String>,
     skip: Option<i64>,
     value_scale: Option<f64>,
     time_column: Option<ChoiceOption>,
     acceleration_column: Option<ChoiceOption>,
     g: f64,
 ) -> PyResult<Reading> {
-    let options = ReadOptions {
-        format: format.map(str::parse).transpose().map_err(invalid)?,
-        unit: unit.map(str::parse).transpose().map_err(invalid)?,
-        time_step: dt,
-        gravity: g,
-        layout: layout.map(str::parse).transpose().map_err(invalid)?,
-        skip: skip.map(|lines| whole("skip", lines, 0..=1_000_000)).transpose()?.map(|lines| lines as usize),
-        value_scale,
-        time_column: time_column.map(|column| column.checked("time_column")).transpose()?,
-        acceleration_column: acceleration_column.map(|column| column.checked("acceleration_column")).transpose()?,
+    let spec = FileSpec {
+        unit,
+        dt,
+        format,
         channel: channel.map(|channel| channel.checked("channel")).transpose()?,
-        processing: Processing::default(),
+        layout,
+        skip: skip.map(|lines| whole("skip", lines, 0..=100_000)).transpose()?,
+        value_scale,
+        acceleration_column: acceleration_column.map(|column| column.checked("acceleration_column")).transpose()?,
+        time_column: time_column.map(|column| column.checked("time_column")).transpose()?,
     };
+    let options = ReadOptions { gravity: g, ..spec.options().map_err(unspelled)? };
     let (record, doubt) = py.detach(|| engine::read_with_doubt(&path, &options)).map_err(refused)?;
     let record_options = RecordOptions { both: options, ..RecordOptions::default() };
     let ground = Ground { horizontal: Some(record.clone()), vertical: None };

@@ -26,12 +26,13 @@ use rocking_studies::run::Run;
 use rocking_studies::run::batch;
 use rocking_studies::run::outcome::{self, Holds, Outcome, OutcomeRow};
 use rocking_studies::run::sliding;
+use rocking_studies::spec::RunSpec;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::blocks::Blocks;
-use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, warn};
+use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, unspelled, warn};
 use crate::record::{Record, ground, measures};
 use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
@@ -85,13 +86,11 @@ pub fn outcomes<'py>(
     holds: Option<(bool, usize, usize, bool)>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Columns<'py>> {
-    if let Some(demand) = friction_demand {
-        finite("friction_demand", demand, |x| x > 0.0, "a coefficient of friction > 0")?;
-    }
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let pool = pool(threads)?;
     let settings = options.settings()?;
-    options.check_times()?;
+    let RunOptions { duration, step, .. } = options;
+    RunSpec { duration, step, friction_demand, ..RunSpec::default() }.settings().map_err(unspelled)?;
     let of_record = measures(&periods)?;
     let has_record = pairs.iter().any(|(along, _)| along.is_some());
     warn(py, doubts::of_end(&pulse, has_record), 3)?;
@@ -107,7 +106,6 @@ pub fn outcomes<'py>(
         Some((friction, ties, dampers, yields)) => Holds { friction, ties, dampers, yields },
         None => blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or),
     };
-    let RunOptions { duration, step, .. } = options;
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
     let made = wait(py, tick, move |progress| {
         let motion =

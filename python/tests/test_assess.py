@@ -43,7 +43,7 @@ def test_a_report_has_the_numbers_of_a_sweep(tmp_path):
 def test_an_error_has_its_line(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text(STUDY + "years = 0\n")
-    with pytest.raises(ValueError, match=r"study.toml:16: years = 0; expected a number of years above 0"):
+    with pytest.raises(ValueError, match=r"study.toml:16: years = 0; expected a number > 0"):
         rb.assess(study)
 
 

@@ -43,15 +43,6 @@ impl Settings {
 
     /// The tolerance of studies, which need only outcome and peak rotation. docs/performance.md gives its effect.
     pub const OF_STUDIES: f64 = 1e-6;
-
-    /// Whether a user may ask for this tolerance.
-    pub fn admits_tolerance(tolerance: f64) -> bool {
-        let [least, greatest] = Settings::TOLERANCES;
-        (least..=greatest).contains(&tolerance)
-    }
-
-    /// The tolerances of [`Settings::admits_tolerance`], for messages.
-    pub const EXPECTED_TOLERANCE: &'static str = "a number from 1e-14 to 0.1";
 }
 
 impl Default for Settings {

@@ -71,7 +71,7 @@ def test_samples_are_interpolated_and_steps_go_in_order(table):
     [
         (["--resample", "0.01"], "resampling from 0.005 to 0.01 s would alias; expected a band-pass"),
         (["--band-pass", "0.1,150"], "band-pass 0.1 to 150 Hz; expected 0 < lower corner < upper corner < 100 Hz"),
-        (["--band-pass", "0.1"], "--band-pass has 1 numbers; expected two, as in 0.1,25"),
+        (["--band-pass", "0.1"], "--band-pass without two frequencies; expected two, as in 0.1,25"),
         (["--resample", "-1"], "--resample = -1; expected a time > 0 s"),
     ],
 )

@@ -2,13 +2,16 @@
 
 use std::{convert::Infallible, fmt, str::FromStr};
 
+use serde::Deserialize;
+
 use super::fixed_layout::FixedLayout;
 use super::format::Format;
 use super::processing::Processing;
 use super::unit::Unit;
 
 /// A column of a table or a channel of a file, chosen by the caller.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
 pub enum Choice {
     /// Number, from 1.
     Number(usize),

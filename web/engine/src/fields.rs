@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
+use rocking_studies::spec::limits;
 use rocking_studies::spec::words::Words;
 use serde::Serialize;
 
@@ -60,6 +61,12 @@ impl<'a> Fields<'a> {
     /// A number as [`Fields::number`] reads it; `None` for an empty field.
     pub fn optional(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Option<f64> {
         (!self.text(field).is_empty()).then(|| self.number(field, fits, expected))
+    }
+
+    /// A number within the limits of the field's schema among these; `None` for an empty field.
+    pub fn limited(&mut self, field: &str, schemas: &serde_json::Value) -> Option<f64> {
+        let schema = &schemas[field];
+        self.optional(field, |number| limits::admits(schema, number), &limits::expected(schema))
     }
 
     /// A whole number in a range.

@@ -10,7 +10,7 @@ use rocking_records::Record;
 use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
 use rocking_studies::run::Run;
-use rocking_studies::spec::{BlockSpec, HoldSpec, SpecError};
+use rocking_studies::spec::{BlockSpec, HoldSpec, SingleRunSpec, SpecError, limits};
 
 use crate::fields::{FieldError, Fields};
 use crate::records::{self, Direction, DroppedFile};
@@ -85,10 +85,10 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         Excitation::Release => release(&mut fields),
         _ => (0.0, 0.0),
     };
-    let tolerance = fields.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE);
+    let limits = limits::properties::<SingleRunSpec>();
+    let tolerance = fields.limited("tolerance", &limits).unwrap_or(f64::NAN);
     let on_separation = fields.choice("on_separation");
-    let duration = fields.optional("duration", |x| x > 0.0, "a time > 0 s, or nothing");
-    let step = fields.optional("step", |x| x > 0.0, "a time > 0 s, or nothing");
+    let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits));
     let Some(block) = block else { return Err(fields.into_errors()) };
     if fields.has_errors() {
         return Err(fields.into_errors());
@@ -209,11 +209,7 @@ fn block(fields: &mut Fields, spec: &BlockSpec) -> Option<Block> {
     let error = match spec.block() {
         Ok(block) => return Some(block),
         Err(SpecError::Invalid(error)) => block_error(&error, fields.text("shape")),
-        Err(
-            error @ (SpecError::NoEffect { parameter, .. }
-            | SpecError::Lacks { parameter, .. }
-            | SpecError::OutOfRange { parameter, .. }),
-        ) => FieldError::new(parameter, error.spelled(|name| name.into())),
+        Err(error) => FieldError::new(error.parameter().unwrap_or_default(), error.spelled(str::to_owned)),
     };
     fields.refuse(error);
     None

@@ -2,6 +2,7 @@
 
 use rocking_block::excitation::records::Ground;
 use rocking_records::{Choice, Processing, ReadOptions, Record, Setting};
+use rocking_studies::input::ground_files::RecordOption;
 
 use crate::fields::{FieldError, Fields};
 
@@ -31,7 +32,7 @@ pub enum Direction {
 }
 
 /// Settings of a file that the command line can name, with their values.
-pub type Settings = Vec<(&'static str, String)>;
+pub type Settings = Vec<(String, String)>;
 
 impl Direction {
     /// Name of the field of the file.
@@ -42,27 +43,9 @@ impl Direction {
         }
     }
 
-    /// Name of the field of a setting.
-    fn setting_field(self, setting: Setting) -> &'static str {
-        let [horizontal, vertical] = match setting {
-            Setting::Format => ["format", "vertical_format"],
-            Setting::Unit => ["unit", "vertical_unit"],
-            Setting::TimeStep => ["dt", "vertical_dt"],
-            Setting::Channel => ["channel", "vertical_channel"],
-            Setting::TimeColumn => ["time_column", "vertical_time_column"],
-            Setting::AccelerationColumn => ["acceleration_column", "vertical_acceleration_column"],
-            // The page has no fields for these.
-            Setting::Layout => ["layout"; 2],
-            Setting::Skip => ["skip"; 2],
-            Setting::ValueScale => ["value_scale"; 2],
-            Setting::Baseline => ["baseline"; 2],
-            Setting::BandPass => ["band_pass"; 2],
-            Setting::Resample => ["resample"; 2],
-        };
-        match self {
-            Direction::Horizontal => horizontal,
-            Direction::Vertical => vertical,
-        }
+    /// Name of the field of a setting, that of study files.
+    fn setting_field(self, setting: Setting) -> String {
+        RecordOption { setting, vertical: self == Direction::Vertical }.key()
     }
 }
 
@@ -70,16 +53,16 @@ impl Direction {
 fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptions {
     let field = |setting| direction.setting_field(setting);
     let settings = ReadOptions {
-        format: fields.parsed(field(Setting::Format)),
-        unit: fields.parsed(field(Setting::Unit)),
-        time_step: fields.optional(field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
+        format: fields.parsed(&field(Setting::Format)),
+        unit: fields.parsed(&field(Setting::Unit)),
+        time_step: fields.optional(&field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
         gravity,
         layout: None,
         skip: None,
         value_scale: None,
-        time_column: fields.parsed::<Choice>(field(Setting::TimeColumn)),
-        acceleration_column: fields.parsed::<Choice>(field(Setting::AccelerationColumn)),
-        channel: fields.parsed(field(Setting::Channel)),
+        time_column: fields.parsed::<Choice>(&field(Setting::TimeColumn)),
+        acceleration_column: fields.parsed::<Choice>(&field(Setting::AccelerationColumn)),
+        channel: fields.parsed(&field(Setting::Channel)),
         processing: Processing::default(),
     };
     // As in the program, settings of the horizontal file apply to the vertical one too unless it has its own.
@@ -103,7 +86,7 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
     ];
     all.into_iter()
         .map(|setting| direction.setting_field(setting))
-        .map(|field| (field, fields.text(field).to_string()))
+        .map(|field| (field.clone(), fields.text(&field).to_string()))
         .filter(|(_, text)| !text.is_empty())
         .collect()
 }
@@ -131,7 +114,7 @@ fn read(
     match rocking_records::parse_with_doubt(name, bytes, &options) {
         Ok((record, doubt)) => Some((record, doubt.map(|why| format!("{name}: {why}")))),
         Err(error) => {
-            let mut field = direction.field();
+            let mut field = direction.field().to_string();
             let message = error.naming(|setting| {
                 field = direction.setting_field(setting);
                 format!("the {setting}")

@@ -9,7 +9,7 @@ use crate::options::checks::check;
 use crate::options::excitation::{Excitation, ExcitationOptions};
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::warn;
-use crate::options::single_run::SingleRunOptions;
+use crate::options::single_run;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::report::{ReportOptions, WrittenFiles};
@@ -20,6 +20,7 @@ use rocking_studies::doubts;
 use rocking_studies::frame::Frame;
 use rocking_studies::output::csv::with_headings;
 use rocking_studies::run::{History, Run};
+use rocking_studies::spec::SingleRunSpec;
 
 /// Options of `rocking frame`.
 #[derive(Parser)]
@@ -32,7 +33,7 @@ pub struct FrameCommand {
     #[arg(long, value_name = "RAD", default_value_t = 0.0, help_heading = "Run")]
     theta: f64,
     #[command(flatten)]
-    single_run: SingleRunOptions,
+    single_run: SingleRunSpec,
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
@@ -180,7 +181,7 @@ impl FrameCommand {
         anyhow::ensure!(is_moved, "nothing moves the frame; expected --record, --pulse or --theta");
         let initial = Initial { theta: self.theta, ..Initial::default() };
         // The equivalent block does not fly like the frame.
-        let run = self.single_run.run(block, OnSeparation::Terminate, initial, pulse, ground)?;
+        let run = single_run::run(&self.single_run, block, OnSeparation::Terminate, initial, pulse, ground)?;
         Ok((run, if description.is_empty() { "free motion".into() } else { description }))
     }
 }

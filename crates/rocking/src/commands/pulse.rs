@@ -7,7 +7,8 @@ use anyhow::Context;
 use clap::Parser;
 use serde::Serialize;
 
-use crate::options::accelerograms::{ReadingOptions, refuse_without_effect};
+use crate::options::accelerograms::refuse_without_effect;
+use crate::options::block::in_options;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
 use crate::output::files::{NamedFile, Pending, check_distinct};
@@ -20,6 +21,7 @@ use rocking_charts::picture::PictureFormat;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{pga, pgv};
 use rocking_studies::pulse_fit::{self, PulseFit};
+use rocking_studies::spec::ReadingSpec;
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::words::Words;
 
@@ -30,7 +32,7 @@ pub struct PulseCommand {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten, next_help_heading = "Reading")]
-    reading: ReadingOptions,
+    reading: ReadingSpec,
     /// Gravitational acceleration, for records in g [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
     g: f64,
@@ -60,7 +62,7 @@ pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let outputs = [("csv", csv.as_deref()), ("plot", picture.plot.as_deref())];
     check_distinct(&[NamedFile::new("the record", file)], &NamedFile::of_options(outputs))?;
-    let record_options = RecordOptions { both: reading.read_options(*g)?, ..RecordOptions::default() };
+    let record_options = RecordOptions { both: reading.options(*g).map_err(in_options)?, ..RecordOptions::default() };
     let record = record_options.read(false, RecordOption::option, |options| input::record(file, options));
     let record = record.map_err(anyhow::Error::msg)?;
     let grounds = [Ground { horizontal: Some(record.clone()), vertical: None }];

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use serde::{Serialize, Serializer};
 
-use crate::options::accelerograms::{ReadingOptions, refuse_without_effect};
+use crate::options::accelerograms::refuse_without_effect;
+use crate::options::block::in_options;
 use crate::options::checks::check;
 use crate::options::input;
 use crate::output::files::{NamedFile, Pending, check_distinct};
@@ -17,6 +18,7 @@ use rocking_block::excitation::records::Ground;
 use rocking_records::Record;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{Measure, PERIODS, rot_d, rotated};
+use rocking_studies::spec::ReadingSpec;
 
 /// Displacement (m) that the ground hardly reaches away from a fault; integrals of a record that drifts exceed it.
 const LARGEST_DISPLACEMENT: f64 = 1.0;
@@ -35,7 +37,7 @@ pub struct RecordCommand {
     #[arg(long, value_name = "DEGREES", requires = "transverse")]
     rotate: Option<f64>,
     #[command(flatten, next_help_heading = "Reading")]
-    reading: ReadingOptions,
+    reading: ReadingSpec,
     /// Gravitational acceleration, for records in g and for the Arias intensity [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
     g: f64,
@@ -62,7 +64,8 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
     let outputs = [("csv", csv.as_deref())];
     let inputs: Vec<_> = files.iter().chain(transverse).map(|path| NamedFile::new("the record", path)).collect();
     check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let record_options = RecordOptions { both: options.reading.read_options(*g)?, ..RecordOptions::default() };
+    let record_options =
+        RecordOptions { both: options.reading.options(*g).map_err(in_options)?, ..RecordOptions::default() };
     let read = |path: &PathBuf| {
         let record = record_options.read(false, RecordOption::option, |options| input::record(path, options));
         Ok(Ground { horizontal: Some(record.map_err(anyhow::Error::msg)?), vertical: None })

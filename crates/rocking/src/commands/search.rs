@@ -9,8 +9,7 @@ use serde::Serialize;
 
 use crate::options::accelerograms::Accelerograms;
 use crate::options::block::in_options;
-use crate::options::checks::{check, check_tolerance};
-use crate::options::choices;
+use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::{ProcessorOptions, SizeOptions, warn};
 use crate::output::files::{NamedFile, Pending, check_distinct};
@@ -24,8 +23,9 @@ use rocking_studies::doubts;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 use rocking_studies::spec::pulse::shapes;
+use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{GaborSpec, HoldSpec};
+use rocking_studies::spec::{GaborSpec, HoldSpec, RunSpec, limits};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -88,7 +88,7 @@ struct Overturning {
     #[arg(long, default_value_t = 0.1)]
     xi_v: f64,
     /// Action at complete separation
-    #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Fly.word())]
+    #[arg(long, value_parser = separations(), default_value = OnSeparation::Fly.word())]
     on_separation: OnSeparation,
     /// Foundation under the block
     #[arg(long, value_parser = rocking_studies::spec::block::foundations(), default_value = Foundation::Viscoelastic.word())]
@@ -299,7 +299,7 @@ impl BlockOptions {
 
 impl SearchOptions {
     fn settings(&self) -> anyhow::Result<Settings> {
-        check_tolerance(self.tolerance)?;
+        limits::check::<RunSpec>(&[("tolerance", Some(self.tolerance))]).map_err(in_options)?;
         Ok(Settings { tolerance: self.tolerance, ..Settings::default() })
     }
 

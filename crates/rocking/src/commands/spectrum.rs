@@ -6,11 +6,12 @@ use clap::{Args, Parser};
 use serde::Serialize;
 
 use crate::options::accelerograms::MotionFiles;
-use crate::options::checks::{check, check_friction_demand};
+use crate::options::block::in_options;
+use crate::options::checks::check;
 use crate::options::choices;
 use crate::options::excitation::{ManyExcitationOptions, ManyExcitations, names};
 use crate::options::explicit::ExplicitOptions;
-use crate::options::run::{RunOptions, SizeOptions, StudyOptions, warn};
+use crate::options::run::{SizeOptions, StudyOptions, warn};
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::is_standard_output;
@@ -25,7 +26,7 @@ use rocking_studies::output::resumable::TableWriteError;
 use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
-use rocking_studies::spec::{damper, tie};
+use rocking_studies::spec::{RunSpec, damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, Statistics};
 use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
 
@@ -40,10 +41,7 @@ pub struct SpectrumCommand {
     #[command(flatten)]
     blocks: BlockOptions,
     #[command(flatten)]
-    run: RunOptions,
-    /// Add a column with the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
-    #[arg(long, value_name = "MU", help_heading = "Results")]
-    friction_demand: Option<f64>,
+    run: RunSpec,
     #[command(flatten)]
     study: StudyOptions,
     #[command(flatten)]
@@ -214,10 +212,10 @@ impl SpectrumCommand {
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
             pulse,
-            settings: self.run.settings()?,
-            duration: self.run.duration()?,
-            step: self.run.step()?,
-            friction_demand: check_friction_demand(self.friction_demand)?,
+            settings: self.run.settings().map_err(in_options)?,
+            duration: self.run.duration,
+            step: self.run.step,
+            friction_demand: self.run.friction_demand,
         };
         check("eccentricity-ratio", self.blocks.eccentricity_ratio, |x| x.abs() < 1.0, "a ratio between -1 and 1")?;
         spectrum.check()?;

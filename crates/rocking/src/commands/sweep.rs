@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser};
 use serde::Serialize;
 
-use crate::options::choices;
 use crate::options::input;
 use crate::options::run::{StudyOptions, warn};
 use crate::output::files::{NamedFile, check_distinct};
@@ -13,6 +12,7 @@ use crate::output::formats::{check_table, knows_parquet};
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::output::parts::PartNumber;
+use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::file as study_file;
 use rocking_studies::sweep::parameters::SweptParameter;
@@ -53,7 +53,7 @@ pub struct SweepOptions {
     #[arg(value_name = "STUDY.toml")]
     pub file: PathBuf,
     /// Action at complete separation, unless the study names on_separation; by default the block flies on
-    #[arg(long, value_parser = choices::on_separation(), help_heading = "Runs")]
+    #[arg(long, value_parser = separations(), help_heading = "Runs")]
     on_separation: Option<OnSeparation>,
     #[command(flatten)]
     pub study: StudyOptions,

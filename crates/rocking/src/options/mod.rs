@@ -9,7 +9,7 @@
 //! | [`accelerograms`] | options, files → records |
 //! | [`excitation`] | options → records and a pulse |
 //! | [`mod@block`] | options of a single block → the block |
-//! | [`single_run`] | tolerance, duration, rows → one run |
+//! | [`single_run`] | settings of a single run → the run |
 //! | [`run`] | options shared by studies → settings, a table of many runs |
 //! | [`fit`] | options, table of a sweep → its rows, a limit, the method of intervals |
 //! | [`measure`] | options of a block → the measure of records behind a measure relative to the block |

@@ -8,8 +8,7 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use crate::options::checks::{check, check_tolerance, checked};
-use crate::options::choices;
+use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
 use crate::output::files::Growing;
 use crate::output::formats::knows_parquet;
@@ -17,15 +16,12 @@ use crate::output::interrupt::print_continuation;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles, is_standard_output};
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_charts::numerals::significant;
 use rocking_studies::output::forecast::Forecast;
 use rocking_studies::output::parts::{self, Part, PartNumber, PartState};
 use rocking_studies::output::reading::is_parquet;
 use rocking_studies::output::resumable::{Failures, ResumableTable, TableOptions};
 use rocking_studies::output::runner::{self, Follower, Study, StudySummary};
-use rocking_studies::run::{MAX_DURATION, MIN_STEP};
-use rocking_studies::spec::words::Words;
 
 /// Width and height of a block, instead of dimensionless parameters.
 #[derive(Args)]
@@ -60,42 +56,6 @@ impl SizeOptions {
 pub fn warn(warnings: impl IntoIterator<Item = String>) {
     for warning in warnings {
         eprintln!("rocking: warning: {warning}");
-    }
-}
-
-/// Settings of each run of a study.
-#[derive(Args)]
-#[command(next_help_heading = "Runs")]
-pub struct RunOptions {
-    /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
-    #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
-    tolerance: f64,
-    /// Action at complete separation
-    #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Fly.word())]
-    on_separation: OnSeparation,
-    /// Duration; by default each run lasts until the ground has come to rest and the block has come down [s]
-    #[arg(long, value_name = "S")]
-    duration: Option<f64>,
-    /// Longest time between two stops of a run; by default runs stop only at a record's samples and a pulse's ends [s]
-    #[arg(long, value_name = "S")]
-    step: Option<f64>,
-}
-
-impl RunOptions {
-    /// Returns the settings of the solver.
-    pub fn settings(&self) -> anyhow::Result<Settings> {
-        check_tolerance(self.tolerance)?;
-        Ok(Settings { tolerance: self.tolerance, on_separation: self.on_separation, ..Settings::default() })
-    }
-
-    /// Returns the duration (s), if set.
-    pub fn duration(&self) -> anyhow::Result<Option<f64>> {
-        checked("duration", self.duration, |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")
-    }
-
-    /// Returns the longest time between two stops (s), if set.
-    pub fn step(&self) -> anyhow::Result<Option<f64>> {
-        checked("step", self.step, |x| x >= MIN_STEP, "a time of at least 1e-6 s")
     }
 }
 

@@ -181,7 +181,10 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
     for (assess, words) in [
         ("", &["study.toml:1: the file has no [assess]; expected title"][..]),
         ("[assess]\n", &["study.toml:13: assess has no title"]),
-        ("[assess]\ntitle = \"a\"\nname = 1\n", &["study.toml:15: there is no name in assess; expected one of title"]),
+        (
+            "[assess]\ntitle = \"a\"\nname = 1\n",
+            &["study.toml:15: there is no name in assess; expected one of hazard, im"],
+        ),
         ("[assess]\ntitle = \"a\"\nim = \"PFA\"\n", &["study.toml:15: im = \"PFA\"; expected one of PGA"]),
         ("[assess]\ntitle = \"a\"\nhazard = { file = \"no.csv\" }\n", &["study.toml:15: no.csv: cannot be read"]),
         (
@@ -243,8 +246,11 @@ fn a_site_is_a_name_or_a_list_of_coordinates() {
     };
     for (site, words) in [
         ("[12.5, 41]", "study.toml:15: sites.csv: found no site 12.5,41; expected one such as Rome; Milan"),
-        ("[12.5]", "study.toml:15: site = [12.5]; expected a name, or longitude and latitude, as in [12.5, 41.9]"),
-        ("[\"Rome\"]", "study.toml:15: site = \"Rome\"; expected a name, or longitude and latitude"),
+        (
+            "[12.5]",
+            "study.toml:15: site = [12.5]; expected a text in quotes or a list of 2 values, each a finite number",
+        ),
+        ("[\"Rome\"]", "study.toml:15: site = [\"Rome\"]; expected a text in quotes or a list of 2 values"),
     ] {
         refused(study(site).path(), &["assess", "study.toml"], &[words]);
     }

@@ -202,7 +202,7 @@ fn half_cycles_of_dampers_are_a_column_and_a_limit() {
             "",
             "wrong.toml:3: half_cycles = 0.002; expected none without a tie or damper with yield_force",
         ),
-        ("half_cycles = 0.002", "half_cycles = 0", "wrong.toml:3: half_cycles = 0; expected an amplitude > 0 m"),
+        ("half_cycles = 0.002", "half_cycles = 0", "wrong.toml:3: half_cycles = 0; expected a length > 0 m"),
         (
             "half_cycles = 0.002",
             "ensemble = { samples = 3, p = 0.1, limits = [\"half_cycles:2\"] }",

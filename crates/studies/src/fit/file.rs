@@ -6,15 +6,13 @@ use toml::de::DeTable;
 
 use crate::fit::problem::{FitError, Free, Options, Problem, Test};
 use crate::input::parameters::{Parameter, flatten};
-use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, keys};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
 use crate::run::table::columns;
 use crate::spec::fit::{FitFile, FitTable, TestTable};
-use crate::spec::study::RecordsTable;
 use crate::sweep::file::values;
 use crate::sweep::parameters::ParameterValues;
 use crate::sweep::records;
 use rocking_block::excitation::records::Ground;
-use rocking_block::simulation::Settings;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 use rocking_records::Choice;
@@ -26,74 +24,61 @@ use rocking_records::Choice;
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<String>), StudyFileError> {
     let source = StudyText { file, text };
     let document = source.parse()?;
-    let root = Section::of::<FitFile>(source, "the file", document.span(), document.get_ref())?;
-    let fit = root.section::<FitTable>("fit")?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
-    let shared = parameters(source, &root, "parameters")?;
-    let list = root.get("tests").ok_or_else(|| root.lacks("[[tests]]", "a table for each test"))?;
-    let tables = list.get_ref().as_array().filter(|list| !list.is_empty());
-    let tables = tables.ok_or_else(|| root.wrong("tests", list, "[[tests]], a table for each test"))?;
+    let file = Section::<FitFile>::read(source, THE_FILE, document.span(), document.get_ref())?;
+    let FitTable { starts, seed, level, tolerance, .. } = file.fit;
+    let shared = parameters(&file, "", &["parameters"])?;
     let (mut tests, mut files, mut values) = (Vec::new(), Vec::new(), Values::default());
-    for value in tables {
-        let table = value.get_ref().as_table().ok_or_else(|| root.wrong("tests", value, "tables"))?;
-        let section = Section::of::<TestTable>(source, "[[tests]]", value.span(), table)?;
-        let of_test = test_parameters(source, table)?;
+    for (number, table) in file.tests.iter().enumerate() {
+        let path = format!("tests.{number}.");
+        let of_test = parameters(&file, &path, &["initial", "pulse"])?;
         values = set(source, shared.iter().chain(&of_test))?;
-        tests.push(test(source, &section, value, folder, &values, &mut files)?);
+        tests.push(test(&file, &path, table, folder, &values, &mut files)?);
     }
     let (parameterization, common) = values.block_parameters(|variable| values[variable]);
     let default = Options::default();
-    let level = fit.number("level", |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
-    let tolerance = fit.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let options = Options {
-        starts: fit.integer("starts", 1..100_001)?.map_or(default.starts, |starts| starts as u32),
-        seed: fit.integer("seed", 0..1 << 63)?.unwrap_or(default.seed),
-        level: level.unwrap_or(default.level),
+        starts: starts.unwrap_or(default.starts),
+        seed: seed.map_or(default.seed, |seed| seed.0),
+        level: level.map_or(default.level, |level| level.0),
         tolerance: tolerance.unwrap_or(default.tolerance),
     };
     let ties = values.ties(|variable| values[variable]);
-    let problem = Problem { parameterization, common, ties, free: free(source, &fit)?, tests, options };
-    let span = |error: &FitError| match error {
-        FitError::Test { number, .. } => tables.get(number - 1).map_or(list.span(), |table| table.span()),
-        _ => root.get("fit").map_or(0..0, |fit| fit.span()),
+    let free = free(&file, "fit.", &file.fit.free)?;
+    let problem = Problem { parameterization, common, ties, free, tests, options };
+    let path = |error: &FitError| match error {
+        FitError::Test { number, .. } => format!("tests.{}", number - 1),
+        _ => "fit".into(),
     };
     let checked = problem.check().and_then(|()| crate::fit::unknowns::unknowns(&problem).map(|_| ()));
-    checked.map_err(|error| source.wrong(&span(&error), error.to_string()))?;
+    checked.map_err(|error| file.refused(&path(&error), error.to_string()))?;
     Ok((problem, files))
 }
 
 /// A parameter with its value in the text.
 type GivenParameter<'a> = (Parameter, SpannedValue<'a>);
 
-/// Reads the parameters of a table of the file.
-fn parameters<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
-    let Some(value) = root.get(key) else { return Ok(Vec::new()) };
-    let table = value.get_ref().as_table().ok_or_else(|| root.wrong(key, value, "a table"))?;
-    named(source, table, &[])
-}
-
-/// Reads the parameters of a test: its initial state and its pulse.
-fn test_parameters<'a>(source: StudyText, table: &'a DeTable<'a>) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
-    let is_other = |key: &&&str| !["initial", "pulse"].contains(key);
-    let others: Vec<&str> = keys::<TestTable>().iter().filter(is_other).copied().collect();
-    named(source, table, &others)
-}
-
-fn named<'a>(
-    source: StudyText,
-    table: &'a DeTable<'a>,
-    others: &[&str],
+/// Reads the parameters of these tables, whose paths begin with `path`.
+fn parameters<'a>(
+    file: &Section<'a, FitFile>,
+    path: &str,
+    tables: &[&str],
 ) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
     let mut found = Vec::new();
-    flatten(source, "", table, others, &mut found)?;
+    for key in tables {
+        let prefix = if path.is_empty() { String::new() } else { format!("{key}.") };
+        if let Some(table) = file.get(&format!("{path}{key}")).and_then(|value| value.get_ref().as_table()) {
+            flatten(file.source, &prefix, table, &[], &mut found)?;
+        }
+    }
     let parameter = |(name, value): (String, SpannedValue<'a>)| {
-        Ok((Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?, value))
+        Ok((Parameter::named(&name).map_err(|message| file.source.wrong(&value.span(), message))?, value))
     };
     found.into_iter().map(parameter).collect()
 }
 
 /// Returns the variables with these parameters set; each must have one value and be read by the block.
 fn set<'a>(
-    source: StudyText,
+    source: StudyText<'a>,
     parameters: impl Iterator<Item = &'a GivenParameter<'a>> + Clone,
 ) -> Result<Values, StudyFileError> {
     let mut set = Values::default();
@@ -119,80 +104,76 @@ fn set<'a>(
     Ok(set)
 }
 
-/// Reads a test.
+/// Reads the test of a table, whose path ends with a dot.
 fn test(
-    source: StudyText,
-    section: &Section,
-    table: SpannedValue,
+    file: &Section<FitFile>,
+    path: &str,
+    table: &TestTable,
     folder: &Path,
     values: &Values,
     files: &mut Vec<String>,
 ) -> Result<Test, StudyFileError> {
-    let finite = |key: &str| section.number(key, |_| true, "a finite number");
-    let block = values.block().map_err(|error| source.wrong(&table.span(), error.to_string()))?;
-    let output = section.text("output")?.unwrap_or("theta");
+    let refused = |key: &str, message: String| file.refused(&format!("{path}{key}"), message);
+    let block = values.block().map_err(|error| refused("", error.to_string()))?;
+    let output = table.output.as_deref().unwrap_or("theta");
     let unit = columns(&block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit);
-    let name = section.text("data")?.ok_or_else(|| section.lacks("data", "a CSV file of times and measured values"))?;
-    let time = records::column(section, "time")?.unwrap_or(Choice::Name("t".into()));
-    let column = records::column(section, "column")?.unwrap_or(Choice::Name(output.into()));
-    let factor = section.number("factor", |x| x != 0.0, "a number other than 0")?;
-    let data = section.get("data").unwrap_or(table);
-    let read = read_table(&folder.join(name), [&time, &column], unit, factor);
-    let (times, values_over_time) = read.map_err(|message| section.refused(data, format!("{name}: {message}")))?;
+    let time = table.time.clone().unwrap_or(Choice::Name("t".into()));
+    let column = table.column.clone().unwrap_or(Choice::Name(output.into()));
+    if table.factor == Some(0.0) {
+        return Err(file.wrong(&format!("{path}factor"), "a number other than 0"));
+    }
+    let name = &table.data;
+    let read = read_table(&folder.join(name), [&time, &column], unit, table.factor);
+    let (times, values_over_time) = read.map_err(|message| refused("data", format!("{name}: {message}")))?;
     files.push(name.into());
     let mut ground = Ground::default();
-    if let (Some(record), Some(value)) = (section.section::<RecordsTable>("record")?, section.get("record")) {
-        let found = records::in_table(&record, value.span(), source, folder, values[Variable::G])?;
+    if let Some(record) = &table.record {
+        let place = format!("{path}record");
+        let found = records::Files { file, path: place, table: record, folder }.read(values[Variable::G])?;
         let [of_record] = &found[..] else {
-            let message = format!("record has {} files; expected one for each direction", found.len());
-            return Err(section.refused(value, message));
+            return Err(refused(
+                "record",
+                format!("record has {} files; expected one for each direction", found.len()),
+            ));
         };
         ground = of_record.ground.clone();
         files.extend(of_record.files.iter().filter(|name| !name.is_empty()).cloned());
     }
-    if let (true, Some(value)) = (ground.is_empty(), section.get("scale")) {
-        return Err(section.wrong("scale", value, "a record; it has no effect without one"));
+    if ground.is_empty() && table.scale.is_some() {
+        return Err(file.wrong(&format!("{path}scale"), "a record; it has no effect without one"));
     }
     Ok(Test {
         output: output.into(),
         times,
         values: values_over_time,
-        noise: section.number("noise", |x| x > 0.0, "a standard deviation > 0")?,
+        noise: table.noise.map(|noise| noise.0),
         initial: values.initial(),
         pulse: values.pulse(),
         ground,
-        scale: finite("scale")?.unwrap_or(1.0),
-        zero: finite("zero")?.unwrap_or(0.0),
-        delay: finite("delay")?.unwrap_or(0.0),
-        free: free(source, section)?,
+        scale: table.scale.unwrap_or(1.0),
+        zero: table.zero.unwrap_or(0.0),
+        delay: table.delay.unwrap_or(0.0),
+        free: free(file, path, &table.free)?,
     })
 }
 
-/// Reads `free`, `bounds` and `prior` of a table.
-fn free(source: StudyText, section: &Section) -> Result<Vec<Free>, StudyFileError> {
-    let mut found = Vec::new();
-    if let Some(value) = section.get("free") {
-        let expected = "a list of names, as in [\"alpha\", \"p\"]";
-        let list = value.get_ref().as_array().ok_or_else(|| section.wrong("free", value, expected))?;
-        for value in list {
-            let name = value.get_ref().as_str().ok_or_else(|| section.wrong("free", value, expected))?;
-            found.push(Free::named(name));
-        }
-    }
+/// Reads `free`, `bounds` and `prior` of the table whose path this is, with a dot.
+fn free(file: &Section<FitFile>, path: &str, names: &Option<Vec<String>>) -> Result<Vec<Free>, StudyFileError> {
+    let mut found: Vec<Free> = names.iter().flatten().map(|name| Free::named(name)).collect();
     for (key, expected) in [("bounds", "both ends, as in [0.1, 0.3]"), ("prior", "mean and standard deviation")] {
-        let Some(value) = section.get(key) else { continue };
-        let table = value.get_ref().as_table().ok_or_else(|| section.wrong(key, value, "a table of parameters"))?;
+        let value = file.get(&format!("{path}{key}"));
+        let Some(table) = value.and_then(|value| value.get_ref().as_table()) else { continue };
         let mut pairs = Vec::new();
         leaves("", table, &mut pairs);
         for (name, value) in pairs {
+            let wrong = |message: String| file.source.wrong(&value.span(), message);
             let numbers = value.get_ref().as_array().filter(|list| list.len() == 2);
-            let number = |value: SpannedValue| crate::input::study_file::number(value);
             let both = numbers.and_then(|list| Some([number(&list[0])?, number(&list[1])?]));
-            let both = both.ok_or_else(|| section.wrong(&name, value, expected))?;
+            let both = both.ok_or_else(|| file.source.unexpected(&name, value, expected))?;
             let Some(free) = found.iter_mut().find(|free| free.name == name) else {
                 let names: Vec<&str> = found.iter().map(|free| free.name.as_str()).collect();
-                let message = format!("{key} of {name}, which is not free; expected one of {}", names.join(", "));
-                return Err(source.wrong(&value.span(), message));
+                let names = names.join(", ");
+                return Err(wrong(format!("{key} of {name}, which is not free; expected one of {names}")));
             };
             *(if key == "bounds" { &mut free.bounds } else { &mut free.prior }) = Some(both);
         }

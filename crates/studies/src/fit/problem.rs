@@ -1,5 +1,7 @@
 //! A block, tests of it and the names of free parameters → a checked problem.
 
+use crate::spec::fit::FitTable;
+use crate::spec::limits;
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{Block, BlockError, Common, Parameterization};
 use rocking_block::excitation::records::Ground;
@@ -195,13 +197,10 @@ impl Problem {
         let Options { starts, level, tolerance, .. } = self.options;
         let options = [
             ((1..=100_000).contains(&starts), format!("starts = {starts}; expected a whole number from 1 to 100000")),
-            (level > 0.0 && level < 1.0, format!("level = {level}; expected a number above 0 and below 1")),
-            (
-                Settings::admits_tolerance(tolerance),
-                format!("tolerance = {tolerance}; expected {}", Settings::EXPECTED_TOLERANCE),
-            ),
             (!self.tests.is_empty(), "there is no test; expected one at least".into()),
         ];
+        let numbers = [("level", Some(level)), ("tolerance", Some(tolerance))];
+        limits::check::<FitTable>(&numbers).map_err(|error| FitError::Options(error.spelled(str::to_owned)))?;
         if let Some((_, message)) = options.into_iter().find(|(is_valid, _)| !is_valid) {
             return Err(FitError::Options(message));
         }

@@ -1,11 +1,18 @@
 //! A TOML file → its tables, with known keys only and the line of each key and value.
 
-use std::ops::Range;
+use std::borrow::Cow;
+use std::ops::{Deref, Range};
 use std::str::FromStr;
 
-use serde::de::{DeserializeOwned, Deserializer, Error, Visitor};
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde_json::Value as Json;
 use toml::Spanned;
+use toml::Value as Toml;
 use toml::de::{DeTable, DeValue};
+
+use crate::spec::limits::{admits, expected, words};
+use crate::spec::schema;
 
 /// An error in a study file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -29,10 +36,100 @@ pub struct StudyText<'a> {
 }
 
 impl<'a> StudyText<'a> {
+    /// Returns a part of the text on one line, at most 60 characters.
+    fn shown(&self, range: &Range<usize>) -> String {
+        let text = self.text.get(range.clone()).unwrap_or_default();
+        text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect()
+    }
+
     /// An error at a range of bytes of the text.
     pub fn wrong(&self, range: &Range<usize>, message: impl Into<String>) -> StudyFileError {
         let before = self.text.get(..range.start).unwrap_or(self.text);
         StudyFileError { file: self.file.into(), line: before.matches('\n').count() + 1, message: message.into() }
+    }
+
+    /// Returns an error at a value of a key that says the expected one.
+    pub fn unexpected(&self, key: &str, value: SpannedValue, expected: &str) -> StudyFileError {
+        let range = value.span();
+        self.wrong(&range, format!("{key} = {}; expected {expected}", self.shown(&range)))
+    }
+
+    /// Returns the values of a table that agrees with a schema; those with a schema by reference are read apart.
+    fn table(
+        &self,
+        name: &str,
+        range: &Range<usize>,
+        table: &DeTable,
+        schema: &Json,
+    ) -> Result<toml::Table, StudyFileError> {
+        let properties = &schema["properties"];
+        let known = properties.as_object().into_iter().flatten();
+        let has_further =
+            schema["additionalProperties"] != false || known.clone().any(|(_, of)| of["$ref"].is_string());
+        let mut entries: Vec<_> = table.iter().collect();
+        // Errors are those of the first line, not of the alphabet.
+        entries.sort_by_key(|(key, _)| key.span().start);
+        let unknown = |key: &str| !has_further && properties[key].is_null();
+        if let Some((key, _)) = entries.iter().find(|(key, _)| unknown(key.get_ref())) {
+            let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
+            let message = format!("there is no {} in {name}; expected one of {}", key.get_ref(), known.join(", "));
+            return Err(self.wrong(&key.span(), message));
+        }
+        let required = schema["required"].as_array().into_iter().flatten().filter_map(Json::as_str);
+        if let Some(missing) = required.clone().find(|key| table.get(*key).is_none()) {
+            let expected = expected(&properties[missing]);
+            return Err(self.wrong(range, format!("{name} has no {missing}; expected {expected}")));
+        }
+        let entry = |(key, value): (&Spanned<Cow<str>>, SpannedValue)| {
+            let key = key.get_ref();
+            let name = match (value.get_ref().is_array(), name) {
+                (false, _) => key.to_string(),
+                (true, THE_FILE) => format!("[[{key}]]"),
+                (true, _) => format!("[[{name}.{key}]]"),
+            };
+            Ok((key.to_string(), self.value(&name, key, value, &properties[&**key])?))
+        };
+        entries.into_iter().map(entry).collect()
+    }
+
+    /// Returns the value of a key that agrees with a schema; words are those of the schema, and `name` is that of its tables.
+    fn value(&self, name: &str, key: &str, value: SpannedValue, schema: &Json) -> Result<Toml, StudyFileError> {
+        let unexpected = || self.unexpected(key, value, &expected(schema));
+        if let Some(forms) = schema["anyOf"].as_array() {
+            return forms.iter().find_map(|form| self.value(name, key, value, form).ok()).ok_or_else(unexpected);
+        }
+        let found = match (schema["type"].as_str(), value.get_ref()) {
+            (_, DeValue::String(text)) if words(schema).next().is_some() => {
+                let found = text.to_lowercase().replace('_', "-");
+                words(schema).find(|word| *word == found).map(|word| Toml::String(word.into()))
+            }
+            (Some("string"), DeValue::String(text)) => Some(Toml::String(text.to_string())),
+            (Some("boolean"), DeValue::Boolean(truth)) => Some(Toml::Boolean(*truth)),
+            (Some("integer"), DeValue::Integer(integer)) => {
+                let integer = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
+                integer.filter(|integer| admits(schema, *integer as f64)).map(Toml::Integer)
+            }
+            (Some("number"), _) => number(value).filter(|number| admits(schema, *number)).map(Toml::Float),
+            (Some("array"), DeValue::Array(list)) => {
+                let limit = |key: &str, default| schema[key].as_u64().map_or(default, |limit| limit as usize);
+                if !(limit("minItems", 0)..=limit("maxItems", usize::MAX)).contains(&list.len()) {
+                    return Err(unexpected());
+                }
+                let mut items = schema["items"].clone();
+                if items["type"] == "number" {
+                    items["description"] = schema["description"].clone();
+                }
+                let list = list.iter().map(|value| self.value(name, key, value, &items));
+                return list.collect::<Result<_, _>>().map(Toml::Array);
+            }
+            (Some("object"), DeValue::Table(table)) => {
+                return self.table(name, &value.span(), table, schema).map(Toml::Table);
+            }
+            // By reference: read apart.
+            (None, _) if words(schema).next().is_none() => Some(Toml::Table(toml::Table::new())),
+            _ => None,
+        };
+        found.ok_or_else(unexpected)
     }
 
     /// Reads the file as one table.
@@ -47,190 +144,73 @@ impl<'a> StudyText<'a> {
     }
 }
 
-/// A table of the file with known keys.
-pub struct Section<'a> {
-    source: StudyText<'a>,
-    name: &'a str,
-    range: Range<usize>,
-    table: &'a DeTable<'a>,
-}
+/// Name of the whole file in errors.
+pub const THE_FILE: &str = "the file";
 
 /// A value and its range in the text.
 pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
 
-impl<'a> Section<'a> {
-    /// Checks that a table has only the keys of `T`. `name` is its name in errors.
-    ///
-    /// # Errors
-    /// The first unknown key.
-    pub fn of<T: DeserializeOwned>(
+/// A table of the file: its values, and their places by paths such as `study.levels.im` or `tests.0.data`.
+pub struct Section<'a, T> {
+    /// The text.
+    pub source: StudyText<'a>,
+    range: Range<usize>,
+    table: &'a DeTable<'a>,
+    values: T,
+}
+
+impl<T> Deref for Section<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.values
+    }
+}
+
+impl<'a, T: DeserializeOwned + JsonSchema> Section<'a, T> {
+    /// Reads a table that agrees with the JSON Schema of `T`; `name` is its name in errors.
+    pub fn read(
         source: StudyText<'a>,
-        name: &'a str,
+        name: &str,
         range: Range<usize>,
         table: &'a DeTable<'a>,
-    ) -> Result<Section<'a>, StudyFileError> {
-        Section::new(source, name, range, table, keys::<T>())
+    ) -> Result<Section<'a, T>, StudyFileError> {
+        let values = source.table(name, &range, table, schema::of_file::<T>().as_value())?;
+        let values = T::deserialize(values).map_err(|error| source.wrong(&range, error.message()))?;
+        Ok(Section { source, range, table, values })
+    }
+}
+
+impl<'a, T> Section<'a, T> {
+    /// Returns the value at a path.
+    pub fn get(&self, path: &str) -> Option<SpannedValue<'a>> {
+        let mut names = path.split('.');
+        let first = self.table.get(names.next()?)?;
+        names.try_fold(first, |value, name| match value.get_ref() {
+            DeValue::Array(list) => list.get(name.parse::<usize>().ok()?),
+            value => value.as_table()?.get(name),
+        })
     }
 
-    /// Checks that a table has only these keys; `name` is its name in errors.
-    ///
-    /// # Errors
-    /// The first unknown key.
-    pub fn new(
-        source: StudyText<'a>,
-        name: &'a str,
-        range: Range<usize>,
-        table: &'a DeTable<'a>,
-        keys: &[&str],
-    ) -> Result<Section<'a>, StudyFileError> {
-        let unknown = table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref()));
-        // The first in the text, not the alphabet.
-        if let Some(key) = unknown.min_by_key(|key| key.span().start) {
-            let message = format!("there is no {} in {name}; expected one of {}", key.get_ref(), keys.join(", "));
-            return Err(source.wrong(&key.span(), message));
+    /// Parses the text at a path.
+    pub fn parsed<P: FromStr<Err: ToString>>(&self, path: &str, text: &str) -> Result<P, StudyFileError> {
+        text.parse().map_err(|error: P::Err| self.refused(path, error.to_string()))
+    }
+
+    /// Returns an error at a path that says the expected value.
+    pub fn wrong(&self, path: &str, expected: &str) -> StudyFileError {
+        let key = path.rsplit('.').find(|name| name.parse::<usize>().is_err()).unwrap_or(path);
+        match self.get(path) {
+            Some(value) => self.source.unexpected(key, value, expected),
+            None => self.refused(path, format!("expected {key}, {expected}")),
         }
-        Ok(Section { source, name, range, table })
     }
 
-    /// The value of a key.
-    pub fn get(&self, key: &str) -> Option<SpannedValue<'a>> {
-        self.table.get(key)
-    }
-
-    /// A nested table with no other keys than those of `T`.
-    ///
-    /// # Errors
-    /// A value that is no table, or a table with an unknown key.
-    pub fn section<T: DeserializeOwned>(&self, key: &'a str) -> Result<Option<Section<'a>>, StudyFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        let table = value.get_ref().as_table();
-        let table = table.ok_or_else(|| self.wrong(key, value, "a table"))?;
-        Section::of::<T>(self.source, key, value.span(), table).map(Some)
-    }
-
-    /// An error at the value of a key.
-    pub fn wrong(&self, key: &str, value: SpannedValue, expected: &str) -> StudyFileError {
-        self.source.wrong(&value.span(), format!("{key} = {}; expected {expected}", self.shown(value)))
-    }
-
-    /// An error at a value, in words that name it.
-    pub fn refused(&self, value: SpannedValue, message: String) -> StudyFileError {
-        self.source.wrong(&value.span(), message)
-    }
-
-    /// An error for a missing key, at the table.
-    pub fn lacks(&self, key: &str, expected: &str) -> StudyFileError {
-        self.source.wrong(&self.range, format!("{} has no {key}; expected {expected}", self.name))
-    }
-
-    fn shown(&self, value: SpannedValue) -> String {
-        let text = self.source.text.get(value.span()).unwrap_or_default();
-        text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect()
-    }
-
-    /// A finite number that passes `fits`.
-    ///
-    /// # Errors
-    /// The value, with the expected one.
-    pub fn number(&self, key: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<Option<f64>, StudyFileError> {
-        self.get(key).map(|value| self.fitting(key, value, &fits, expected)).transpose()
-    }
-
-    fn fitting(
-        &self,
-        key: &str,
-        value: SpannedValue,
-        fits: impl Fn(f64) -> bool,
-        expected: &str,
-    ) -> Result<f64, StudyFileError> {
-        let found = number(value).filter(|&number| number.is_finite() && fits(number));
-        found.ok_or_else(|| self.wrong(key, value, expected))
-    }
-
-    /// A whole number in a range.
-    ///
-    /// # Errors
-    /// The value, with the expected range.
-    pub fn integer(&self, key: &str, range: Range<u64>) -> Result<Option<u64>, StudyFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        let integer = value.get_ref().as_integer();
-        let found = integer.and_then(|integer| u64::from_str_radix(integer.as_str(), integer.radix()).ok());
-        let expected = || format!("a whole number from {} to {}", range.start, range.end - 1);
-        found.filter(|n| range.contains(n)).map(Some).ok_or_else(|| self.wrong(key, value, &expected()))
-    }
-
-    /// True or false.
-    ///
-    /// # Errors
-    /// A value that is neither true nor false.
-    pub fn flag(&self, key: &str) -> Result<Option<bool>, StudyFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        value.get_ref().as_bool().map(Some).ok_or_else(|| self.wrong(key, value, "true or false"))
-    }
-
-    /// A string.
-    ///
-    /// # Errors
-    /// A value that is no string.
-    pub fn text(&self, key: &str) -> Result<Option<&'a str>, StudyFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong(key, value, "a text in quotes"))
-    }
-
-    /// A choice by its word, in any case, with hyphens or underscores.
-    ///
-    /// # Errors
-    /// An unknown word.
-    pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)], expected: &str) -> Result<Option<T>, StudyFileError> {
-        let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
-        let found = text.to_lowercase().replace('_', "-");
-        let choice = words.iter().find(|(word, _)| *word == found);
-        choice.map(|(_, choice)| Some(*choice)).ok_or_else(|| self.wrong(key, value, expected))
-    }
-
-    /// A string, parsed.
-    ///
-    /// # Errors
-    /// A value that is no string, or the error of its type.
-    pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
-        let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
-        let parsed = text.parse().map_err(|error: T::Err| self.source.wrong(&value.span(), error.to_string()));
-        parsed.map(Some)
-    }
-
-    /// A non-empty list of finite numbers that pass `fits`.
-    ///
-    /// # Errors
-    /// The first wrong number, an empty list, or a value that is no list.
-    pub fn numbers(
-        &self,
-        key: &str,
-        fits: impl Fn(f64) -> bool,
-        expected: &str,
-    ) -> Result<Option<Vec<f64>>, StudyFileError> {
-        self.get(key).map(|value| self.list(key, value, &fits, expected)).transpose()
-    }
-
-    fn list(
-        &self,
-        key: &str,
-        value: SpannedValue,
-        fits: &impl Fn(f64) -> bool,
-        expected: &str,
-    ) -> Result<Vec<f64>, StudyFileError> {
-        let list = value.get_ref().as_array().filter(|list| !list.is_empty());
-        let list = list.ok_or_else(|| self.wrong(key, value, expected))?;
-        list.iter().map(|value| self.fitting(key, value, fits, expected)).collect()
-    }
-
-    /// A required list of lists of finite numbers.
-    ///
-    /// # Errors
-    /// The key is missing, or a value that is no list of lists of finite numbers.
-    pub fn lists(&self, key: &str, expected: &str) -> Result<Vec<Vec<f64>>, StudyFileError> {
-        let value = self.get(key).ok_or_else(|| self.lacks(key, expected))?;
-        let lists = value.get_ref().as_array().ok_or_else(|| self.wrong(key, value, expected))?;
-        lists.iter().map(|list| self.list(key, list, &|_| true, expected)).collect()
+    /// Returns an error at a path, or at the innermost table of it that is there.
+    pub fn refused(&self, path: &str, message: impl Into<String>) -> StudyFileError {
+        let mut outwards = std::iter::successors(Some(path), |path| Some(path.rsplit_once('.')?.0));
+        let place = outwards.find_map(|path| Some(self.get(path)?.span()));
+        self.source.wrong(&place.unwrap_or_else(|| self.range.clone()), message)
     }
 }
 
@@ -242,39 +222,5 @@ pub fn number(value: SpannedValue) -> Option<f64> {
             i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
         }
         _ => None,
-    }
-}
-
-/// Returns the keys of a table in the order of its fields.
-pub fn keys<T: DeserializeOwned>() -> &'static [&'static str] {
-    let mut keys: &'static [&'static str] = &[];
-    // A table gives its fields before it asks for a value, and gets none.
-    let _ = T::deserialize(FieldNames(&mut keys));
-    keys
-}
-
-/// Takes down the fields of a struct that is to be read, and fails.
-struct FieldNames<'a>(&'a mut &'static [&'static str]);
-
-impl<'de> Deserializer<'de> for FieldNames<'_> {
-    type Error = serde::de::value::Error;
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        _: V,
-    ) -> Result<V::Value, Self::Error> {
-        *self.0 = fields;
-        Err(Error::custom("only the names of the fields are asked for"))
-    }
-
-    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Self::Error> {
-        Err(Error::custom("expected a struct"))
-    }
-
-    serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit unit_struct
-        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }

@@ -98,11 +98,6 @@ pub struct History {
     pub lean: Lean,
 }
 
-/// Longest duration of a run in a study (s); longer ones would be typing errors.
-pub const MAX_DURATION: f64 = 1e6;
-/// Shortest time between two stops of a run in a study (s). Shorter ones would be typing errors.
-pub const MIN_STEP: f64 = 1e-6;
-
 /// Greatest number of rows of a history, including those of its derivatives. They need some 10 GB of memory.
 pub const MAX_ROWS: f64 = 1e7;
 /// Memory for a row (bytes): two in a vector that doubles its capacity, and the numbers of the table.

@@ -2,11 +2,13 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of editors")]
 
+use rocking_records::Choice;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::spec::records::Column;
 use crate::spec::schema;
-use crate::spec::study::{Column, RecordsTable};
+use crate::spec::study::RecordsTable;
 use crate::spec::values::{Positive, Seed};
 
 /// A file of tests, for `rocking fit`.
@@ -60,9 +62,11 @@ pub struct TestTable {
     /// CSV file of times and measured values.
     pub data: String,
     /// Column of times [s], by heading or by number from 1; by default t.
-    pub time: Option<Column>,
+    #[schemars(with = "Option<Column>")]
+    pub time: Option<Choice>,
     /// Column of values; by default the name of the output.
-    pub column: Option<Column>,
+    #[schemars(with = "Option<Column>")]
+    pub column: Option<Choice>,
     /// Factor that converts the values to the unit of the output, not 0.
     pub factor: Option<f64>,
     /// Measured quantity, a column of `rocking simulate`; by default theta.

@@ -5,8 +5,11 @@
 //! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`block`] | parameters, some of them given → a checked block |
 //! | [`pulse`] | parameters, some of them given → a checked pulse |
+//! | [`run`] | settings of the runs of a study, some of them given → the settings of the solver |
+//! | [`records`] | what is known of accelerogram files → the options of their reader |
 //! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
 //! | [`values`] | types of values that several tables have |
+//! | [`limits`] | the JSON Schema of a value → the accepted values in words, and whether a number is one of them |
 //! | [`schema`] | these tables → a JSON Schema, for editors |
 //! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie or a damper |
 //!
@@ -18,7 +21,10 @@ pub mod words;
 pub mod assess;
 pub mod block;
 pub mod fit;
+pub mod limits;
 pub mod pulse;
+pub mod records;
+pub mod run;
 pub mod schema;
 pub mod study;
 pub mod tie;
@@ -26,7 +32,11 @@ pub mod values;
 
 pub use block::{BlockSpec, HoldSpec};
 pub use pulse::{GaborSpec, PulseSpec};
+pub use records::{ReadingSpec, RecordSpec};
+pub use run::{RunSpec, SingleRunSpec};
 pub use tie::{damper, tie};
+
+use std::borrow::Cow;
 
 use rocking_block::block::BlockError;
 
@@ -64,11 +74,19 @@ pub enum SpecError {
     #[error("`{parameter}` = {value}; expected {expected}")]
     OutOfRange {
         /// Its name.
-        parameter: &'static str,
+        parameter: Cow<'static, str>,
         /// The number.
         value: f64,
         /// The range.
-        expected: &'static str,
+        expected: Cow<'static, str>,
+    },
+    /// A text that is not one of its kind.
+    #[error("{message}")]
+    Unreadable {
+        /// The name of the parameter.
+        parameter: Cow<'static, str>,
+        /// The fault and the expected text.
+        message: String,
     },
     /// A parameter of the block out of range.
     #[error(transparent)]
@@ -76,6 +94,24 @@ pub enum SpecError {
 }
 
 impl SpecError {
+    /// Returns the name of the parameter, if the error is that of one.
+    pub fn parameter(&self) -> Option<&str> {
+        match self {
+            SpecError::NoEffect { parameter, .. } | SpecError::Lacks { parameter, .. } => Some(parameter),
+            SpecError::OutOfRange { parameter, .. } | SpecError::Unreadable { parameter, .. } => Some(parameter),
+            SpecError::Invalid(_) => None,
+        }
+    }
+
+    /// Returns the error of a parameter whose name has this prefix.
+    fn with_prefix(self, prefix: &str) -> SpecError {
+        let mut error = self;
+        if let SpecError::OutOfRange { parameter, .. } | SpecError::Unreadable { parameter, .. } = &mut error {
+            *parameter = format!("{prefix}{parameter}").into();
+        }
+        error
+    }
+
     /// Returns the message with each name in backquotes, such as `K`, as `spell` writes it.
     pub fn spelled(&self, spell: impl Fn(&str) -> String) -> String {
         let text = self.to_string();
@@ -85,17 +121,26 @@ impl SpecError {
                 .enumerate()
                 .map(|(i, part)| if i % 2 == 1 { spell(part) } else { part.into() })
                 .collect(),
+            SpecError::Unreadable { parameter, .. } => format!("{}: {text}", spell(parameter)),
             SpecError::Invalid(_) => text,
         }
     }
 }
 
-/// A parser of the words of a choice, with a line of help for each.
+/// Returns a parser of the words of these choices, with a line of help for each.
+#[cfg(feature = "clap")]
+pub fn choice<T: crate::spec::words::Words + Send + Sync>(
+    values: &[(T, &'static str)],
+) -> impl clap::builder::TypedValueParser<Value = T> + use<T> {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
+    let words = values.iter().map(|(value, help)| PossibleValue::new(value.word()).help(*help));
+    PossibleValuesParser::new(words.collect::<Vec<_>>()).try_map(|word| T::named(&word).ok_or("expected a known word"))
+}
+
+/// Returns a parser of all words of a choice.
 #[cfg(feature = "clap")]
 fn choices<T: crate::spec::words::Words + Send + Sync>(
     help: impl Fn(T) -> &'static str,
 ) -> impl clap::builder::TypedValueParser<Value = T> {
-    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
-    let values = T::WORDS.iter().map(|(word, choice)| PossibleValue::new(*word).help(help(*choice)));
-    PossibleValuesParser::new(values.collect::<Vec<_>>()).try_map(|word| T::named(&word).ok_or("expected a known word"))
+    choice(&T::WORDS.iter().map(|(_, value)| (*value, help(*value))).collect::<Vec<_>>())
 }

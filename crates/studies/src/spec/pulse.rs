@@ -64,9 +64,9 @@ impl PulseSpec {
         match (self.has_shape(), self.amplitude) {
             (true, None) => Err(SpecError::Lacks { parameter: "pulse", missing: "`amplitude`; expected both" }),
             (true, Some(0.0)) => Err(SpecError::OutOfRange {
-                parameter: "amplitude",
+                parameter: "amplitude".into(),
                 value: 0.0,
-                expected: "an acceleration a_p other than 0 m/s2",
+                expected: "an acceleration a_p other than 0 m/s2".into(),
             }),
             (_, amplitude) => self.with_amplitude(amplitude),
         }
@@ -121,7 +121,9 @@ fn number(
     expected: &'static str,
 ) -> Result<f64, SpecError> {
     match given {
-        Some(value) if !(value.is_finite() && fits(value)) => Err(SpecError::OutOfRange { parameter, value, expected }),
+        Some(value) if !(value.is_finite() && fits(value)) => {
+            Err(SpecError::OutOfRange { parameter: parameter.into(), value, expected: expected.into() })
+        }
         given => Ok(given.unwrap_or(default)),
     }
 }

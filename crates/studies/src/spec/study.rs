@@ -1,7 +1,7 @@
 //! The tables of study files: each key once, with its type, its limits and its help.
 //!
-//! Readers take the keys that a table may have from here ([`keys`](crate::input::study_file::keys)), and `rocking schema` describes them to editors. The rules between keys
-//! stand in the readers.
+//! Their JSON Schema is both what `rocking schema` describes to editors and what [readers](crate::input::study_file::Section) accept. The rules
+//! between keys stand in the readers.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of editors")]
 
@@ -9,8 +9,11 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::spec::assess::AssessTable;
+use crate::spec::records::RecordSpec;
+use crate::spec::run::RunSpec;
 use crate::spec::schema;
 use crate::spec::values::{Positive, Seed, Word};
+use crate::sweep::ensemble::Distribution;
 
 /// A study of many runs, for `rocking sweep`, `rocking ida` and `rocking assess`.
 #[derive(Deserialize, JsonSchema)]
@@ -44,8 +47,7 @@ pub enum DesignWord {
 
 /// `[study]`
 #[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(deny_unknown_fields)]
+#[schemars(inline, deny_unknown_fields)]
 pub struct StudyTable {
     /// All combinations of the lists, or samples of the ranges.
     pub design: DesignWord,
@@ -57,17 +59,9 @@ pub struct StudyTable {
     /// Natural periods of further columns, the spectral accelerations Sa and velocities Sv [s].
     #[schemars(length(min = 1), inner(range(min = 0.001, max = 1000)))]
     pub periods: Option<Vec<f64>>,
-    /// Relative tolerance of the integration; by default 1e-6.
-    #[schemars(range(min = 1e-14, max = 0.1))]
-    pub tolerance: Option<f64>,
-    /// Duration of each run [s]; by default until the ground has come to rest and the block has come down.
-    #[schemars(range(max = 1e6))]
-    pub duration: Option<Positive>,
-    /// Longest time between two stops of a run [s].
-    #[schemars(range(min = 1e-6))]
-    pub step: Option<f64>,
-    /// Coefficient of friction: a column has the longest time for which the demand exceeds it.
-    pub friction_demand: Option<Positive>,
+    /// Settings of each run.
+    #[serde(flatten)]
+    pub run: RunSpec,
     /// Amplitude [m]: a column has the half cycles of plastic elongations above it, of the tie or damper with the most.
     pub half_cycles: Option<Positive>,
     /// Each row stands for samples around its values: a coefficient of variation for each parameter.
@@ -197,30 +191,16 @@ pub enum Spread {
 #[serde(deny_unknown_fields)]
 pub struct SpreadTable {
     /// Distribution; by default lognormal.
-    pub distribution: Option<DistributionWord>,
+    pub distribution: Option<Distribution>,
     /// Coefficient of variation.
     pub cov: Option<Positive>,
     /// Standard deviation, in the unit of the parameter.
     pub deviation: Option<Positive>,
 }
 
-/// A distribution.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(rename_all = "kebab-case")]
-pub enum DistributionWord {
-    /// Lognormal.
-    Lognormal,
-    /// Normal.
-    Normal,
-    /// Uniform.
-    Uniform,
-}
-
 /// `[[records]]`
 #[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(deny_unknown_fields)]
+#[schemars(inline, deny_unknown_fields)]
 pub struct RecordsTable {
     /// File of the horizontal motion, or a pattern for several files.
     pub horizontal: Option<String>,
@@ -228,61 +208,9 @@ pub struct RecordsTable {
     pub vertical: Option<String>,
     /// Patterns of files to leave out.
     pub exclude: Option<Vec<String>>,
-    /// Unit of accelerograms that do not state it: g, m/s2, cm/s2, mm/s2 or g/10.
-    pub unit: Option<String>,
-    /// Time step of accelerograms that do not state it [s].
-    pub dt: Option<Positive>,
-    /// Format, if the content leaves it open.
-    pub format: Option<String>,
-    /// Channel of a file with several, by name or by number from 1.
-    pub channel: Option<Column<1000>>,
-    /// Columns of fixed width in a line, as an edit descriptor of Fortran: 8(1PE10.4E1).
-    pub layout: Option<String>,
-    /// Lines before the first line of the layout.
-    #[schemars(range(min = 0, max = 100_000))]
-    pub skip: Option<u64>,
-    /// Value of a printed 1 in the unit of the file.
-    pub value_scale: Option<Positive>,
-    /// Column of accelerations in a table, by heading or by number from 1.
-    pub acceleration_column: Option<Column>,
-    /// Column of times in a table, by heading or by number from 1.
-    pub time_column: Option<Column>,
-    /// Subtracts the line that fits the accelerations best.
-    pub baseline: Option<bool>,
-    /// Corner frequencies of a Butterworth band-pass filter of order 4 without phase [Hz].
-    pub band_pass: Option<[Positive; 2]>,
-    /// Time step to which the record is resampled [s].
-    pub resample: Option<Positive>,
-    /// Unit of vertical accelerograms.
-    pub vertical_unit: Option<String>,
-    /// Time step of vertical accelerograms [s].
-    pub vertical_dt: Option<Positive>,
-    /// Format of vertical accelerograms.
-    pub vertical_format: Option<String>,
-    /// Channel of vertical accelerograms.
-    pub vertical_channel: Option<Column<1000>>,
-    /// Layout of vertical accelerograms.
-    pub vertical_layout: Option<String>,
-    /// Lines before the first line of the vertical layout.
-    #[schemars(range(min = 0, max = 100_000))]
-    pub vertical_skip: Option<u64>,
-    /// Value of a printed 1 in vertical accelerograms.
-    pub vertical_value_scale: Option<Positive>,
-    /// Column of vertical accelerations.
-    pub vertical_acceleration_column: Option<Column>,
-    /// Column of times in vertical accelerograms.
-    pub vertical_time_column: Option<Column>,
-}
-
-/// A name, or a number from 1 to the last.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(untagged)]
-pub enum Column<const LAST: u64 = 100_000> {
-    /// Number, from 1.
-    Number(#[schemars(range(min = 1, max = LAST))] u64),
-    /// Name.
-    Name(String),
+    /// Settings of their reading.
+    #[serde(flatten)]
+    pub reading: RecordSpec,
 }
 
 /// `[building]`

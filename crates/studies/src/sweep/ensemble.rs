@@ -3,14 +3,16 @@
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
 //! (docs/fragility.md). A probability over small unknown variations can be predicted.
 
-use toml::de::DeTable;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::output::table::TableColumn;
 use crate::run::limit::Limit;
 use crate::run::outcome::{End, Outcome};
-use crate::spec::study::SpreadTable;
+use crate::spec::study::{EnsembleTable, SpreadTable, StudyFile};
+use crate::spec::values::Word;
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
 use rocking_block::simulation::peaks::Peaks;
@@ -51,14 +53,16 @@ pub enum SpreadTarget {
 }
 
 /// A distribution about the value of the row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
 pub enum Distribution {
-    /// Uniform and symmetric about the row's value.
-    Uniform,
-    /// Normal; the row's value is the mean.
-    Normal,
     /// Lognormal; the row's value is the median and keeps its sign.
     Lognormal,
+    /// Normal; the row's value is the mean.
+    Normal,
+    /// Uniform and symmetric about the row's value.
+    Uniform,
 }
 
 /// The standard deviation of a distribution.
@@ -152,23 +156,20 @@ fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
     limit.verdict(outcome.end, response)
 }
 
-/// Keys other than parameters.
-const KEYS: [&str; 4] = ["samples", "seed", "limits", "scale"];
 /// Greatest number of spreads; each doubles the number of corners to check.
 const MAX_SPREADS: usize = 8;
 
 /// Reads the table `ensemble`.
-pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble>, StudyFileError> {
-    let Some(value) = study.get("ensemble") else { return Ok(None) };
-    const EXPECTED: &str = "a table, as in { scale = 0.1, samples = 9 }";
-    let table: &DeTable = value.get_ref().as_table().ok_or_else(|| study.wrong("ensemble", value, EXPECTED))?;
+pub(super) fn read(file: &Section<StudyFile>, given: &EnsembleTable) -> Result<Ensemble, StudyFileError> {
+    let source = file.source;
+    let refused = |message: String| file.refused("study.ensemble", message);
     let mut found = Vec::new();
-    flatten(source, "", table, &KEYS, &mut found)?;
+    if let Some(table) = file.get("study.ensemble").and_then(|value| value.get_ref().as_table()) {
+        flatten(source, "", table, &["samples", "seed", "limits", "scale"], &mut found)?;
+    }
     found.sort_by_key(|(_, value)| value.span().start);
-    let keys: Vec<&str> = table.keys().map(|key| key.get_ref().as_ref()).collect();
-    let section = Section::new(source, "ensemble", value.span(), table, &keys)?;
     let mut spreads = Vec::new();
-    if let Some(value) = section.get("scale") {
+    if let Some(value) = file.get("study.ensemble.scale") {
         spreads.push(spread(source, "scale", SpreadTarget::Scale, value)?);
     }
     for (name, value) in &found {
@@ -180,49 +181,35 @@ pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble
         spreads.push(spread(source, name, SpreadTarget::Parameter(parameter), value)?);
     }
     if !(1..=MAX_SPREADS).contains(&spreads.len()) {
-        let message =
-            format!("ensemble spreads {} values; expected scale or parameters, 1 to {MAX_SPREADS}", spreads.len());
-        return Err(source.wrong(&value.span(), message));
+        let found = spreads.len();
+        return Err(refused(format!(
+            "ensemble spreads {found} values; expected scale or parameters, 1 to {MAX_SPREADS}"
+        )));
     }
-    let samples = section.integer("samples", 1..100_001)?;
-    let samples = samples.ok_or_else(|| section.lacks("samples", "the number of runs per row"))?;
-    let seed = section.integer("seed", 0..1 << 63)?;
-    if spreads.len() > 1 && seed.is_none() {
-        return Err(section.lacks("seed", "a whole number, which decides how the values of several spreads are paired"));
+    match (spreads.len(), given.seed) {
+        (1, Some(_)) => return Err(file.wrong("study.ensemble.seed", "several spreads; a single one does not use it")),
+        (2.., None) => {
+            let expected = "a whole number, which decides how the values of several spreads are paired";
+            return Err(refused(format!("ensemble has no seed; expected {expected}")));
+        }
+        _ => (),
     }
-    if let (1, Some(value)) = (spreads.len(), section.get("seed")) {
-        return Err(section.wrong("seed", value, "several spreads; a single one does not use it"));
-    }
-    let limits = std::iter::once(Limit::Overturned).chain(limits(&section)?).collect();
-    Ok(Some(Ensemble { samples: samples as u32, seed: seed.unwrap_or(0), spreads, limits }))
-}
-
-/// Reads limits in addition to overturning: numbers for rotations |θ|/α, texts for others.
-fn limits(section: &Section) -> Result<Vec<Limit>, StudyFileError> {
-    const EXPECTED: &str = "a list of numbers > 0 for |theta|/alpha, or of slips and plastic elongations in metres, as in [0.5, \"slip:0.1\", \"plastic:0.02\"]";
-    let Some(value) = section.get("limits") else { return Ok(Vec::new()) };
-    let list = value.get_ref().as_array().filter(|list| !list.is_empty());
-    let limit = |item: SpannedValue| {
-        let found = match (item.get_ref().as_str(), number(item)) {
-            (Some(text), _) => {
-                text.parse().ok().filter(|limit| !matches!(limit, Limit::Overturned | Limit::HalfCycles(_)))
-            }
-            (None, Some(rotation)) => {
-                Some(Limit::Rotation(rotation)).filter(|_| rotation > 0.0 && rotation.is_finite())
-            }
-            (None, None) => None,
-        };
-        found.ok_or_else(|| section.wrong("limits", item, EXPECTED))
+    let limit = |(number, word): (usize, &Word)| {
+        const EXPECTED: &str = "a number > 0 for |theta|/alpha, or a slip or plastic elongation in metres, as in \"slip:0.1\" or \"plastic:0.02\"";
+        let limit = word.limit().ok().filter(|limit| !matches!(limit, Limit::Overturned | Limit::HalfCycles(_)));
+        limit.ok_or_else(|| file.wrong(&format!("study.ensemble.limits.{number}"), EXPECTED))
     };
-    list.ok_or_else(|| section.wrong("limits", value, EXPECTED))?.iter().map(limit).collect()
+    let others: Vec<Limit> = given.limits.iter().flatten().enumerate().map(limit).collect::<Result<_, _>>()?;
+    let limits = std::iter::once(Limit::Overturned).chain(others).collect();
+    Ok(Ensemble { samples: given.samples, seed: given.seed.map_or(0, |seed| seed.0), spreads, limits })
 }
 
 /// Reads a coefficient of variation, or a table with a distribution and its width.
-fn spread(
-    source: StudyText,
+fn spread<'a>(
+    source: StudyText<'a>,
     name: &str,
     target: SpreadTarget,
-    value: SpannedValue,
+    value: SpannedValue<'a>,
 ) -> Result<UncertainQuantity, StudyFileError> {
     const EXPECTED: &str = "a coefficient of variation > 0, or a table as in { distribution = \"normal\", cov = 0.1 }";
     let Some(table) = value.get_ref().as_table() else {
@@ -234,18 +221,16 @@ fn spread(
             width: SpreadWidth::Relative(relative),
         });
     };
-    let section = Section::of::<SpreadTable>(source, name, value.span(), table)?;
-    let words =
-        [("lognormal", Distribution::Lognormal), ("normal", Distribution::Normal), ("uniform", Distribution::Uniform)];
-    let distribution = section.choice("distribution", &words, "\"lognormal\", \"normal\" or \"uniform\"")?;
-    let distribution = distribution.unwrap_or(Distribution::Lognormal);
-    let width = |key| section.number(key, |x| x > 0.0, "a number > 0");
-    let width = match (width("cov")?, width("deviation")?) {
-        (Some(relative), None) => SpreadWidth::Relative(relative),
-        (None, Some(deviation)) => SpreadWidth::Absolute(deviation),
-        _ => return Err(section.lacks("cov", "either cov or deviation, a number > 0")),
+    let table = Section::<SpreadTable>::read(source, name, value.span(), table)?;
+    let width = match (table.cov, table.deviation) {
+        (Some(relative), None) => SpreadWidth::Relative(relative.0),
+        (None, Some(deviation)) => SpreadWidth::Absolute(deviation.0),
+        _ => {
+            let message = format!("{name} has no cov; expected either cov or deviation, a number > 0");
+            return Err(source.wrong(&value.span(), message));
+        }
     };
-    Ok(UncertainQuantity { target, distribution, width })
+    Ok(UncertainQuantity { target, distribution: table.distribution.unwrap_or(Distribution::Lognormal), width })
 }
 
 /// Checks that all samples of an ensemble make a block, which reads their values. Blocks that are valid at all corners of the spreads are

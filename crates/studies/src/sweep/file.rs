@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::building;
 use crate::input::parameters::{Parameter, flatten};
-use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
-use crate::intensity::{self, Measure};
-use crate::run::{MAX_DURATION, MIN_STEP};
-use crate::spec::study::{RangeTable, StudyFile, StudyTable};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
+use crate::intensity::Measure;
+use crate::spec::study::{DesignWord, RangeTable, SpacingWord, StudyFile};
 use crate::spec::words::friction;
 use crate::statistics::sampling::LatinHypercube;
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
@@ -18,7 +16,7 @@ use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
 use crate::sweep::{Sweep, ensemble, records, strength};
-use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_block::simulation::Settings;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::{Kind, Variable};
 
@@ -39,48 +37,41 @@ struct GivenParameter<'a> {
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileError> {
     let source = StudyText { file, text };
     let document = source.parse()?;
-    let (table, place) = (document.get_ref(), document.span());
-    let root = Section::of::<StudyFile>(source, "the file", place, table)?;
-    let study =
-        root.section::<StudyTable>("study")?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
-    let samples = design(&study)?;
-    let given = parameters(&root, source, samples.is_some())?;
+    let file = Section::<StudyFile>::read(source, THE_FILE, document.span(), document.get_ref())?;
+    let study = &file.study;
+    let samples = design(&file)?;
+    let given = parameters(&file, samples.is_some())?;
     let design = match samples {
         Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
         None => Design::Grid,
     };
-    let periods = study
-        .numbers(
-            "periods",
-            |x| intensity::PERIODS.contains(&x),
-            "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
-        )?
-        .unwrap_or_default();
-    let strengths = strength::read(&study)?;
+    let periods = study.periods.clone().unwrap_or_default();
+    let strengths = strength::read(&file)?;
     let mut of_record = Measure::of_record(&periods);
     // Its period need not be one of `periods`.
     let elsewhere = [&Measure::OF_FLOOR[..], &Measure::OF_BLOCK].concat();
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let (mut motions, remarks) = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
-    let building = building::file::read(&root)?;
-    check_building(&root, &study, building.is_some(), &motions, &strengths)?;
+    let (mut motions, remarks) = records::read(&file, folder, &of_record, || gravity(&given, source))?;
+    let building = building::file::read(&file)?;
+    check_building(&file, &motions, &strengths)?;
     if let Some((building, floors)) = &building {
         motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
     }
-    let ensemble = ensemble::read(&study, source)?;
+    let ensemble = study.ensemble.as_ref().map(|table| ensemble::read(&file, table)).transpose()?;
     let without_records = motions.iter().all(|motion| !motion.has_record());
-    for key in strength::KEYS.into_iter().chain(["periods"]) {
-        if let (true, Some(value)) = (without_records, study.get(key)) {
-            return Err(study.wrong(key, value, "[[records]]; it has no effect without them"));
+    for path in strength::KEYS.into_iter().chain(["periods"]).map(|key| format!("study.{key}")) {
+        if without_records && file.get(&path).is_some() {
+            return Err(file.wrong(&path, "[[records]]; it has no effect without them"));
         }
     }
-    check_ensemble(&study, source, ensemble.as_ref(), without_records, &strengths)?;
-    let [friction_demand, half_cycles] = of_one_run(&study, &strengths)?;
-    let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
+    check_ensemble(&file, ensemble.as_ref(), without_records, &strengths)?;
+    check_of_one_run(&file, &strengths)?;
     let parameters =
         given.iter().map(|g| SweptParameter { parameter: g.parameter, values: g.values.clone() }).collect();
+    let Settings { tolerance, on_separation, .. } =
+        study.run.settings().map_err(|error| file.refused("study", error.spelled(str::to_owned)))?;
     let mut sweep = Sweep {
         // Blank lines, indentation and comments do not change a study.
         text: text
@@ -96,70 +87,63 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         strengths,
         ensemble,
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
-        tolerance: tolerance.unwrap_or(Settings::OF_STUDIES),
-        on_separation: OnSeparation::Fly,
-        duration: study.number("duration", |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?,
-        step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
-        friction_demand,
-        half_cycles,
+        tolerance,
+        on_separation,
+        duration: study.run.duration,
+        step: study.run.step,
+        friction_demand: study.run.friction_demand,
+        half_cycles: study.half_cycles.map(|amplitude| amplitude.0),
         changes: Vec::new(),
         remarks,
     };
-    check(&sweep, &given, &study, source)?;
+    check(&sweep, &given, &file)?;
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts()).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)
 }
 
-/// Reads the quantities of single runs: the coefficient of friction and the amplitude of half cycles.
-fn of_one_run(study: &Section, strengths: &Strengths) -> Result<[Option<f64>; 2], StudyFileError> {
-    for key in ["friction_demand", "half_cycles"] {
-        if let (Strengths::Least(..), Some(value)) = (strengths, study.get(key)) {
-            return Err(study.wrong(key, value, "none beside least, which makes many runs per row"));
+/// Refuses the quantities of single runs beside a search.
+fn check_of_one_run(file: &Section<StudyFile>, strengths: &Strengths) -> Result<(), StudyFileError> {
+    for path in ["study.friction_demand", "study.half_cycles"] {
+        if matches!(strengths, Strengths::Least(..)) && file.get(path).is_some() {
+            return Err(file.wrong(path, "none beside least, which makes many runs per row"));
         }
-    }
-    Ok([
-        study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?,
-        study.number("half_cycles", |x| x > 0.0, "an amplitude > 0 m")?,
-    ])
-}
-
-/// Checks that a building has records to shake it, and that a measure of floors has a building.
-fn check_building(
-    root: &Section,
-    study: &Section,
-    has_building: bool,
-    motions: &[GroundMotion],
-    strengths: &Strengths,
-) -> Result<(), StudyFileError> {
-    let shaken = motions.iter().all(|motion| motion.ground.horizontal.is_some());
-    if let (true, false, Some(value)) = (has_building, shaken, root.get("building")) {
-        return Err(
-            root.refused(value, "building has no effect without a horizontal record in each [[records]]".into())
-        );
-    }
-    let level = strengths.measure().filter(|measure| !has_building && Measure::OF_FLOOR.contains(measure));
-    if let (Some(measure), Some(value)) = (level, strength::KEYS.iter().find_map(|key| study.get(key))) {
-        return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
     }
     Ok(())
 }
 
+/// Checks that a building has records to shake it, and that a measure of floors has a building.
+fn check_building(
+    file: &Section<StudyFile>,
+    motions: &[GroundMotion],
+    strengths: &Strengths,
+) -> Result<(), StudyFileError> {
+    let shaken = motions.iter().all(|motion| motion.ground.horizontal.is_some());
+    if file.building.is_some() && !shaken {
+        return Err(file.refused("building", "building has no effect without a horizontal record in each [[records]]"));
+    }
+    match strengths.measure() {
+        Some(measure) if file.building.is_none() && Measure::OF_FLOOR.contains(&measure) => {
+            Err(file.refused(&strength::path(file), format!("{measure} is that of a floor; expected a [building]")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Checks that an ensemble spreads only quantities of the study, and that each row has the runs for it.
 fn check_ensemble(
-    study: &Section,
-    source: StudyText,
+    file: &Section<StudyFile>,
     ensemble: Option<&Ensemble>,
     without_records: bool,
     strengths: &Strengths,
 ) -> Result<(), StudyFileError> {
-    let (Some(ensemble), Some(value)) = (ensemble, study.get("ensemble")) else { return Ok(()) };
+    let (Some(ensemble), path) = (ensemble, "study.ensemble") else { return Ok(()) };
     if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
-        return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
+        return Err(file.refused(path, "scale has no effect without [[records]]"));
     }
     match strengths {
-        Strengths::Least(..) => Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row")),
-        Strengths::Hunt(..) => Err(study.wrong("ensemble", value, "none beside hunt, whose levels follow single runs")),
+        Strengths::Least(..) => Err(file.wrong(path, "none beside least, which makes many runs per row")),
+        Strengths::Hunt(..) => Err(file.wrong(path, "none beside hunt, whose levels follow single runs")),
         Strengths::Scales(_) | Strengths::Levels(..) => Ok(()),
     }
 }
@@ -173,32 +157,29 @@ fn on_floors(motion: &GroundMotion, building: &building::Building, floors: &[usi
 }
 
 /// Reads the samples and the seed of a Latin hypercube; nothing for a grid.
-fn design(study: &Section) -> Result<Option<(u32, u64)>, StudyFileError> {
-    const EXPECTED: &str = "\"grid\" or \"latin-hypercube\"";
-    let is_sampled = study.choice("design", &[("grid", false), ("latin-hypercube", true)], EXPECTED)?;
-    let is_sampled = is_sampled.ok_or_else(|| study.lacks("design", EXPECTED))?;
-    let samples = study.integer("samples", 1..10_000_001)?;
-    let seed = study.integer("seed", 0..1 << 63)?;
-    if !is_sampled {
-        let unread = ["samples", "seed"].into_iter().find_map(|key| Some((key, study.get(key)?)));
-        return unread.map_or(Ok(None), |(key, value)| {
-            Err(study.wrong(key, value, "design = \"latin-hypercube\"; a grid does not use it"))
-        });
+fn design(file: &Section<StudyFile>) -> Result<Option<(u32, u64)>, StudyFileError> {
+    match (&file.study.design, file.study.samples, file.study.seed) {
+        (DesignWord::Grid, None, None) => Ok(None),
+        (DesignWord::Grid, samples, _) => {
+            let path = if samples.is_some() { "study.samples" } else { "study.seed" };
+            Err(file.wrong(path, "design = \"latin-hypercube\"; a grid does not use it"))
+        }
+        (DesignWord::LatinHypercube, Some(samples), Some(seed)) => Ok(Some((samples, seed.0))),
+        (DesignWord::LatinHypercube, None, _) => {
+            Err(file.refused("study", "study has no samples; expected the number of samples"))
+        }
+        (DesignWord::LatinHypercube, _, None) => {
+            Err(file.refused("study", "study has no seed; expected a whole number, which determines the samples"))
+        }
     }
-    let samples = samples.ok_or_else(|| study.lacks("samples", "the number of samples"))?;
-    let seed = seed.ok_or_else(|| study.lacks("seed", "a whole number, which determines the samples"))?;
-    Ok(Some((samples as u32, seed)))
 }
 
 /// Reads the parameters in the order of the file.
-fn parameters<'a>(
-    root: &Section<'a>,
-    source: StudyText,
-    sampled: bool,
-) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
-    let Some(value) = root.get("parameters") else { return Ok(Vec::new()) };
-    let table = value.get_ref().as_table().ok_or_else(|| root.wrong("parameters", value, "a table"))?;
-    let mut found = Vec::new();
+fn parameters<'a>(file: &Section<'a, StudyFile>, sampled: bool) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    let Some(table) = file.get("parameters").and_then(|value| value.get_ref().as_table()) else {
+        return Ok(Vec::new());
+    };
+    let (source, mut found) = (file.source, Vec::new());
     flatten(source, "", table, &[], &mut found)?;
     found.sort_by_key(|(_, value)| value.span().start);
     let given = found.into_iter().map(|(name, value)| {
@@ -210,10 +191,10 @@ fn parameters<'a>(
 }
 
 /// Reads the values of a parameter: one, a list, or a range.
-pub(crate) fn values(
-    source: StudyText,
+pub(crate) fn values<'a>(
+    source: StudyText<'a>,
     parameter: &Parameter,
-    value: SpannedValue,
+    value: SpannedValue<'a>,
     sampled: bool,
 ) -> Result<ParameterValues, StudyFileError> {
     let name = parameter.name();
@@ -240,52 +221,43 @@ pub(crate) fn values(
             Err(source.wrong(&value.span(), format!("{name} = []; expected at least one value")))
         }
         DeValue::Array(list) => list.iter().map(of).collect::<Result<_, _>>().map(ParameterValues::List),
-        DeValue::Table(table) => range(source, parameter, value, table, of, sampled),
+        DeValue::Table(table) => range(source, parameter, value, table, sampled),
         _ => of(value).map(|value| ParameterValues::List(vec![value])),
     }
 }
 
-fn range(
-    source: StudyText,
+fn range<'a>(
+    source: StudyText<'a>,
     parameter: &Parameter,
-    value: &Spanned<DeValue>,
-    table: &DeTable,
-    of: impl Fn(SpannedValue) -> Result<f64, StudyFileError>,
+    value: SpannedValue<'a>,
+    table: &'a DeTable<'a>,
     sampled: bool,
 ) -> Result<ParameterValues, StudyFileError> {
     let name = parameter.name();
-    let section = Section::of::<RangeTable>(source, name, value.span(), table)?;
     if parameter.metadata.kind != Kind::Real {
         return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
     }
-    let end = |key| section.get(key).ok_or_else(|| section.lacks(key, "from and to, as in { from = 1, to = 4 }"));
-    let (from, to) = (of(end("from")?)?, of(end("to")?)?);
-    if let Some(key) = ["from", "to"]
-        .into_iter()
-        .zip([from, to])
-        .find_map(|(key, value)| parameter.shown(value).is_infinite().then_some(key))
-    {
-        return Err(section.wrong(key, end(key)?, "a finite number; a list may contain \"none\""));
-    }
+    let table = Section::<RangeTable>::read(source, name, value.span(), table)?;
+    let end = |key: &str, number: f64| parameter.number(number).map_err(|message| table.refused(key, message));
+    let (from, to) = (end("from", table.from)?, end("to", table.to)?);
     if from >= to {
-        return Err(section.wrong("to", end("to")?, &format!("more than from = {from}")));
+        return Err(table.wrong("to", &format!("more than from = {from}")));
     }
-    let logarithmic = section.choice("spacing", &[("linear", false), ("log", true)], "\"linear\" or \"log\"")?;
-    let logarithmic = logarithmic.unwrap_or(false);
+    let logarithmic = matches!(table.spacing, Some(SpacingWord::Log));
     if logarithmic && from <= 0.0 {
-        return Err(section.wrong("from", end("from")?, "a number > 0 for spacing = \"log\""));
+        return Err(table.wrong("from", "a number > 0 for spacing = \"log\""));
     }
     let range = ParameterValues::Range { from, to, logarithmic };
-    match (section.integer("count", 2..1_000_001)?, section.get("count")) {
-        (Some(_), Some(value)) if sampled => {
-            Err(section.wrong("count", value, "none, since a Latin hypercube samples the range"))
-        }
-        (Some(count), _) => {
+    match table.count {
+        Some(_) if sampled => Err(table.wrong("count", "none, since a Latin hypercube samples the range")),
+        Some(count) => {
             let last = (count - 1) as f64;
             Ok(ParameterValues::List((0..count).map(|i| range.at(i as f64 / last)).collect()))
         }
-        (None, _) if sampled => Ok(range),
-        (None, _) => Err(section.lacks("count", "the number of values of the grid")),
+        None if sampled => Ok(range),
+        None => {
+            Err(source.wrong(&value.span(), format!("{name} has no count; expected the number of values of the grid")))
+        }
     }
 }
 
@@ -302,16 +274,16 @@ fn gravity(given: &[GivenParameter], source: StudyText) -> Result<f64, StudyFile
 }
 
 /// Checks the whole study: the number of rows, unread parameters, and invalid blocks.
-fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: StudyText) -> Result<(), StudyFileError> {
+fn check(sweep: &Sweep, given: &[GivenParameter], file: &Section<StudyFile>) -> Result<(), StudyFileError> {
+    let source = file.source;
     let line = |name: &str| {
         given.iter().find(|GivenParameter { parameter, .. }| {
             let full = parameter.metadata.name;
             full == name || full.ends_with(&format!(".{name}")) || full.starts_with(&format!("{name}."))
         })
     };
-    let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());
-    if let (false, Some(value)) = (sweep.holds().yields, study.get("half_cycles")) {
-        return Err(study.wrong("half_cycles", value, "none without a tie or damper with yield_force"));
+    if sweep.half_cycles.is_some() && !sweep.holds().yields {
+        return Err(file.wrong("study.half_cycles", "none without a tie or damper with yield_force"));
     }
     let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
     let combinations = sweep.combinations();
@@ -341,13 +313,12 @@ fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: Study
             let has_none =
                 |motion: &&GroundMotion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
             if let Some(motion) = sweep.motions.iter().find(has_none) {
-                let key = strength::KEYS.into_iter().find(|key| study.get(key).is_some()).unwrap_or_default();
                 let message = format!("the horizontal record of {} has no {measure} above 0", motion.names.join(" "));
-                return Err(source.wrong(&place(key), message));
+                return Err(file.refused(&strength::path(file), message));
             }
         }
         if let Some(ensemble) = &sweep.ensemble {
-            ensemble::check(ensemble, &values).map_err(|message| source.wrong(&place("ensemble"), message))?;
+            ensemble::check(ensemble, &values).map_err(|message| file.refused("study.ensemble", message))?;
         }
         if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
             let message = "nothing moves the block; expected [[records]], a pulse.shape with a pulse.amplitude, \

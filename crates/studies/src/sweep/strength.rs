@@ -3,7 +3,7 @@
 use crate::input::study_file::{Section, StudyFileError};
 use crate::intensity::Measure;
 use crate::search::Scan;
-use crate::spec::study::{HuntTable, LeastTable, LevelsTable};
+use crate::spec::study::{HuntTable, LeastTable, LevelsTable, StudyFile, StudyTable};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
 use rocking_block::block::Block;
@@ -61,61 +61,52 @@ impl Strengths {
 /// The keys; a study has at most one of them.
 pub(super) const KEYS: [&str; 4] = ["scales", "levels", "hunt", "least"];
 
-/// Reads the keys; without any, records keep their strength.
-pub(super) fn read(study: &Section) -> Result<Strengths, StudyFileError> {
-    let mut given = KEYS.iter().filter_map(|&key| Some((key, study.get(key)?)));
-    if let (Some((first, _)), Some((key, value))) = (given.next(), given.next()) {
-        return Err(study.wrong(key, value, &format!("none beside {first}")));
-    }
-    if let Some(levels) = study.section::<LevelsTable>("levels")? {
-        const EXPECTED: &str = "a list of numbers > 0, as in [0.5, 1.0]";
-        let values = levels.numbers("values", |x| x > 0.0, EXPECTED)?;
-        let values = values.ok_or_else(|| levels.lacks("values", EXPECTED))?;
-        return Ok(Strengths::Levels(measure(&levels)?, values));
-    }
-    if let Some(hunt) = study.section::<HuntTable>("hunt")? {
-        let number = |key: &str, accepts: fn(f64) -> bool, expected: &str| hunt.number(key, accepts, expected);
-        let first = number("first", |x| x > 0.0, "a level > 0")?;
-        let first = first.ok_or_else(|| hunt.lacks("first", "the level of the first run, > 0"))?;
-        let found = Hunt {
-            first,
-            step: number("step", |x| x > 0.0, "a step > 0")?.unwrap_or(first),
-            growth: number("growth", |x| x >= 0.0, "a growth >= 0 of each further step")?.unwrap_or(0.5 * first),
-            resolution: number("resolution", |x| x > 0.0 && x < 1.0, "a part of the level, between 0 and 1")?
-                .unwrap_or(0.1),
-            runs: hunt.integer("runs", 1..1001)?.unwrap_or(12),
-        };
-        return Ok(Strengths::Hunt(measure(&hunt)?, found));
-    }
-    if let Some(least) = study.section::<LeastTable>("least")? {
-        let number = |key: &str, more_than: f64| {
-            let expected = format!("a number > {more_than}");
-            let found = least.number(key, |x| x > more_than, &expected)?;
-            found.ok_or_else(|| least.lacks(key, &expected))
-        };
-        let from = number("from", 0.0)?;
-        let scan = Scan {
-            from,
-            to: number("to", from)?,
-            points: least.integer("points", 2..1_000_001)?.ok_or_else(|| {
-                least.lacks("points", "the number of values to scan before the changes between them are bisected")
-            })?,
-            resolution: number("resolution", 0.0)?,
-        };
-        return Ok(Strengths::Least(measure(&least)?, scan));
-    }
-    let scales = study.numbers("scales", |x| x != 0.0, "a list of factors other than 0, as in [0.5, 1.0]")?;
-    Ok(Strengths::Scales(scales.unwrap_or_else(|| vec![1.0])))
+/// Returns the path of the key that the study has.
+pub(super) fn path(file: &Section<StudyFile>) -> String {
+    let mut paths = KEYS.into_iter().map(|key| format!("study.{key}"));
+    paths.find(|path| file.get(path).is_some()).unwrap_or_default()
 }
 
-/// A measure that grows with the factor on the record.
-fn measure(section: &Section) -> Result<Measure, StudyFileError> {
-    let measure: Option<Measure> = section.parsed("im")?;
-    match (measure, section.get("im")) {
-        (Some(measure), Some(value)) if measure.power() == 0 => {
-            Err(section.wrong("im", value, "a measure that grows with the record, such as \"PGV\""))
+/// Reads the keys; without any, records keep their strength.
+pub(super) fn read(file: &Section<StudyFile>) -> Result<Strengths, StudyFileError> {
+    let mut given = KEYS.into_iter().filter(|key| file.get(&format!("study.{key}")).is_some());
+    if let (Some(first), Some(key)) = (given.next(), given.next()) {
+        return Err(file.wrong(&format!("study.{key}"), &format!("none beside {first}")));
+    }
+    let StudyTable { scales, levels, hunt, least, .. } = &file.study;
+    if let Some(LevelsTable { im, values }) = levels {
+        return Ok(Strengths::Levels(measure(file, "levels", im)?, values.iter().map(|value| value.0).collect()));
+    }
+    if let Some(HuntTable { im, first, step, growth, resolution, runs }) = hunt {
+        let found = Hunt {
+            first: first.0,
+            step: step.unwrap_or(*first).0,
+            growth: growth.unwrap_or(0.5 * first.0),
+            resolution: resolution.map_or(0.1, |part| part.0),
+            runs: runs.unwrap_or(12),
+        };
+        return Ok(Strengths::Hunt(measure(file, "hunt", im)?, found));
+    }
+    if let Some(LeastTable { im, from, to, points, resolution }) = least {
+        let scan = Scan { from: from.0, to: to.0, points: *points, resolution: resolution.0 };
+        if scan.to <= scan.from {
+            return Err(file.wrong("study.least.to", &format!("a number > {}", scan.from)));
         }
-        (Some(measure), _) => Ok(measure),
-        (None, _) => Err(section.lacks("im", "an intensity measure, such as \"PGV\" or \"Sa(0.5 s)\"")),
+        return Ok(Strengths::Least(measure(file, "least", im)?, scan));
+    }
+    let scales = scales.clone().unwrap_or_else(|| vec![1.0]);
+    match scales.iter().position(|scale| *scale == 0.0) {
+        Some(number) => Err(file.wrong(&format!("study.scales.{number}"), "a factor other than 0")),
+        None => Ok(Strengths::Scales(scales)),
+    }
+}
+
+/// Reads a measure that grows with the factor on the record.
+fn measure(file: &Section<StudyFile>, key: &str, im: &str) -> Result<Measure, StudyFileError> {
+    let path = format!("study.{key}.im");
+    let measure: Measure = file.parsed(&path, im)?;
+    match measure.power() {
+        0 => Err(file.wrong(&path, "a measure that grows with the record, such as \"PGV\"")),
+        _ => Ok(measure),
     }
 }

@@ -10,11 +10,10 @@ use anyhow::Context;
 use clap::{Args, Parser};
 
 use crate::options::block;
-use crate::options::checks::{check, check_friction_demand};
-use crate::options::choices;
+use crate::options::checks::check;
 use crate::options::excitation::{Excitation, ExcitationOptions};
 use crate::options::explicit::ExplicitOptions;
-use crate::options::single_run::SingleRunOptions;
+use crate::options::single_run;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
@@ -32,8 +31,9 @@ use rocking_studies::run::outcome::{Breaks, End, Holds};
 use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
-use rocking_studies::spec::BlockSpec;
+use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
+use rocking_studies::spec::{BlockSpec, RunSpec, SingleRunSpec, limits};
 use summary::Summary;
 
 /// Default record: U.S. Geological Survey, public domain.
@@ -52,9 +52,9 @@ pub struct SimulateCommand {
     #[command(flatten)]
     initial: InitialOptions,
     #[command(flatten)]
-    single_run: SingleRunOptions,
+    single_run: SingleRunSpec,
     /// Action at complete separation
-    #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Terminate.word(),
+    #[arg(long, value_parser = separations(), default_value = OnSeparation::Terminate.word(),
           help_heading = "Run")]
     on_separation: OnSeparation,
     /// Table of the history; `-` for standard output
@@ -200,13 +200,14 @@ impl SimulateCommand {
         }
         let InitialOptions { theta, theta_dot, v, v_dot } = self.initial;
         check("theta-dot", theta_dot, |_| true, "a finite rate")?;
-        check_friction_demand(self.friction_demand)?;
+        limits::check::<RunSpec>(&[("friction_demand", self.friction_demand)]).map_err(block::in_options)?;
         let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
         for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
             check("v and v-dot", *value, |_| true, "finite numbers")?;
         }
         let initial = Initial { theta, theta_dot, vertical };
-        Ok((self.single_run.run(block, self.on_separation, initial, pulse, ground)?, description))
+        let run = single_run::run(&self.single_run, block, self.on_separation, initial, pulse, ground)?;
+        Ok((run, description))
     }
 
     /// Returns the embedded record, if neither excitation nor initial state is given.

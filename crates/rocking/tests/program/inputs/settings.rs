@@ -198,7 +198,10 @@ fn study_files_have_the_same_settings() {
             "study.toml:5: found format \"wav\", expected one of peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, \
              unam, renadic, bhrc, usc, jma, cwb, fixed",
         ),
-        ("horizontal = \"a.txt\"\nchannel = 0", "study.toml:5: channel = 0; expected a whole number from 1 to 1000"),
+        (
+            "horizontal = \"a.txt\"\nchannel = 0",
+            "study.toml:5: channel = 0; expected a whole number from 1 to 1000 or a text in quotes",
+        ),
     ] {
         assert_eq!(refusal(path, &sweep(records)), message);
     }

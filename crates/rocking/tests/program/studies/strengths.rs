@@ -301,8 +301,11 @@ fn wrong_strengths_and_ensembles_are_refused_with_their_line() {
             "ensemble = { scale = 0.1, samples = 9 }\nleast = { im = \"PGV\", from = 1, to = 2, points = 9, resolution = 0.1 }",
             "expected none beside least",
         ),
-        ("hunt = { im = \"PGV\" }", "hunt has no first; expected the level of the first run"),
-        ("hunt = { im = \"PGV\", first = 0.1, resolution = 1 }", "resolution = 1; expected a part of the level"),
+        ("hunt = { im = \"PGV\" }", "hunt has no first; expected a number > 0"),
+        (
+            "hunt = { im = \"PGV\", first = 0.1, resolution = 1 }",
+            "resolution = 1; expected a number above 0 and below 1",
+        ),
         ("hunt = { im = \"PGV\", first = 0.1, runs = 0 }", "runs = 0"),
         ("hunt = { im = \"T_m\", first = 0.1 }", "im = \"T_m\"; expected a measure that grows"),
         ("ensemble = { scale = 0.1, samples = 9 }\nhunt = { im = \"PGV\", first = 0.1 }", "expected none beside hunt"),
