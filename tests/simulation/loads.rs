@@ -177,7 +177,9 @@ fn a_line_joins_two_sets_of_inputs() {
     let line = start.line_to(&end);
     assert_eq!((values(line), values(line.moved_to(1.25))), (first, last));
     assert_eq!(values(line.moved_to(1.0)), std::array::from_fn(|i| 0.5 * (first[i] + last[i])));
-    assert_eq!(values(start.held().moved_to(3.0)), first);
+    let mut held = start;
+    held.hold();
+    assert_eq!(values(held.moved_to(3.0)), first);
     assert!(start.is_finite());
     for i in 0..5 {
         let mut broken = first;

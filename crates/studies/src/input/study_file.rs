@@ -168,7 +168,10 @@ impl<T> Deref for Section<'_, T> {
 }
 
 impl<'a, T: DeserializeOwned + JsonSchema> Section<'a, T> {
-    /// Reads a table that agrees with the JSON Schema of `T`; `name` is its name in errors.
+    /// Reads a table that agrees with the JSON Schema of `T`. `name` is its name in errors.
+    ///
+    /// # Errors
+    /// The first key or value that the schema does not accept, with the accepted ones.
     pub fn read(
         source: StudyText<'a>,
         name: &str,
@@ -193,6 +196,9 @@ impl<'a, T> Section<'a, T> {
     }
 
     /// Parses the text at a path.
+    ///
+    /// # Errors
+    /// The error of its type, at the text.
     pub fn parsed<P: FromStr<Err: ToString>>(&self, path: &str, text: &str) -> Result<P, StudyFileError> {
         text.parse().map_err(|error: P::Err| self.refused(path, error.to_string()))
     }
