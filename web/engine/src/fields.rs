@@ -63,9 +63,8 @@ impl<'a> Fields<'a> {
         (!self.text(field).is_empty()).then(|| self.number(field, fits, expected))
     }
 
-    /// A number within the limits of the field's schema among these; `None` for an empty field.
-    pub fn limited(&mut self, field: &str, schemas: &serde_json::Value) -> Option<f64> {
-        let schema = &schemas[field];
+    /// A number within the limits of its schema; `None` for an empty field.
+    pub fn limited(&mut self, field: &str, schema: &serde_json::Value) -> Option<f64> {
         self.optional(field, |number| limits::admits(schema, number), &limits::expected(schema))
     }
 

@@ -86,9 +86,11 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         _ => (0.0, 0.0),
     };
     let limits = limits::properties::<SingleRunSpec>();
-    let tolerance = fields.limited("tolerance", &limits).unwrap_or(f64::NAN);
+    let of_tolerance = &limits["tolerance"];
+    let admits = |number| limits::admits(of_tolerance, number);
+    let tolerance = fields.number("tolerance", admits, &limits::expected(of_tolerance));
     let on_separation = fields.choice("on_separation");
-    let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits));
+    let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits[field]));
     let Some(block) = block else { return Err(fields.into_errors()) };
     if fields.has_errors() {
         return Err(fields.into_errors());

@@ -3,6 +3,8 @@
 use rocking_block::excitation::records::Ground;
 use rocking_records::{Choice, Processing, ReadOptions, Record, Setting};
 use rocking_studies::input::ground_files::RecordOption;
+use rocking_studies::spec::limits;
+use rocking_studies::spec::records::FileSpec;
 
 use crate::fields::{FieldError, Fields};
 
@@ -55,7 +57,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
     let settings = ReadOptions {
         format: fields.parsed(&field(Setting::Format)),
         unit: fields.parsed(&field(Setting::Unit)),
-        time_step: fields.optional(&field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
+        time_step: fields.limited(&field(Setting::TimeStep), &limits::properties::<FileSpec>()["dt"]),
         gravity,
         layout: None,
         skip: None,

@@ -17,7 +17,7 @@ use crate::output::formats::check_table;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Ratios, Supports};
-use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::doubts;
 use rocking_studies::run::outcome::End;
@@ -25,7 +25,7 @@ use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{GaborSpec, HoldSpec, RunSpec, limits};
+use rocking_studies::spec::{GaborSpec, HoldSpec, PulseSpec, RunSpec, limits};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -255,8 +255,9 @@ impl Overturning {
         anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
         anyhow::ensure!(self.pulse != PulseShape::None, "--pulse none overturns no block; expected a pulse");
         let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
-        check("period", period, |x| x > 0.0, "a time > 0 s")?;
-        let pulse = self.gabor.of(Pulse { shape: self.pulse, period, ..Pulse::NONE }).map_err(in_options)?;
+        let (shape, period, gabor) = (Some(self.pulse), Some(period), self.gabor.clone());
+        let pulse = PulseSpec { shape, period, gabor, ..PulseSpec::default() };
+        let pulse = pulse.with_amplitude(None).map_err(in_options)?;
         Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
     }
 }

@@ -195,14 +195,11 @@ impl Problem {
     /// The first invalid option, prior or test.
     pub fn check(&self) -> Result<(), FitError> {
         let Options { starts, level, tolerance, .. } = self.options;
-        let options = [
-            ((1..=100_000).contains(&starts), format!("starts = {starts}; expected a whole number from 1 to 100000")),
-            (!self.tests.is_empty(), "there is no test; expected one at least".into()),
-        ];
-        let numbers = [("level", Some(level)), ("tolerance", Some(tolerance))];
+        let starts = Some(f64::from(starts));
+        let numbers = [("starts", starts), ("level", Some(level)), ("tolerance", Some(tolerance))];
         limits::check::<FitTable>(&numbers).map_err(|error| FitError::Options(error.spelled(str::to_owned)))?;
-        if let Some((_, message)) = options.into_iter().find(|(is_valid, _)| !is_valid) {
-            return Err(FitError::Options(message));
+        if self.tests.is_empty() {
+            return Err(FitError::Options("there is no test; expected one at least".into()));
         }
         for (number, test) in (1..).zip(&self.tests) {
             self.check_test(test)?.map_err(|message| FitError::Test { number, message })?;

@@ -10,7 +10,7 @@
 //! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
 //! | [`values`] | types of values that several tables have |
 //! | [`limits`] | the JSON Schema of a value → the accepted values in words, and whether a number is one of them |
-//! | [`schema`] | these tables → a JSON Schema, for editors |
+//! | [`schema`] | these tables → a JSON Schema, for editors and readers |
 //! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie or a damper |
 //!
 //! The options of the program are these structs, and Python and the page fill them in. Names in messages stand in backquotes, since each of

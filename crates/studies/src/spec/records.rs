@@ -155,7 +155,7 @@ impl clap::Args for VerticalSpec {
 
 #[cfg(feature = "clap")]
 impl clap::FromArgMatches for VerticalSpec {
-    /// Reads the options as those of both directions.
+    /// Parses the options again, without their prefix.
     fn from_arg_matches(matches: &clap::ArgMatches) -> Result<VerticalSpec, clap::Error> {
         let of_both = <FileSpec as clap::Args>::augment_args(clap::Command::new("").no_binary_name(true));
         let given = of_both.get_arguments().filter_map(|arg| {
@@ -207,7 +207,8 @@ impl FileSpec {
     /// # Errors
     /// Those of [`RecordSpec::options`].
     pub fn options(&self) -> Result<ReadOptions, SpecError> {
-        limits::check::<FileSpec>(&[("dt", self.dt), ("value_scale", self.value_scale)])?;
+        let skip = self.skip.map(|lines| lines as f64);
+        limits::check::<FileSpec>(&[("dt", self.dt), ("skip", skip), ("value_scale", self.value_scale)])?;
         Ok(ReadOptions {
             format: parsed("format", &self.format)?,
             unit: parsed("unit", &self.unit)?,

@@ -118,6 +118,14 @@ fn vertical_records_may_have_their_own_options() {
     // Only the horizontal file has channels, and it states its unit.
     let mixed = ["--record", "two.V2", "--channel", "1", "--vertical", "a.txt", "--vertical-unit", "g"];
     near(peaks(path, &[&mixed[..], &["--vertical-dt", "0.01"]].concat()), [0.3, 0.3 * 9.81]);
+    for (option, value, expected) in [
+        ("--vertical-unit", "furlong", "--vertical-unit: found unit \"furlong\", expected one of g, m/s2"),
+        ("--vertical-dt", "0", "--vertical-dt = 0; expected a time > 0 s"),
+        ("--vertical-skip", "100001", "--vertical-skip = 100001; expected a whole number from 0 to 100000"),
+    ] {
+        let message = refusal(path, &[&["simulate"], &both[..], &[option, value]].concat());
+        assert!(message.starts_with(expected), "{message}");
+    }
     // A contradiction with the vertical file is resolved by a vertical option.
     let message = refusal(
         path,
