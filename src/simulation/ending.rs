@@ -62,7 +62,7 @@ pub enum Progress {
 pub enum SimulationError {
     /// The step size fell below the resolution of time.
     #[error(
-        "the step size fell to {size:e} s at t = {time} s; expected a tolerance that can be met there, above {tolerance:e}"
+        "the step size fell to {size:e} s at t = {time} s; expected a tolerance above {tolerance:e}, which cannot be met there"
     )]
     StepTooSmall {
         /// Time (s).

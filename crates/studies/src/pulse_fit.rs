@@ -106,7 +106,7 @@ impl Velocities {
         Velocities { start, step, values, energy }
     }
 
-    /// The same velocities with this step, linear between samples; unchanged if the step is not longer.
+    /// The velocities at a longer step, linear between samples. A step that is not longer leaves them unchanged.
     fn resampled(&self, step: f64) -> Velocities {
         if step <= self.step {
             return Velocities::new(self.start, self.step, self.values.clone());
