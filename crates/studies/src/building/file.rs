@@ -12,8 +12,14 @@ pub fn read(file: &Section<StudyFile>) -> Result<Option<(Building, Vec<usize>)>,
     let Some(table) = &file.building else { return Ok(None) };
     let BuildingTable { floor_masses, storey_stiffnesses, frequencies, participation, shapes, floors, .. } = table;
     let damping = damping(file, table)?;
+    let modes = ["building.frequencies", "building.participation", "building.shapes"];
+    let of_modes = modes.into_iter().find(|path| file.get(path).is_some());
+    let is_shear = floor_masses.is_some() || storey_stiffnesses.is_some();
+    if let (true, Some(path)) = (is_shear, of_modes) {
+        return Err(file.wrong(path, "none beside floor_masses and storey_stiffnesses"));
+    }
     let building = match (floor_masses, storey_stiffnesses, frequencies, participation, shapes) {
-        (Some(masses), Some(stiffnesses), None, None, None) => Building::shear(masses, stiffnesses, &damping),
+        (Some(masses), Some(stiffnesses), ..) => Building::shear(masses, stiffnesses, &damping),
         (None, None, Some(frequencies), Some(participation), Some(shapes)) => {
             Building::of_modes(frequencies, participation, shapes, &damping)
         }
