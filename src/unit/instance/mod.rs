@@ -297,6 +297,9 @@ impl Unit {
             Progress::Reached => {}
             Progress::Ended(..) => *phase = Phase::StepFailed,
         }
+        if piece.is_none() {
+            *acting = Some(*inputs);
+        }
         Ok((progress, stopped))
     }
 
