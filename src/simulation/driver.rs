@@ -33,8 +33,7 @@ const OUT_OF_REACH: f64 = 1e3;
 impl Simulation {
     /// Places a block at its beginning at `time` (s), with the excitation of that time.
     ///
-    /// A support that nothing touches stands at its free height. A tolerance outside [`Settings::TOLERANCES`] becomes the nearer limit:
-    /// callers that refuse it ask [`Settings::admits_tolerance`] before.
+    /// A support that nothing touches stands at its free height. A tolerance outside [`Settings::TOLERANCES`] becomes the nearer limit.
     pub fn new(
         block: Block,
         settings: Settings,
