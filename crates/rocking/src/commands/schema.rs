@@ -4,7 +4,7 @@ use clap::{Parser, ValueEnum};
 
 use crate::output::report;
 use rocking_studies::spec::fit::FitFile;
-use rocking_studies::spec::schema;
+use rocking_studies::spec::limits;
 use rocking_studies::spec::study::StudyFile;
 
 /// Options of `rocking schema`.
@@ -26,8 +26,8 @@ enum Kind {
 /// Runs the command.
 pub fn run(options: &SchemaCommand) -> anyhow::Result<()> {
     let schema = match options.kind {
-        Kind::Study => schema::of_file::<StudyFile>(),
-        Kind::Fit => schema::of_file::<FitFile>(),
+        Kind::Study => limits::schema_of::<StudyFile>(),
+        Kind::Fit => limits::schema_of::<FitFile>(),
     };
     report::print(&(serde_json::to_string_pretty(&schema)? + "\n"), false)
 }

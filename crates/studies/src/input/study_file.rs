@@ -11,8 +11,7 @@ use toml::Spanned;
 use toml::Value as Toml;
 use toml::de::{DeTable, DeValue};
 
-use crate::spec::limits::{admits, expected, words};
-use crate::spec::schema;
+use crate::spec::limits::{admits, expected, schema_of, words};
 
 /// An error in a study file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -178,7 +177,7 @@ impl<'a, T: DeserializeOwned + JsonSchema> Section<'a, T> {
         range: Range<usize>,
         table: &'a DeTable<'a>,
     ) -> Result<Section<'a, T>, StudyFileError> {
-        let values = source.table(name, &range, table, schema::of_file::<T>().as_value())?;
+        let values = source.table(name, &range, table, schema_of::<T>().as_value())?;
         let values = T::deserialize(values).map_err(|error| source.wrong(&range, error.message()))?;
         Ok(Section { source, range, table, values })
     }

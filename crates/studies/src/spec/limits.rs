@@ -2,10 +2,42 @@
 
 use std::borrow::Cow;
 
-use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema};
 use serde_json::Value;
 
-use crate::spec::{SpecError, schema};
+use crate::spec::SpecError;
+
+/// Returns the JSON Schema of a file or of one of its tables.
+pub fn schema_of<T: JsonSchema>() -> Schema {
+    let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>();
+    without_null(&mut schema);
+    schema
+}
+
+/// Takes out the type of a missing value, since TOML has none, and formats that no editor needs.
+fn without_null(schema: &mut Schema) {
+    schema.remove("format");
+    if let Some(Value::Array(types)) = schema.get_mut("type") {
+        types.retain(|name| name != "null");
+        if let [only] = &mut types[..] {
+            let only = only.take();
+            schema.insert("type".into(), only);
+        }
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
+        choices.retain(|choice| choice["type"] != "null");
+        if let [Value::Object(only)] = &mut choices[..] {
+            let only = std::mem::take(only);
+            schema.remove("anyOf");
+            only.into_iter().for_each(|(key, value)| {
+                schema.ensure_object().entry(key).or_insert(value);
+            });
+        }
+    }
+    transform_subschemas(&mut without_null, schema);
+}
 
 /// Checks numbers of a struct by the limits of its fields.
 ///
@@ -25,7 +57,7 @@ pub fn check<T: JsonSchema>(numbers: &[(&'static str, Option<f64>)]) -> Result<(
 
 /// Returns the schemas of the fields of a struct, by their names.
 pub fn properties<T: JsonSchema>() -> Value {
-    schema::of_file::<T>().as_value()["properties"].clone()
+    schema_of::<T>().as_value()["properties"].clone()
 }
 
 /// Whether a number is finite and within the limits of its schema.

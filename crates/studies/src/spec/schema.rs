@@ -2,42 +2,10 @@
 
 use crate::spec::words::friction;
 use rocking_block::unit::variables::{Causality, DESCRIPTIONS, Kind, Metadata, VARIABLES, Variable};
-use schemars::generate::SchemaSettings;
-use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
 use crate::input::parameters::Parameter;
-
-/// Returns the JSON Schema of a file.
-pub fn of_file<T: JsonSchema>() -> Schema {
-    let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>();
-    without_null(&mut schema);
-    schema
-}
-
-/// Takes out the type of a missing value, since TOML has none, and formats that no editor needs.
-fn without_null(schema: &mut Schema) {
-    schema.remove("format");
-    if let Some(Value::Array(types)) = schema.get_mut("type") {
-        types.retain(|name| name != "null");
-        if let [only] = &mut types[..] {
-            let only = only.take();
-            schema.insert("type".into(), only);
-        }
-    }
-    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
-        choices.retain(|choice| choice["type"] != "null");
-        if let [Value::Object(only)] = &mut choices[..] {
-            let only = std::mem::take(only);
-            schema.remove("anyOf");
-            only.into_iter().for_each(|(key, value)| {
-                schema.ensure_object().entry(key).or_insert(value);
-            });
-        }
-    }
-    transform_subschemas(&mut without_null, schema);
-}
 
 /// Parameters by name: a value, a list or a range of each.
 pub(super) fn parameters<Range: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {

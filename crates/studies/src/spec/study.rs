@@ -13,7 +13,6 @@ use crate::spec::records::RecordSpec;
 use crate::spec::run::RunSpec;
 use crate::spec::schema;
 use crate::spec::values::{Positive, Seed, Word};
-use crate::sweep::ensemble::Distribution;
 
 /// A study of many runs, for `rocking sweep`, `rocking ida` and `rocking assess`.
 #[derive(Deserialize, JsonSchema)]
@@ -183,6 +182,19 @@ pub enum Spread {
     Relative(Positive),
     /// Distribution with its width.
     Table(SpreadTable),
+}
+
+/// A distribution about the value of the row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distribution {
+    /// Lognormal; the row's value is the median and keeps its sign.
+    Lognormal,
+    /// Normal; the row's value is the mean.
+    Normal,
+    /// Uniform and symmetric about the row's value.
+    Uniform,
 }
 
 /// A distribution and its width: cov or deviation.

@@ -3,15 +3,12 @@
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
 //! (docs/fragility.md). A probability over small unknown variations can be predicted.
 
-use schemars::JsonSchema;
-use serde::Deserialize;
-
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::output::table::TableColumn;
 use crate::run::limit::Limit;
 use crate::run::outcome::{End, Outcome};
-use crate::spec::study::{EnsembleTable, SpreadTable, StudyFile};
+use crate::spec::study::{Distribution, EnsembleTable, SpreadTable, StudyFile};
 use crate::spec::values::Word;
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
@@ -50,19 +47,6 @@ pub enum SpreadTarget {
     Scale,
     /// A parameter of the block, its initial state or the pulse.
     Parameter(Parameter),
-}
-
-/// A distribution about the value of the row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[schemars(inline)]
-#[serde(rename_all = "kebab-case")]
-pub enum Distribution {
-    /// Lognormal; the row's value is the median and keeps its sign.
-    Lognormal,
-    /// Normal; the row's value is the mean.
-    Normal,
-    /// Uniform and symmetric about the row's value.
-    Uniform,
 }
 
 /// The standard deviation of a distribution.

@@ -7,7 +7,8 @@ use rocking_records::{ReadOptions, Unit, read};
 use rocking_studies::intensity::pgv;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{Scan, Shaking, overturning};
-use rocking_studies::sweep::ensemble::{Distribution, SpreadTarget, SpreadWidth, UncertainQuantity};
+use rocking_studies::spec::study::Distribution;
+use rocking_studies::sweep::ensemble::{SpreadTarget, SpreadWidth, UncertainQuantity};
 
 use crate::program::{Table, refused, stdout};
 use crate::studies::resumes_to_the_same_bytes;
