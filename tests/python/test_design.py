@@ -29,7 +29,7 @@ def text(path: str) -> str:
 
 
 def product() -> dict[str, str]:
-    """The texts of all product files, but for the lists themselves."""
+    """The texts of all product files except docs/design.md."""
     paths = {str(path.relative_to(ROOT)) for pattern in PRODUCT for path in ROOT.glob(pattern) if path.name != "tests.rs"}
     return {path: text(path) for path in sorted(paths - {"docs/design.md"})}
 
