@@ -1,6 +1,7 @@
 //! Overheads around the solver, as ratios of times measured in turn: `cargo bench -p rocking-benches --bench goals [-- RECORD [BLOCKS]]`.
 //!
-//! RECORD replaces the embedded accelerogram; BLOCKS is the number of blocks of the spectrum.
+//! RECORD replaces the embedded accelerogram; BLOCKS is the number of blocks of the spectrum. The FMU is the one that `cargo run --release`
+//! has packed; `--profile release` compares it with the solver as that command compiles it.
 
 #[path = "../tests/common/fmu.rs"]
 #[allow(dead_code, reason = "the tests use the rest")]
@@ -13,7 +14,8 @@ use std::hint::black_box;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
+use common::library::PackedFmu;
+use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record};
 use rocking_block::block::Foundation;
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
@@ -61,13 +63,14 @@ fn main() {
 
 fn record_through_the_fmu(ground: &Ground) {
     let intervals = intervals(ground);
+    let packed = PackedFmu::of_build();
     let [core, fmu] = least(
-        10 * ROUNDS,
+        30 * ROUNDS,
         [
             &mut || {
                 black_box(run_record(&intervals));
             },
-            &mut || drop(run_record_through_fmu(&intervals)),
+            &mut || packed.run_record(&intervals),
         ],
     );
     println!(

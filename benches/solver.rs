@@ -10,7 +10,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 
-use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
+use common::library::PackedFmu;
+use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record};
 use rocking_block::block::Foundation;
 use rocking_block::block::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
@@ -76,7 +77,8 @@ fn runs(c: &mut Criterion) {
     let intervals = intervals(&loma_prieta());
     group.bench_function("pulse", |b| b.iter(run_pulse));
     group.bench_function("record", |b| b.iter(|| run_record(&intervals)));
-    group.bench_function("record, through fmi2DoStep", |b| b.iter(|| run_record_through_fmu(&intervals)));
+    let packed = PackedFmu::of_build();
+    group.bench_function("record, through fmi2DoStep", |b| b.iter(|| packed.run_record(&intervals)));
 }
 
 fn do_step(c: &mut Criterion) {

@@ -1,5 +1,7 @@
 //! The measured work: a block, a pulse, a record, and the same runs in the core and through the FMU's functions.
 
+pub mod library;
+
 use std::hint::black_box;
 
 use rocking_block::block::Regime;
@@ -65,28 +67,16 @@ pub fn run_record(intervals: &[(Inputs, f64)]) -> Simulation {
     simulation
 }
 
+/// Parameters of the FMU for [`block`] on supports.
+const BLOCK: [(&str, f64); 3] = [("dimensionless.alpha", 0.25), ("dimensionless.p", 1.0), ("dimensionless.eta", 40.0)];
+
 /// An instance of the FMU with this block, initialized at `start` with a horizontal ground acceleration.
 pub fn instance(start: f64, a_gx: f64) -> Fmu {
     let mut fmu = Fmu::new();
-    for (name, value) in
-        [("dimensionless.alpha", 0.25), ("dimensionless.p", 1.0), ("dimensionless.eta", 40.0), ("a_gx", a_gx)]
-    {
+    for (name, value) in BLOCK.into_iter().chain([("a_gx", a_gx)]) {
         assert_eq!(fmu.set(reference(name), value), OK);
     }
     assert_eq!([fmu.setup(None, start, None), fmu.enter(), fmu.exit()], [OK; 3]);
-    fmu
-}
-
-/// The run of [`run_record`] through the functions of the FMU: input, its derivative, step.
-pub fn run_record_through_fmu(intervals: &[(Inputs, f64)]) -> Fmu {
-    let (inputs, _) = intervals[0];
-    let mut fmu = instance(inputs.time, inputs.a_gx.value);
-    let ground = [reference("a_gx")];
-    for (inputs, until) in intervals {
-        assert_eq!(fmu.set_reals(&ground, &[inputs.a_gx.value]), OK);
-        assert_eq!(fmu.set_rates(&ground, &[1], &[inputs.a_gx.rate]), OK);
-        assert_eq!(fmu.step(inputs.time, until - inputs.time), OK);
-    }
     fmu
 }
 
