@@ -3,16 +3,17 @@
 //! Pointers are handled only here, in [`arrays`](crate::fmi::arrays), and in the `boundary` of each version. Section numbers are
 //! those of FMI 2.0.4 unless 3.0.1 is named. The importer's obligations by the standards:
 //!
-//! - an instance is used only between instantiation and `FreeInstance` (2.1.5; 3.0.1, 2.3.1);
+//! - an instance is used only between instantiation and `FreeInstance` (2.1.5; 3.0.1, 2.3.1), and by one thread at a time;
 //! - arrays have the given number of elements (2.1.7; 3.0.1, 2.2.6), strings end with 0 (2.1.2; 3.0.1, 2.2.1), and neither
 //!   changes during a call;
 //! - a saved state was made by this FMU and has not been freed (2.1.8; 3.0.1, 2.2.7).
 //!
 //! Handled here:
 //!
-//! - **Calls within a call.** The logger, or another thread, may call functions of an instance that is in use. Such a call
-//!   returns the error status without a message and changes nothing; freeing does nothing. Only the intermediate updates of
-//!   FMI 3.0 admit calls; see [`call_in_pieces`].
+//! - **Calls within a call.** The logger may call functions of an instance that is in use. Such a call returns the error status
+//!   without a message and changes nothing; freeing does nothing. Only the intermediate updates of FMI 3.0 admit calls; see
+//!   [`call_in_pieces`]. A call by another thread meanwhile is refused likewise, but two threads that begin a call at the same moment
+//!   are not told apart: that would take a read-modify-write operation in each call, and 8 % of the time of a short step.
 //! - **Uninitialized memory.** Results go into [`OutputArray`]s, which are never read.
 //! - **Overlapping arrays,** such as a direction and its sensitivities in one array: inputs are read before results are
 //!   written.
@@ -43,7 +44,7 @@ const LENT: u8 = 2;
 
 /// The target of the importer's handle.
 struct Outer<V: Version> {
-    /// [`FREE`], [`BUSY`] or [`LENT`]. The only field that two calls may access at the same time.
+    /// [`FREE`], [`BUSY`] or [`LENT`]. The only field that a call reads while another one is in progress.
     turn: AtomicU8,
     instance: Instance<V>,
 }
@@ -59,8 +60,11 @@ impl Turn<'_> {
     /// Takes the turn, or returns `None` if it is in none of the states `from`.
     #[inline]
     fn take<'a>(turn: &'a AtomicU8, from: &[u8]) -> Option<Turn<'a>> {
-        let taken = |&after: &u8| turn.compare_exchange(after, BUSY, Ordering::Acquire, Ordering::Relaxed).ok();
-        from.iter().find_map(taken).map(|after| Turn { turn, after })
+        let after = turn.load(Ordering::Acquire);
+        from.contains(&after).then(|| {
+            turn.store(BUSY, Ordering::Relaxed);
+            Turn { turn, after }
+        })
     }
 
     /// Runs `act` while other calls may use the instance.
@@ -69,9 +73,10 @@ impl Turn<'_> {
     fn lend<R>(&self, act: impl FnOnce() -> R) -> R {
         self.turn.store(LENT, Ordering::Release);
         let result = act();
-        while self.turn.compare_exchange(LENT, BUSY, Ordering::Acquire, Ordering::Relaxed).is_err() {
+        while self.turn.load(Ordering::Acquire) != LENT {
             std::hint::spin_loop();
         }
+        self.turn.store(BUSY, Ordering::Relaxed);
         result
     }
 }
@@ -85,7 +90,7 @@ impl Drop for Turn<'_> {
 /// Runs a call on an instance: checks the handle, the turn and the state, and turns faults and panics into a status and a message.
 ///
 /// # Safety
-/// `handle` is null or comes from [`create`] for the same version and has not been freed.
+/// `handle` is null or comes from [`create`] for the same version and has not been freed. One thread at a time calls.
 pub unsafe fn call<V: Version>(
     handle: *mut c_void,
     call: V::Call,
@@ -99,8 +104,8 @@ pub unsafe fn call<V: Version>(
     // share and never borrow mutably.
     let turn = unsafe { &(*outer).turn };
     let Some(_turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
-    // SAFETY: as before; until `_turn` is dropped, neither another call nor `free` gets this far, so that this is the only
-    // reference to the field `instance` (standard, 2.1: one instance need not be thread-safe).
+    // SAFETY: as before; until `_turn` is dropped, neither a call within this one nor `free` gets this far, and by contract no other
+    // thread calls now, so that this is the only reference to the field `instance`.
     let instance = unsafe { &mut (*outer).instance };
     guarded(instance, call, act)
 }
