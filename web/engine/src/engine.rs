@@ -218,8 +218,7 @@ impl Engine {
         let (run, history, _) = self.last()?;
         let count = history.rows.len();
         let to = to.unwrap_or(count).min(count);
-        let mut bytes = Vec::new();
-        table::write_part(&run.block, history, &[], from.min(to)..to, &mut bytes)
+        let bytes = table::csv(&run.block, history, &[], from.min(to)..to)
             .map_err(|error| vec![FieldError::new("run", error.to_string())])?;
         Ok((json!({ "rows": count }), bytes))
     }

@@ -1,6 +1,5 @@
 //! A history → a CSV table.
 
-use std::io::Write;
 use std::ops::Range;
 
 use crate::run::gradients::Derivatives;
@@ -101,25 +100,17 @@ pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     columns
 }
 
-/// Writes a block's history as CSV, with the derivatives of its columns after them. Numbers have the digits that restore them exactly.
+/// Returns rows of a block's history as CSV, with the derivatives of its columns after them. Numbers have the digits that restore them
+/// exactly. The headings precede the first row of the history.
 ///
 /// # Errors
-/// `out` cannot be written.
-pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: impl Write) -> csv::Result<()> {
-    write_part(block, history, gradients, 0..history.rows.len(), out)
-}
-
-/// Writes a range of rows as [`write()`] does. The headings precede the first row of the history.
-///
-/// # Errors
-/// `out` cannot be written.
-pub fn write_part(
+/// None in practice: the text is written to memory.
+pub fn csv(
     block: &Block,
     history: &History,
     gradients: &[Derivatives],
     range: Range<usize>,
-    out: impl Write,
-) -> csv::Result<()> {
+) -> Result<Vec<u8>, csv::Error> {
     let columns = columns(block);
     let varied: Vec<&HistoryColumn> = columns.iter().filter(|column| column.has_derivative()).collect();
     let heading = |HistoryColumn { name, unit, .. }: &HistoryColumn| format!("{name} [{unit}]");
@@ -128,7 +119,7 @@ pub fn write_part(
         let unit = if per == "1" { (*unit).into() } else { format!("({unit})/({per})") };
         format!("d({name})/d({parameter}) [{unit}]")
     };
-    let mut writer = csv::Writer::from_writer(out);
+    let mut writer = csv::Writer::from_writer(Vec::new());
     let of_derivatives = gradients.iter().flat_map(|of| varied.iter().map(move |column| derivative(of, column)));
     if range.start == 0 {
         writer.write_record(columns.iter().map(heading).chain(of_derivatives))?;
@@ -139,6 +130,5 @@ pub fn write_part(
         let derivatives = gradients.iter().flat_map(|gradient| varied.iter().map(move |column| of(gradient, column)));
         writer.write_record(values.chain(derivatives))?;
     }
-    writer.flush()?;
-    Ok(())
+    Ok(writer.into_inner().map_err(csv::IntoInnerError::into_error)?)
 }

@@ -123,8 +123,7 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
 
     let mut files = Vec::new();
     if let Some(file) = csv_file {
-        let mut bytes = Vec::new();
-        table::write(&run.block, &history, &derivatives.parameters, &mut bytes)
+        let bytes = table::csv(&run.block, &history, &derivatives.parameters, 0..history.rows.len())
             .context("the table cannot be written")?;
         files.push((file, bytes));
     }
