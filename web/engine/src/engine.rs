@@ -13,7 +13,7 @@ use rocking_studies::output::runner::Study as Rows;
 use rocking_studies::output::table::Table;
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row, Run, table};
-use rocking_studies::spectrum::Spectrum;
+use rocking_studies::spectrum::CheckedSpectrum;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -108,7 +108,7 @@ pub struct Engine {
 
 /// A study whose rows are made in pieces.
 enum Prepared {
-    Spectrum(Spectrum),
+    Spectrum(CheckedSpectrum),
     Ensemble(Study),
 }
 

@@ -28,7 +28,7 @@ use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
 use rocking_studies::spec::{RunSpec, damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, Statistics};
-use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -180,7 +180,7 @@ struct SpectrumResult<'a> {
 
 impl SpectrumCommand {
     /// Returns the spectrum and a description of its excitation.
-    fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
+    fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(CheckedSpectrum, String)> {
         let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction, .. } =
             self.blocks;
         let alpha = match size.read(explicit, &["alpha"])? {
@@ -218,7 +218,7 @@ impl SpectrumCommand {
             friction_demand: self.run.friction_demand,
         };
         check("eccentricity-ratio", self.blocks.eccentricity_ratio, |x| x.abs() < 1.0, "a ratio between -1 and 1")?;
-        spectrum.check()?;
+        let spectrum = spectrum.checked()?;
         let ends = spectrum.bases.iter().flat_map(|&base| [p_min, p_max].map(|p| spectrum.block(base, p)));
         warn(doubts::of_blocks(ends.collect::<Result<Vec<_>, _>>()?));
         Ok((spectrum, description))

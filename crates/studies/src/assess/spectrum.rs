@@ -4,7 +4,7 @@ use crate::assess::plan::Plan;
 use crate::assess::results::SizeResult;
 use crate::output::table::Table;
 use crate::spectrum::statistics::Statistics;
-use crate::spectrum::{Base, InProportion, Sizes, Spectrum};
+use crate::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::{Block, BlockError, Common};
 
@@ -15,7 +15,7 @@ const RANGE: f64 = 2.0;
 /// A spectrum of the object's shape.
 pub struct SizeSpectrum {
     /// The spectrum.
-    pub spectrum: Spectrum,
+    pub spectrum: CheckedSpectrum,
     /// Its table.
     pub table: Table,
     /// Statistics over the ground motions.
@@ -25,7 +25,7 @@ pub struct SizeSpectrum {
 }
 
 /// Returns the spectrum and the middle strength of the study's list, that of its ground motions.
-pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
+pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
     let Plan { sweep, block, values, .. } = plan;
     let middle = sweep.strengths.count() / 2;
     let strength = match &sweep.strengths {
@@ -53,8 +53,7 @@ pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
         step: sweep.step,
         friction_demand: None,
     };
-    spectrum.check()?;
-    Ok((spectrum, strength))
+    Ok((spectrum.checked()?, strength))
 }
 
 impl SizeSpectrum {

@@ -2,17 +2,17 @@
 
 use crate::output::table::TableColumn;
 use crate::run::Run;
+use crate::run::rows::RunRow;
 use rocking_block::block::restraints::MAX;
 use rocking_block::simulation::Simulation;
 
 /// The beginning of the column's name, before the amplitude.
 pub const COLUMN: &str = "half_cycles>";
 
-/// The column of the greatest number of half cycles of any tie or damper. It is over rows with this run; their amplitude exceeds the given
-/// one (m).
-pub fn column<'c, R>(amplitude: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
-    TableColumn::count(format!("{COLUMN}{amplitude}"), move |row| {
-        run(row).half_cycles(amplitude).into_iter().max().unwrap_or_default()
+/// The column of the greatest number of half cycles of any tie or damper. Their amplitude exceeds the given one (m).
+pub fn column<'c, I>(amplitude: f64) -> TableColumn<'c, RunRow<I>> {
+    TableColumn::count(format!("{COLUMN}{amplitude}"), move |row: &RunRow<I>| {
+        row.run.half_cycles(amplitude).into_iter().max().unwrap_or_default()
     })
 }
 

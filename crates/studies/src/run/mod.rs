@@ -8,6 +8,7 @@
 //! | [`sliding`] | a run, a coefficient of friction → the longest time for which the demand exceeds it |
 //! | [`fatigue`] | a run, an amplitude → the half cycles of plastic elongations above it |
 //! | [`batch`] | runs → their outcomes, several of them stepped at once |
+//! | [`rows`] | the inputs and the runs of rows → the rows with their outcomes |
 //! | [`gradients`] | a run, parameters → its history with derivatives |
 //! | [`table`] | a history → a CSV table |
 
@@ -16,6 +17,7 @@ pub mod fatigue;
 pub mod gradients;
 pub mod limit;
 pub mod outcome;
+pub mod rows;
 pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
@@ -228,8 +230,8 @@ impl Run {
         let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
         let (peaks, counts, Incidents { flights, breaks }) = (simulation.peaks(), simulation.counts(), incidents);
         let lean = lean.at_end(simulation);
-        let Holds { ties, .. } = Holds::of(&self.block);
-        Outcome { end, end_time, peaks, counts, flights, lean, breaks, ties, failure }
+        let (alpha, Holds { ties, .. }) = (self.block.alpha, Holds::of(&self.block));
+        Outcome { end, end_time, peaks, counts, flights, lean, breaks, alpha, ties, failure }
     }
 
     /// The end of the run if it ends with this simulation, without a failure.

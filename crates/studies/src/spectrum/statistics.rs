@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::output::table::{Series, Table, TableColumn};
 use crate::run::outcome::End;
-use crate::spectrum::{RowInputs, Spectrum};
+use crate::spectrum::{Spectrum, SpectrumInputs};
 
 /// The outcomes of the blocks of one ground motion on one foundation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -186,7 +186,7 @@ impl Statistics {
     /// Includes the next rows.
     pub fn add(&mut self, spectrum: &Spectrum, outcomes: &[BlockOutcome]) {
         for &outcome in outcomes {
-            let RowInputs { motion, base, p } = spectrum.inputs(outcome.row);
+            let SpectrumInputs { motion, base, p, .. } = spectrum.inputs(outcome.row);
             let size = outcome.row % spectrum.sizes.count;
             if size == 0 {
                 self.curves.push(CurveSummary {
