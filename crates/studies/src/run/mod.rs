@@ -56,6 +56,15 @@ pub struct Run {
     pub output_step: f64,
 }
 
+/// Whether a record, a pulse or the initial state moves a block.
+pub fn is_moved(ground: &Ground, pulse: &Pulse, initial: &Initial) -> bool {
+    !ground.is_empty()
+        || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+        || initial.theta != 0.0
+        || initial.theta_dot != 0.0
+        || initial.vertical.is_some()
+}
+
 /// The state of the block at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {

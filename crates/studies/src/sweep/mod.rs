@@ -28,10 +28,10 @@ use crate::intensity::Measure;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
 use crate::output::table::{Table, headings};
-use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{End, Holds, Outcome};
 use crate::run::rows::RunRow;
+use crate::run::{Run, is_moved};
 use crate::search::{self, OutcomeMap, Scan};
 use crate::sweep::change::{Change, holds_of_variables, tie_field};
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
@@ -41,7 +41,6 @@ use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError};
-use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
@@ -338,12 +337,7 @@ impl Sweep {
     /// Whether a record, a pulse or the initial state moves the block.
     pub fn moves(&self, combination: &[f64], motion: &GroundMotion) -> bool {
         let values = self.values(combination);
-        let (initial, pulse) = (values.initial(), values.pulse());
-        motion.has_record()
-            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
-            || initial.theta != 0.0
-            || initial.theta_dot != 0.0
-            || initial.vertical.is_some()
+        is_moved(&motion.ground, &values.pulse(), &values.initial())
     }
 }
 
