@@ -63,9 +63,9 @@ impl SizeSpectrum {
         let size = |(number, cell): (u64, &crate::spectrum::statistics::SizeStatistics)| SizeResult {
             p: self.spectrum.sizes.p(number),
             rocked: cell.rocked,
-            at_rest: cell.at_rest,
-            overturned: cell.overturned,
-            undecided: cell.separated + cell.undecided + cell.failed,
+            at_rest: cell.at_rest(),
+            overturned: cell.ends.overturned,
+            undecided: cell.ends.separated + cell.ends.undecided + cell.ends.failed,
             geometric_mean: cell.geometric_mean(),
         };
         (0..).zip(cells).map(size).collect()

@@ -2,19 +2,14 @@
 
 use std::f64::consts::PI;
 
-use serde::Serialize;
-
 /// One of the two supports of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     /// Stiffness K (N/m): half the vertical stiffness of the foundation.
-    #[serde(rename = "K")]
     pub stiffness: f64,
     /// Damping C (N.s/m): half the vertical damping of the foundation, if the source states it.
-    #[serde(rename = "C")]
     pub damping: Option<f64>,
     /// Support stiffness that would give the rocking stiffness of the foundation (N/m), if known.
-    #[serde(rename = "K_rocking")]
     pub rocking_stiffness: Option<f64>,
 }
 

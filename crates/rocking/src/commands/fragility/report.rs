@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use crate::output::summary::aligned;
 use rocking_studies::fragility::{Assessment, Goodness, Interval, RowCounts, Surface};
 
 /// Report of all curves, in SI units.
@@ -193,13 +194,7 @@ impl FragilityReport {
         ];
         rows[0].extend(self.measures[0].sufficiency.keys().map(|other| format!("p beside {other}")));
         rows.extend(self.measures.iter().map(MeasureReport::fields));
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-        for row in &rows {
-            let line: String = row.iter().zip(&widths).map(|(field, width)| format!("{field:<width$}  ")).collect();
-            // Writing to a String never fails.
-            let _ = writeln!(text, "{}", line.trim_end());
-        }
+        text += &aligned(&rows, 0..0);
         text.extend(self.surface.iter().map(SurfaceReport::text));
         let without: usize = self.measures.iter().filter_map(|measure| measure.without_curve).sum();
         if without > 0 {
