@@ -1,4 +1,4 @@
-//! `rocking foundations`: friction and restitution of pairs of surfaces, and supports of rubber or soil, with their sources.
+//! `rocking foundations`: friction, restitution and supports of rubber or soil. Each has its source.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! `rocking frame`: options → columns under a beam → one run of their equivalent block, with the forces of the columns.
+//! `rocking frame`: options → columns under a beam → one run of their equivalent block.
 
 use std::path::PathBuf;
 

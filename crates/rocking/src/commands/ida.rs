@@ -1,4 +1,4 @@
-//! `rocking ida`: a study file → incremental dynamic analysis: the table of its runs, fractiles and a picture.
+//! `rocking ida`: a study file → incremental dynamic analysis. It has a table of runs, fractiles and a picture.
 
 use clap::Parser;
 use serde_json::json;
@@ -106,7 +106,7 @@ fn items(ida: &Ida, measure: Measure) -> Summary {
     summary
 }
 
-/// Adds the fractiles of the peak |θ|/α at the levels of the measure with this heading.
+/// Adds the fractiles of the peak |θ|/α at all levels. The measure has this heading.
 fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
     /// Levels shown, evenly among all.
     const SHOWN: usize = 6;

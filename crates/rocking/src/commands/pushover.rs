@@ -1,4 +1,4 @@
-//! `rocking pushover`: options → a block → its lateral force over a slow rotation, with its landmarks, and the loop of a cycle.
+//! `rocking pushover`: options → a block → its lateral force over a slow rotation. The curve has landmarks, and a cycle its loop.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -126,7 +126,7 @@ fn summary(block: &Block, found: &Pushover) -> Summary {
     summary
 }
 
-/// Adds the cycle, with the energies (J) lost before it and in it by each tie and damper.
+/// Adds the cycle with its energies (J). Each tie and damper loses some before it and in it.
 fn add_cycle(summary: &mut Summary, block: &Block, cycle: &Cycle) {
     let Cycle { amplitude, lost, lost_before, equivalent_damping, recentring, residual, .. } = cycle;
     let of_links = |energy: &[f64; MAX]| -> BTreeMap<String, f64> {

@@ -20,7 +20,7 @@ use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{Measure, PERIODS, rot_d, rotated};
 use rocking_studies::spec::ReadingSpec;
 
-/// Displacement (m) that the ground hardly reaches away from a fault; integrals of a record that drifts exceed it.
+/// Displacement (m) that the ground hardly reaches away from a fault. Integrals of a record that drifts exceed it.
 const LARGEST_DISPLACEMENT: f64 = 1.0;
 
 /// Options of `rocking record`, which scales no ground motion: `--scale` is that of the values.

@@ -380,7 +380,7 @@ impl SearchOptions {
     }
 }
 
-/// Rounds a value to the fewest decimals that are as fine as a resolution; a value with fewer is printed in full.
+/// Rounds a value to the fewest decimals that are as fine as a resolution. A value with fewer is printed in full.
 fn rounded(value: f64, resolution: f64) -> String {
     let fine = |decimals: &usize| libm::pow(10.0, -(*decimals as f64)) <= resolution * (1.0 + 1e-9);
     let exact = value.to_string();

@@ -97,7 +97,7 @@ mod tests {
     use rocking_block::block::restraints::Tie;
     use rocking_block::block::{Common, Physical};
 
-    /// Shenton (1996): a block rocks beyond g tan α of its nearer corner, and slides beyond μ g if that is less.
+    /// A block rocks beyond g tan α of its nearer corner (Shenton, 1996). It slides beyond μ g if that is less.
     #[test]
     fn the_start_of_the_motion_follows_the_nearer_corner_and_friction() {
         let block = |eccentricity: f64, friction: f64| {

@@ -139,7 +139,7 @@ impl StudyOptions {
         self.fill(study, &mut table, follow)
     }
 
-    /// Computes the rows of a study and writes them to a file that is complete or absent, in CSV or Parquet by its name.
+    /// Computes the rows of a study for a file that is complete or absent. It is CSV or Parquet by its name.
     fn run_whole(&self, path: &Path, study: &impl Study, follow: Option<Follower>) -> anyhow::Result<StudySummary> {
         let file = Growing::new(path)?;
         let (name, header) = (path.display().to_string(), study.header());
@@ -175,7 +175,7 @@ impl StudyOptions {
         Ok(summary?)
     }
 
-    /// Makes a part of a study in a folder unless it is there, and returns its file.
+    /// Makes a part of a study in a folder and returns its file. A part that is there stays.
     pub fn run_part<S: Study>(
         &self,
         study: &S,
@@ -201,7 +201,7 @@ impl StudyOptions {
         self.report.print("sweep", &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
 
-    /// Prints the summary of a study, with its own items first; failed runs are an error.
+    /// Prints the summary of a study, with its own items first. Failed runs are an error.
     ///
     /// `others` are the other files written, and `remarks` join the warnings of the JSON.
     pub fn report(

@@ -1,4 +1,4 @@
-//! Items → lines of text for a person, and the entries of a JSON object for a program.
+//! Items → lines of text for a person, and JSON for a program.
 
 use std::fmt::{Display, Write};
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! The object → blocks of its shape in other sizes, under the ground motions of the study at one strength.
+//! The object → blocks of its shape in other sizes. The ground motions are those of the study at one strength.
 
 use crate::assess::plan::Plan;
 use crate::assess::results::SizeResult;
@@ -24,7 +24,7 @@ pub struct SizeSpectrum {
     pub strength: String,
 }
 
-/// Returns the spectrum and the middle strength of the study's list, that of its ground motions.
+/// Returns the spectrum and the strength of its ground motions. It is the middle one of the study's list.
 pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
     let Plan { sweep, block, values, .. } = plan;
     let middle = sweep.strengths.count() / 2;

@@ -260,7 +260,7 @@ impl Problem {
     }
 }
 
-/// Whether a column is a quantity that a test may measure: a motion, a reaction, or a height.
+/// Whether a test may measure a column. It may measure a motion, a reaction, or a height.
 fn is_measured(name: &str) -> bool {
     !matches!(name, "t" | "regime" | "a_gx" | "a_gz") && !name.starts_with("energy.")
 }

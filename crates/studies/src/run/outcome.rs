@@ -256,7 +256,7 @@ pub struct Lean {
 }
 
 impl Lean {
-    /// Rotation at rest (α) from which a block is tilted rather than upright: the round-off of rest on supports is below.
+    /// Rotation at rest (α) from which a block is tilted rather than upright. The round-off of rest on supports is below.
     const TILTED: f64 = 0.01;
 
     /// Whether the block passed its balance.

@@ -1,4 +1,4 @@
-//! The inputs and the runs of rows → the rows with their outcomes, and a batch of a study's table.
+//! Inputs and runs of rows → the rows with their outcomes, and a table.
 //!
 //! Spectra, sweeps and lists of blocks differ in the inputs of a row; their runs pass through here.
 
@@ -23,7 +23,7 @@ pub struct RunRow<I> {
 }
 
 impl<I> RunRow<I> {
-    /// Makes the runs of rows, each followed by those of its samples, in vectors of this width or singly.
+    /// Makes the runs of rows, each followed by those of its samples. They are stepped in vectors of this width, or singly.
     ///
     /// All rows have equally many samples. `ended` is called after each run.
     pub fn all<M: IntoIterator<Item = Run>>(

@@ -1,4 +1,4 @@
-//! A run, a coefficient of friction → the longest time for which the friction demand exceeds it.
+//! A run and a coefficient of friction → the longest time of a greater demand.
 //!
 //! The peak of the friction demand |H|/(N_L + N_R) is unbounded where the reactions vanish for an instant, as in an impact. The
 //! time for which the demand exceeds the available friction indicates whether a block would slide.

@@ -1,4 +1,4 @@
-//! Blocks of all sizes on several foundations under several ground motions → a table of peak rotations.
+//! Blocks of all sizes on several foundations → a table of peak rotations. They stand under several ground motions.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -119,7 +119,7 @@ impl InProportion {
     }
 }
 
-/// A tie whose numbers are made by `change` from their values and their units for this block.
+/// A tie whose numbers `change` makes from their values and their units. The units are those for this block.
 fn scaled(tie: &Tie, block: &Block, change: impl Fn(f64, f64) -> f64) -> Tie {
     let (length, force) = (block.r0, block.mass * block.gravity);
     Tie {

@@ -8,7 +8,7 @@ use crate::search::{OutcomeMap, Threshold};
 use crate::sweep::{RowInputs, SearchRow, Sweep, SweepRow};
 
 impl Sweep {
-    /// The columns of a study of runs: of the block, of the ground motion, and of the run with its samples.
+    /// The columns of a study of runs. They describe the block, the ground motion, and the run with its samples.
     pub(super) fn columns_of_runs(&self) -> Vec<TableColumn<'_, SweepRow<'_>>> {
         let mut columns = self.columns_of_inputs(|row: &SweepRow| &row.inputs);
         columns.extend(outcome::columns(self.holds(), |row: &SweepRow| &row.outcome));
@@ -18,7 +18,7 @@ impl Sweep {
         columns
     }
 
-    /// The columns of a study of searches over a measure: of the block, of the ground motion, and of the search.
+    /// The columns of a study of searches over a measure. They describe the block, the ground motion, and the search.
     pub(super) fn columns_of_searches(&self, measure: Measure) -> Vec<TableColumn<'_, SearchRow<'_>>> {
         let mut columns = self.columns_of_inputs(|row: &SearchRow| &row.0);
         columns.extend(of_search(measure));

@@ -1,4 +1,4 @@
-//! `ensemble` of a study file → the samples of each row, and how many of them exceed each limit.
+//! `ensemble` of a study file → samples of each row and the limits exceeded.
 //!
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
 //! (docs/fragility.md). A probability over small unknown variations can be predicted.
@@ -281,7 +281,7 @@ mod tests {
         }
     }
 
-    /// Each row has one sample per stratum; the order differs between rows and between all spreads but the first.
+    /// Each row has one sample per stratum. The order differs between rows and between all spreads but the first.
     #[test]
     fn samples_are_the_midpoints_of_strata() {
         let scale = spread(Distribution::Normal, SpreadWidth::Relative(0.1));

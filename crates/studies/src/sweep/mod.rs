@@ -88,7 +88,7 @@ pub struct Sweep {
 const LARGEST_SCALE: f64 = 20.0;
 
 impl Sweep {
-    /// Names the records that a strength scales by more than usual, for the block in the middle of the study.
+    /// Names the records that a strength scales by more than usual. The block is that in the middle of the study.
     fn amplified(&self) -> Vec<String> {
         let Ok(block) = self.middle().block() else { return Vec::new() };
         let of = |motion: &GroundMotion| {
@@ -175,7 +175,7 @@ impl Sweep {
         self.motions.iter().any(|motion| motion.floor.is_some())
     }
 
-    /// The inputs and the run of a row, at a `hunted` level of the measure if other rows decide it.
+    /// The inputs and the run of a row. The measure has a `hunted` level if other rows decide it.
     fn row(&self, row: u64, hunted: Option<f64>) -> (RowInputs<'_>, Run) {
         let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
         let motion_number = (row / strengths % motions) as usize;

@@ -1,4 +1,4 @@
-//! `rocking rate`: a hazard curve, a fragility curve → the annual rate at which a limit is exceeded.
+//! `rocking rate`: a hazard curve, a fragility curve → the annual rate of exceedance.
 
 mod report;
 
@@ -158,7 +158,7 @@ fn heading(hazard: &HazardCurve) -> String {
 }
 
 impl RateCommand {
-    /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
+    /// Reads the hazard curve of the measure of a fragility curve. It is relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
         let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();
         let measure = name.and_then(|name| name.parse::<Measure>().ok());

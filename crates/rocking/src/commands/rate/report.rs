@@ -73,7 +73,7 @@ impl RateReport<'_> {
         self.ends.map_or([None, None], |(_, ends)| [ends.low, ends.high])
     }
 
-    /// Fractions of the rate from below and above the hazard curve, and from below and above the rows.
+    /// Fractions of the rate from beyond the hazard curve and the rows. The first of each pair is from below, the second from above.
     fn extrapolated(&self) -> ([f64; 2], Option<[f64; 2]>) {
         let AnnualRate { rate, below_hazard, above_hazard, .. } = *self.found;
         let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
@@ -83,7 +83,7 @@ impl RateReport<'_> {
         ([below_hazard, above_hazard].map(fraction), of_rows)
     }
 
-    /// Returns a warning for each curve that is extrapolated in a notable part of the rate.
+    /// Returns a warning for each curve with a notable extrapolated part of the rate.
     pub fn warnings(&self) -> Vec<String> {
         let ([below, above], of_rows) = self.extrapolated();
         let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.rows.unwrap_or_default());
@@ -184,7 +184,7 @@ impl RateReport<'_> {
         summary.entry("deaggregation", found.deaggregation().into_iter().map(part).collect::<Vec<_>>());
     }
 
-    /// The upper end of a part unless it is infinite, and the annual rate at which the lower end is exceeded unless that is zero.
+    /// The upper end of a part, and the annual rate at its lower end. An infinite upper end and the rate at zero are missing.
     fn optional(&self, part: &RatePart) -> [Option<f64>; 2] {
         let from = Some(part.from).filter(|from| *from > 0.0);
         [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard().rate(from))]

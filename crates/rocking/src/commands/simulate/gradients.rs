@@ -1,4 +1,4 @@
-//! The parameters named by `--gradients` → the items of a summary with the derivatives of a run.
+//! Parameters named by `--gradients` → the derivatives of a run in its summary.
 
 use crate::output::summary::{Object, Summary};
 use rocking_gradients::{Grazing, Parameters, unit};

@@ -159,7 +159,7 @@ fn add_peaks(summary: &mut Summary, block: &Block, history: &History) {
     }
 }
 
-/// Says how far a block went past its balance, or how it leans at the end, if it does either.
+/// Describes a block beyond its balance or leaning at the end, if it does either.
 fn balance(block: &Block, history: &History) -> Option<String> {
     let (tilted, rest) = (history.ends_tilted(block), history.lean.end / block.alpha);
     if history.end != End::Overturned && history.lean.passed_balance() {
