@@ -26,7 +26,7 @@ use rocking_records::ReadOptions;
 use rocking_studies::output::resumable::{TableHeader, TableOptions};
 use rocking_studies::output::runner::{self, Study, StudyRows};
 use rocking_studies::run::batch::{LaneUse, in_lanes};
-use rocking_studies::spectrum::{Base, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, CheckedSpectrum, Sizes, Spectrum};
 
 const ROUNDS: usize = 7;
 
@@ -128,7 +128,7 @@ fn spectrum(ground: Ground, blocks: u64) {
     let made = |blocks: u64, threads: usize, lanes: usize| {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("spectrum.csv");
-        let spectrum = common::spectrum(ground.clone(), blocks);
+        let spectrum = common::spectrum(ground.clone(), blocks).checked().expect("blocks");
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = spectrum.open(&path, TableOptions::default()).expect("a table");
         runner::run(&spectrum, &pool, VectorWidth::at_most(lanes), &mut table, None, |_, _| ())
@@ -138,14 +138,14 @@ fn spectrum(ground: Ground, blocks: u64) {
     let before = peak_memory();
     made(blocks, 2, 1);
     let after = peak_memory();
-    let single = common::spectrum(ground.clone(), blocks);
+    let single = common::spectrum(ground.clone(), blocks).checked().expect("blocks");
     let rounds = if blocks > 2000 { 2 } else { 3 };
     let [alone, one, two] = least(
         rounds,
         [
             &mut || {
                 (0..blocks).for_each(|row| {
-                    black_box(single.run(row).expect("a block").outcome());
+                    black_box(single.run(row).outcome());
                 })
             },
             &mut || made(blocks, 1, 1),
@@ -186,6 +186,7 @@ fn lanes(ground: Ground, blocks: u64) {
     for (name, case) in cases {
         for tolerance in [Settings::OF_STUDIES, Settings::default().tolerance] {
             let case = Spectrum { settings: Settings { tolerance, ..case.settings }, ..case.clone() };
+            let case = case.checked().expect("blocks");
             let mut least = [f64::INFINITY; 3];
             for _ in 0..ROUNDS {
                 for (least, width) in least.iter_mut().zip([1, 4, 8].map(VectorWidth::at_most)) {
@@ -193,8 +194,7 @@ fn lanes(ground: Ground, blocks: u64) {
                 }
             }
             let width = VectorWidth::at_most(4).expect("vectors");
-            let LaneUse { in_lanes, alone, .. } =
-                in_lanes(width, (0..blocks).map(|row| case.run(row).expect("a block")), || ()).1;
+            let LaneUse { in_lanes, alone, .. } = in_lanes(width, (0..blocks).map(|row| case.run(row)), || ()).1;
             let [one, four, eight] = least.map(|time| 1e6 * time);
             println!(
                 "| {name} | {tolerance:e} | {one:.1} µs | {four:.1} µs | {eight:.1} µs | {:.2} | {:.2} | {:.1} % |",
@@ -211,7 +211,7 @@ fn on_rigid_base(spectrum: &Spectrum) -> Spectrum {
 }
 
 /// CPU time (s) of the rows of a spectrum, made on this thread.
-fn cpu_time(spectrum: &Spectrum, width: Option<VectorWidth>) -> f64 {
+fn cpu_time(spectrum: &CheckedSpectrum, width: Option<VectorWidth>) -> f64 {
     const BATCH: usize = 512;
     let before = thread_seconds().expect("a system that reports CPU times");
     for from in (0..spectrum.rows()).step_by(BATCH) {
@@ -228,7 +228,7 @@ fn peak_memory() -> Option<u64> {
 
 /// A study that measures its batches.
 struct Measured {
-    study: Spectrum,
+    study: CheckedSpectrum,
     /// First row and CPU time (s) of each batch.
     batches: Mutex<Vec<(u64, f64)>>,
 }
@@ -267,7 +267,10 @@ fn thread_seconds() -> Option<f64> {
 fn many_threads(ground: Ground, blocks: u64) {
     for threads in [2, 16] {
         let folder = tempfile::tempdir().expect("a folder");
-        let study = Measured { study: common::spectrum(ground.clone(), blocks), batches: Mutex::default() };
+        let study = Measured {
+            study: common::spectrum(ground.clone(), blocks).checked().expect("blocks"),
+            batches: Mutex::default(),
+        };
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = study.open(&folder.path().join("table.csv"), TableOptions::default()).expect("a table");
         runner::run(&study, &pool, VectorWidth::at_most(8), &mut table, None, |_, _| ()).expect("the spectrum is made");

@@ -95,7 +95,7 @@ fn do_step(c: &mut Criterion) {
 fn spectra(c: &mut Criterion) {
     let mut group = c.benchmark_group("spectrum of 100 blocks");
     group.sample_size(10);
-    let spectrum = common::spectrum(loma_prieta(), 100);
+    let spectrum = common::spectrum(loma_prieta(), 100).checked().expect("blocks");
     for threads in [1, 2] {
         let pool = runner::pool(Some(threads)).expect("threads");
         group.bench_function(format!("threads: {threads}"), |b| {

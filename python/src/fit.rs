@@ -8,7 +8,7 @@ use crate::block::Block;
 use crate::history::InitialValues;
 use crate::options::{PulseOptions, invalid, pool, whole};
 use crate::record::{Record, ground};
-use crate::work::wait;
+use crate::work::{Progress, wait};
 
 /// Name, bounds and prior of a free parameter.
 type FreeTuple = (String, Option<[f64; 2]>, Option<[f64; 2]>);
@@ -88,14 +88,8 @@ pub fn fit<'py>(
     let ties = block.get().block.ties().to_vec();
     let problem = Problem { parameterization, common, ties, free: free(&shared), tests, options };
     let pool = pool(threads)?;
-    let found = wait(py, tick, move |progress| {
-        let show = |done, total| {
-            progress.show(done, total);
-            progress.end_if_abandoned();
-        };
-        fitted(&problem, &pool, &show)
-    })?
-    .map_err(invalid)?;
+    let work = move |progress: &Progress| fitted(&problem, &pool, &|done, total| progress.advance(done, total));
+    let found = wait(py, tick, work)?.map_err(invalid)?;
     let text = serde_json::to_string(&found).map_err(invalid)?;
     let columns = |test: engine::TestFit| {
         [test.measured, test.fitted, test.residuals].map(|values| PyArray1::from_vec(py, values))

@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rocking_block::block::restraints::TieState;
 use rocking_block::block::{self as engine, Foundation};
-use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_gradients::{Grazing, Parameters};
@@ -15,7 +14,7 @@ use rocking_studies::run::gradients::{Derivatives, Gradients};
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::table;
-use rocking_studies::run::{History, MemoryError, Run};
+use rocking_studies::run::{History, MemoryError, Run, is_moved};
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, invalid, warn};
@@ -67,12 +66,7 @@ pub fn history<'py>(
     let ground = ground(horizontal, vertical, scale)?;
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let initial = beginning.initial()?;
-    let moves = ground.time_step().is_some()
-        || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
-        || initial.theta != 0.0
-        || initial.theta_dot != 0.0
-        || initial.vertical.is_some();
-    if !moves {
+    if !is_moved(&ground, &pulse, &initial) {
         return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or an initial state"));
     }
     let output_step = options.step.or(ground.time_step()).unwrap_or(0.01);

@@ -2,6 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use rocking_block::block::{self as engine, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_studies::run::outcome::End;
@@ -42,6 +43,16 @@ fn answer(found: &OutcomeMap<End>, threshold: Threshold) -> Answer {
     (threshold.value(), threshold.bound(), stretches.collect(), found.spacing)
 }
 
+/// Searches on the threads of a pool, while Python shows the progress.
+fn searched<T: Send + 'static>(
+    py: Python,
+    tick: &Bound<PyAny>,
+    pool: ThreadPool,
+    search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> T + Send + 'static,
+) -> PyResult<T> {
+    wait(py, tick, move |progress| pool.install(|| search(&|done, total| progress.advance(done, total))))
+}
+
 /// Finds intervals of equal outcome over the amplitude of a pulse or the factor on records.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
@@ -63,12 +74,9 @@ pub fn search_overturning<'py>(
     };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan(search::usual_strengths(&block, &shaking))?;
-    let found = wait(py, tick, move |progress| {
-        let show = |done, total| {
-            progress.show(done, total);
-            progress.end_if_abandoned();
-        };
-        pool.install(|| search::overturning(&block, &shaking, settings, &scan, VectorWidth::widest(), show))
+    let width = VectorWidth::widest();
+    let found = searched(py, tick, pool, move |progress| {
+        search::overturning(&block, &shaking, settings, &scan, width, progress)
     })?;
     Ok(answer(&found, found.overturning()))
 }
@@ -96,17 +104,10 @@ pub fn search_damping<'py>(
     };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan([0.0, 1.0])?;
-    let found = wait(py, tick, move |progress| {
-        let show = |done, total| {
-            progress.show(done, total);
-            progress.end_if_abandoned();
-        };
-        let search = || {
-            let width = VectorWidth::widest();
-            search::damping_against_separation(block_with, rate, settings, &scan, width, show)
-        };
-        pool.install(search)
-    })?;
-    let found = found.map_err(invalid)?;
+    let width = VectorWidth::widest();
+    let found = searched(py, tick, pool, move |progress| {
+        search::damping_against_separation(block_with, rate, settings, &scan, width, progress)
+    })?
+    .map_err(invalid)?;
     Ok(answer(&found, found.damping_against_separation()))
 }

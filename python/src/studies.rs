@@ -12,7 +12,7 @@ use rayon::ThreadPool;
 use rocking_block::block::Block;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_block::simulation::{Initial, OnSeparation};
+use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::doubts;
 use rocking_studies::input::study_file::StudyFileError;
@@ -23,8 +23,8 @@ use rocking_studies::output::resumable::{TableHeader, TableOptions, TableWriteEr
 use rocking_studies::output::runner::{self, Study as _, StudyRows};
 use rocking_studies::output::table;
 use rocking_studies::run::Run;
-use rocking_studies::run::batch;
-use rocking_studies::run::outcome::{self, Holds, Outcome, OutcomeRow};
+use rocking_studies::run::outcome::{self, Holds};
+use rocking_studies::run::rows::RunRow;
 use rocking_studies::run::sliding;
 use rocking_studies::spec::RunSpec;
 use rocking_studies::sweep::Sweep;
@@ -117,33 +117,25 @@ pub fn outcomes<'py>(
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
             (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block])
         };
-        let run = |number: u64| {
-            progress.end_if_abandoned();
-            let (motion, scale, block) = case(number);
-            Run {
-                block,
-                settings,
-                initial: Initial::default(),
-                pulse,
-                ground: motion.ground.clone().scaled(scale),
-                duration,
-                output_step: step.unwrap_or(f64::INFINITY),
-            }
+        let run = |(motion, scale, block): (&GroundMotion, f64, Block)| Run {
+            pulse,
+            ground: motion.ground.clone().scaled(scale),
+            duration,
+            output_step: step.unwrap_or(f64::INFINITY),
+            ..Run::at_rest(block, settings)
         };
         let of_records = shown.iter().map(|&measure| {
             table::TableColumn::optional(measure.to_string(), measure.unit(), move |row: &Row| {
-                let (motion, scale, block) = &row.case;
+                let (motion, scale, block) = &row.inputs;
                 motion.intensity(measure, *scale, block)
             })
         });
-        let above = friction_demand.map(|demand| sliding::column(demand, |row: &Row| run(row.number)));
-        let columns: Vec<_> = of_records.chain(outcome::columns(holds)).chain(above).collect();
-        let row = |(number, outcome)| Row { number, case: case(number), outcome };
+        let of_runs = outcome::columns(holds, |row: &Row| &row.outcome);
+        let columns: Vec<_> = of_records.chain(of_runs).chain(friction_demand.map(sliding::column)).collect();
         let make = |numbers: Range<u64>| {
-            let outcomes = batch::outcomes(VectorWidth::widest(), numbers.clone().map(run), || ());
-            let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
-            let rows: Vec<Row> = numbers.zip(outcomes).map(row).collect();
-            StudyRows { table: table::Table::of(&columns, &rows), failure }
+            let rows = numbers.map(case).map(|case| (case, run(case))).collect();
+            let ended = || progress.end_if_abandoned();
+            RunRow::table(&columns, &RunRow::all(VectorWidth::widest(), rows, |_| [], ended))
         };
         let mut made = StudyRows::default();
         batches(&pool, count, 1, progress, make, |batch| made.append(batch));
@@ -152,22 +144,8 @@ pub fn outcomes<'py>(
     Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
 }
 
-/// A block under a ground motion times a factor.
-struct Row<'a> {
-    number: u64,
-    case: (&'a GroundMotion, f64, Block),
-    outcome: Outcome,
-}
-
-impl OutcomeRow for Row<'_> {
-    fn outcome(&self) -> &Outcome {
-        &self.outcome
-    }
-
-    fn alpha(&self) -> f64 {
-        self.case.2.alpha
-    }
-}
+/// A row of the outcomes: the ground motion, the factor on it, and the block.
+type Row<'a> = RunRow<(&'a GroundMotion, f64, Block)>;
 
 /// A study that ends once its caller has stopped waiting for it.
 struct Abandonable<'a> {

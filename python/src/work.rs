@@ -30,6 +30,12 @@ impl Progress {
         self.done.fetch_max(done, Ordering::Relaxed);
     }
 
+    /// Records the progress, and unwinds the thread if the caller has stopped waiting.
+    pub fn advance(&self, done: u64, total: u64) {
+        self.show(done, total);
+        self.end_if_abandoned();
+    }
+
     /// Returns true if the caller has stopped waiting for the result.
     pub fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Relaxed)

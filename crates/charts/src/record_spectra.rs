@@ -11,7 +11,7 @@ use crate::page::{Key, Symbol, page};
 use crate::picture::PictureError;
 use crate::spectrum::{self, Abscissa, Curves};
 use rocking_studies::spectrum::Spectrum;
-use rocking_studies::spectrum::statistics::{FoundationStatistics, SizeStatistics, Statistics};
+use rocking_studies::spectrum::statistics::{EndCounts, FoundationStatistics, SizeStatistics, Statistics};
 
 /// Heights of the peaks and of the shares of a foundation.
 const HEIGHTS: [u32; 2] = [8000, 3600];
@@ -68,9 +68,9 @@ fn legend(groups: &[FoundationStatistics]) -> Vec<Key> {
         ),
         (true, Symbol::Band, "±1 standard deviation of ln(peak |θ|/α) over the same records"),
         (true, overturned, "share of records: overturned"),
-        (any(|cell| cell.separated), separated, "ended at separation"),
-        (any(|cell| cell.undecided), undecided, "undecided"),
-        (any(|cell| cell.failed), failed, "failed"),
+        (any(|cell| cell.ends.separated), separated, "ended at separation"),
+        (any(|cell| cell.ends.undecided), undecided, "undecided"),
+        (any(|cell| cell.ends.failed), failed, "failed"),
     ];
     keys.into_iter().filter(|(is_shown, ..)| *is_shown).map(|(_, symbol, name)| (symbol, name.into())).collect()
 }
@@ -140,11 +140,11 @@ fn peaks(
 
 /// Returns true if a size has a mean and a band; those of a minority of the records would mislead.
 fn counts(cell: &SizeStatistics) -> bool {
-    cell.rocked > 0 && 2 * cell.rocked >= cell.motions()
+    cell.rocked > 0 && 2 * cell.rocked >= cell.ends.all()
 }
 
 fn all_count(cell: &SizeStatistics) -> bool {
-    cell.rocked == cell.motions()
+    cell.rocked == cell.ends.all()
 }
 
 /// Draws the shares of the records under which a block does not stand.
@@ -156,8 +156,9 @@ fn shares(sizes: &[(f64, &SizeStatistics)], range: Range<f64>, over: Abscissa) -
         let before = number.checked_sub(1).and_then(|number| sizes.get(number));
         let ends = [half(before), half(sizes.get(number + 1))];
         let mut bottom = 0.0;
-        for (count, grey) in [cell.overturned, cell.separated, cell.undecided, cell.failed].into_iter().zip(GREYS) {
-            let top = bottom + count as f64 / cell.motions().max(1) as f64;
+        let EndCounts { overturned, separated, undecided, failed, .. } = cell.ends;
+        for (count, grey) in [overturned, separated, undecided, failed].into_iter().zip(GREYS) {
+            let top = bottom + count as f64 / cell.ends.all().max(1) as f64;
             if count > 0 {
                 tiles.push(Tile { x: ends[0].min(ends[1])..ends[0].max(ends[1]), y: bottom..top, grey });
             }

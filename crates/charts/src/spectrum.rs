@@ -11,7 +11,6 @@ use crate::page::{Key, Symbol, page};
 use crate::picture::PictureError;
 use rocking_block::block::{Ratios, Supports};
 use rocking_block::excitation::Pulse;
-use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::BlockOutcome;
@@ -124,7 +123,7 @@ pub struct Curves {
 impl Curves {
     /// Begins the curves of a spectrum.
     pub fn new(spectrum: &Spectrum, over: Abscissa) -> Curves {
-        Curves { over, curves: vec![Vec::new(); (spectrum.rows() / spectrum.sizes.count) as usize] }
+        Curves { over, curves: vec![Vec::new(); spectrum.motions.len() * spectrum.bases.len()] }
     }
 
     /// Their abscissa.

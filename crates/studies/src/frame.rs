@@ -1,4 +1,4 @@
-//! Equal free-standing columns under a beam → the block that rocks like them, and its motion → that of the beam and the forces.
+//! Free-standing columns under a beam → their equivalent block, and the forces of the frame.
 //!
 //! N. Makris, M. F. Vassiliou, Planar rocking response and stability analysis of an array of free-standing columns capped with a
 //! freely supported rigid beam, EESD 42 (2013) 431–449, doi:10.1002/eqe.2222. docs/frames.md has the derivation, which holds for
@@ -140,7 +140,7 @@ impl Frame {
         })
     }
 
-    /// Time (s) of the first row in which the beam would have to be held down. There it leaves the columns and the model ends.
+    /// Time (s) of the first row in which the beam would need holding down. There it leaves the columns and the model ends.
     pub fn beam_leaves(&self, history: &History) -> Option<f64> {
         let first = history.rows.iter().find(|row| self.response_in(row).top[1] < 0.0);
         first.map(|row| row.time).filter(|_| self.beam_mass > 0.0)
@@ -252,7 +252,7 @@ mod tests {
         }
     }
 
-    /// At rest each base bears its share of the whole weight, each top that of the beam.
+    /// At rest each base bears its share of the whole weight. Each top bears its share of the beam.
     #[test]
     fn weight_at_rest_is_that_of_columns_and_beam() {
         let column = column(heavy());

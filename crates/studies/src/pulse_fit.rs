@@ -121,7 +121,7 @@ impl Velocities {
         Velocities::new(self.start, step, (0..=count as usize).map(at).collect())
     }
 
-    /// The start of a pulse of this period and these cycles with the greatest R², with which it begins at a sample.
+    /// The start with the greatest R² of a pulse of this period and these cycles. The pulse begins at a sample.
     fn best(&self, shape: PulseShape, point: Point) -> Option<(f64, Point)> {
         let count = (point.pulse(shape, 1.0, 0.0).duration() / self.step) as usize + 1;
         let templates = templates(shape, point, (0..count).map(|i| i as f64 * self.step));
@@ -144,7 +144,7 @@ impl Velocities {
         PulseFit { pulse: Pulse { start: point.start, ..pulse }, r_squared: gain / self.energy }
     }
 
-    /// Improves a point: moves along each unknown while that helps, with steps that are halved when none does.
+    /// Improves a point by moves along each unknown. Steps are halved once none helps.
     fn refined(&self, shape: PulseShape, mut point: Point, least: f64) -> PulseFit {
         let end = self.start + (self.values.len() - 1) as f64 * self.step;
         let mut best = self.at(shape, point);
@@ -186,13 +186,14 @@ impl Point {
     }
 }
 
-/// Velocities per unit of amplitude at times after the start: of the pulse, and of a Gabor pulse with phase π/2 after its own.
+/// Velocities per unit of amplitude at times after the start. They are those of the pulse, and of a Gabor pulse with phase π/2 after its
+/// own.
 fn templates(shape: PulseShape, point: Point, times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
     let [cos, sin] = [0.0, -FRAC_PI_2].map(|phase| point.pulse(shape, 1.0, phase));
     times.map(|t| [cos.velocity(t), if shape == PulseShape::Gabor { sin.velocity(t) } else { 0.0 }]).collect()
 }
 
-/// The least squares of a window by both templates: the energy that they explain, and their amplitudes.
+/// The least squares of a window by both templates. They are the energy that these explain, and their amplitudes.
 fn solve(window: &[f64], templates: &[[f64; 2]]) -> (f64, [f64; 2]) {
     let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
     for (v, [a, b]) in window.iter().zip(templates) {
@@ -291,7 +292,7 @@ mod tests {
         }
     }
 
-    /// R² is that of the velocities, sample by sample, and any small change of the pulse lowers it.
+    /// R² is that of the velocities, sample by sample. Any small change of the pulse lowers it.
     #[test]
     fn the_share_is_that_of_the_residual_and_greatest() {
         let noisy = record(&planted(PulseShape::C2), |t| 2.0 * (9.0 * t).cos() * (0.7 * t).cos());

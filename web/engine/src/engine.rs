@@ -10,14 +10,12 @@ use rocking_charts::numerals::significant;
 use rocking_studies::foundations;
 use rocking_studies::output::csv::lines;
 use rocking_studies::output::runner::Study as Rows;
-use rocking_studies::output::table::Table;
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row, Run, table};
-use rocking_studies::spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::ensemble::{self, Study};
+use crate::ensemble;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{self, Inputs, Vertical};
 use crate::records::DroppedFile;
@@ -103,38 +101,8 @@ const SERIES: [Series; 12] = [
 pub struct Engine {
     files: [Option<DroppedFile>; 2],
     last: Option<(Run, History, String)>,
-    study: Option<Prepared>,
-}
-
-/// A study whose rows are made in pieces.
-enum Prepared {
-    Spectrum(Spectrum),
-    Ensemble(Study),
-}
-
-impl Prepared {
-    fn rows(&self) -> &dyn DynRows {
-        match self {
-            Prepared::Spectrum(spectrum) => spectrum,
-            Prepared::Ensemble(study) => &study.sweep,
-        }
-    }
-}
-
-/// The rows of a study.
-trait DynRows {
-    fn make_rows(&self, from: u64, to: u64) -> Table;
-    fn count(&self) -> u64;
-}
-
-impl<S: Rows> DynRows for S {
-    fn make_rows(&self, from: u64, to: u64) -> Table {
-        self.make_range(from..to, None).table
-    }
-
-    fn count(&self) -> u64 {
-        self.rows()
-    }
+    /// Its rows are made in pieces.
+    study: Option<Box<dyn Rows>>,
 }
 
 #[derive(Serialize)]
@@ -244,7 +212,7 @@ impl Engine {
             "header": spectrum.header().text().unwrap_or_default(),
             "command": command,
         });
-        self.study = Some(Prepared::Spectrum(spectrum));
+        self.study = Some(Box::new(spectrum));
         Ok((json, Vec::new()))
     }
 
@@ -258,7 +226,7 @@ impl Engine {
             "file": study.file,
             "command": "rocking sweep study.toml --csv ensemble.csv",
         });
-        self.study = Some(Prepared::Ensemble(study));
+        self.study = Some(Box::new(study.sweep));
         Ok((json, Vec::new()))
     }
 
@@ -266,9 +234,8 @@ impl Engine {
         let Some(study) = &self.study else {
             return Err(vec![FieldError::new("run", "no study yet; expected one before its rows")]);
         };
-        let study = study.rows();
-        let to = to.min(study.count());
-        let rows = study.make_rows(from.min(to), to);
+        let to = to.min(study.rows());
+        let rows = study.make_range(from.min(to)..to, None).table;
         Ok((json!({ "rows": rows.rows(), "columns": rows }), lines(&rows).unwrap_or_default().into_bytes()))
     }
 }

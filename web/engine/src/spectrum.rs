@@ -4,7 +4,7 @@ use rocking_block::block::{Common, Foundation};
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::direction;
-use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 
 use crate::command::{CommandLine, tie_text};
 use crate::fields::{FieldError, Fields};
@@ -14,7 +14,11 @@ use crate::inputs::{Excitation, Inputs, Vertical, block_error};
 ///
 /// # Errors
 /// One for each field at fault.
-pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<(Spectrum, String), Vec<FieldError>> {
+pub fn read(
+    mut fields: Fields,
+    inputs: Inputs,
+    vertical: &Vertical,
+) -> Result<(CheckedSpectrum, String), Vec<FieldError>> {
     if inputs.excitation == Excitation::Release {
         fields.refuse(FieldError::new("excitation", "found a free motion; a spectrum expects a record or a pulse"));
     }
@@ -40,13 +44,9 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<(
         step: None,
         friction_demand: None,
     };
-    if !fields.has_errors()
-        && let Err(error) = spectrum.check()
-    {
-        fields.refuse(block_error(&error, "ratios"));
-    }
     let command = command_line(&spectrum, &inputs, vertical);
-    fields.finish((spectrum, command))
+    let spectrum = fields.finish(spectrum)?;
+    Ok((spectrum.checked().map_err(|error| vec![block_error(&error, "ratios")])?, command))
 }
 
 fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> String {

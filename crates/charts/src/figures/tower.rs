@@ -15,7 +15,7 @@ use crate::page::Symbol;
 use rocking_block::block::BlockError;
 use rocking_studies::output::table::{Table as Rows, TableColumn};
 use rocking_studies::run::Run;
-use rocking_studies::run::outcome::{self, End, Holds, Outcome, OutcomeRow};
+use rocking_studies::run::outcome::{self, End, Holds, Outcome};
 use rocking_studies::spectrum::Base;
 
 /// Returns the foundations of the tower: supports, rigid base and pads. The pads are in the table only.
@@ -56,7 +56,7 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let lines: Vec<String> = sources.iter().map(|source| format!("motion {}: {}", source.name, source.label)).collect();
     let columns = columns(&sources, &bases);
-    let rows = Rows::of(&columns, &outcomes.iter().enumerate().map(TowerRow).collect::<Vec<_>>());
+    let rows = Rows::of(&columns, &outcomes.iter().enumerate().collect::<Vec<_>>());
     let mut table = Table::new(14, &lines, columns.iter().map(|column| column.heading().to_string()))?;
     for row in 0..rows.rows() {
         table.push(rows.columns().iter().map(|column| column.text(row)))?;
@@ -71,25 +71,15 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
 }
 
 /// The number of a task and its outcome.
-struct TowerRow<'a>((usize, &'a Outcome));
-
-impl OutcomeRow for TowerRow<'_> {
-    fn outcome(&self) -> &Outcome {
-        self.0.1
-    }
-
-    fn alpha(&self) -> f64 {
-        TOWER_ALPHA
-    }
-}
+type TowerRow<'a> = (usize, &'a Outcome);
 
 /// Returns the columns of the table.
 fn columns<'a>(sources: &[GroundMotion], bases: &'a [Base]) -> Vec<TableColumn<'a, TowerRow<'a>>> {
     let motion =
-        TableColumn::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0.0 / bases.len());
+        TableColumn::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0 / bases.len());
     let names = bases.iter().map(ToString::to_string);
-    let foundation = TableColumn::choice("foundation", names, |row: &TowerRow| row.0.0 % bases.len());
-    [motion, foundation].into_iter().chain(outcome::columns(Holds::default())).collect()
+    let foundation = TableColumn::choice("foundation", names, |row: &TowerRow| row.0 % bases.len());
+    [motion, foundation].into_iter().chain(outcome::columns(Holds::default(), |row: &TowerRow| row.1)).collect()
 }
 
 /// Grey levels of the bars.

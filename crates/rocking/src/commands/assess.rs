@@ -1,4 +1,4 @@
-//! `rocking assess`: a study file with an object → a page on it, with pictures and tables.
+//! `rocking assess`: a study file with an object → a page, pictures and tables.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
-use serde::Serialize;
 
 use crate::options::choices;
 use crate::options::run::ThreadOptions;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::progress::Progress;
 use crate::output::report::{self, ReportOptions, WrittenFiles};
+use crate::output::summary::Object;
 use rocking_charts::figures::parameters::{Detail, NUMBERS};
 use rocking_charts::figures::{self, FigureError, Workers, ground_motions};
 use rocking_charts::picture::PictureFormat;
@@ -82,22 +82,13 @@ pub fn run(options: &FiguresCommand) -> anyhow::Result<()> {
     let failures = (failed > 0).then(|| format!("{failed} runs failed; the tables mark them `failed`"));
     let pulses = sources.iter().filter(|source| !source.is_record()).map(|source| source.label.clone());
     let warnings: Vec<String> = pulses.chain(failures.clone()).collect();
-    let files = numbers.iter().flat_map(|&number| files(number)).map(|path| path.display().to_string()).collect();
-    let result = FiguresResult {
-        figures: numbers,
-        files,
-        sources: sources.iter().map(|source| (source.name, source.description())).collect(),
-        failed,
-    };
-    options.report.print("figures", &written, &warnings, &written.lines(), &result)?;
+    let files = numbers.iter().flat_map(|&number| files(number)).map(|path| path.display().to_string());
+    let of_sources: BTreeMap<_, _> = sources.iter().map(|source| (source.name, source.description())).collect();
+    let json = Object::default()
+        .with("figures", &numbers)
+        .with("files", files.collect::<Vec<_>>())
+        .with("sources", of_sources)
+        .with("failed", failed);
+    options.report.print("figures", &written, &warnings, &written.lines(), &json)?;
     failures.map_or(Ok(()), |failures| anyhow::bail!(failures))
-}
-
-#[derive(Serialize)]
-struct FiguresResult {
-    figures: Vec<u8>,
-    files: Vec<String>,
-    /// Ground motions of Table I.
-    sources: BTreeMap<&'static str, String>,
-    failed: u64,
 }

@@ -94,7 +94,7 @@ fn table(fit: &Fit) -> String {
     table
 }
 
-/// Writes measured and fitted values as CSV; the columns are in the units of the measured quantities.
+/// Writes measured and fitted values as CSV. The columns are in the units of the measured quantities.
 fn residual_table(fit: &Fit) -> String {
     let mut table = String::from("test,t [s],measured,fitted,residual\n");
     for (number, TestFit { times, measured, fitted, residuals, .. }) in (1..).zip(&fit.tests) {

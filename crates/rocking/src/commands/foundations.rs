@@ -1,12 +1,12 @@
-//! `rocking foundations`: friction and restitution of pairs of surfaces, and supports of rubber or soil, with their sources.
+//! `rocking foundations`: friction, restitution and supports of rubber or soil. Each has its source.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use clap::{Args, Parser, Subcommand};
-use serde::Serialize;
 
 use crate::options::checks::checked;
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::{Summary, aligned};
 use rocking_charts::numerals::significant;
 use rocking_studies::foundations::{Pad, Pair, Soil, Support, pairs};
 
@@ -82,17 +82,6 @@ struct SupportedBlock {
     p: Option<f64>,
 }
 
-/// Values of a support, alone and under a block.
-#[derive(Serialize)]
-struct SupportValues {
-    #[serde(flatten)]
-    support: Support,
-    omega_v: Option<f64>,
-    xi_v: Option<f64>,
-    eta: Option<f64>,
-    source: &'static str,
-}
-
 /// Runs the command.
 pub fn run(options: &FoundationsCommand) -> anyhow::Result<()> {
     match &options.command {
@@ -130,44 +119,36 @@ fn print(
     let omega_v = mass.map(|mass| (2.0 * support.stiffness / mass).sqrt());
     let xi_v = mass.zip(omega_v).zip(support.damping).map(|((mass, omega_v), damping)| damping / (mass * omega_v));
     let eta = omega_v.zip(p).map(|(omega_v, p)| omega_v / p);
-    let values = SupportValues { support, omega_v, xi_v, eta, source };
-    report.print(command, &WrittenFiles::new([]), &[], &values.text(), &values)
-}
-
-impl SupportValues {
-    fn text(&self) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
-        let Support { stiffness, damping, rocking_stiffness } = self.support;
-        line("K", format!("{stiffness:.4e} N/m, of each of two supports"));
-        match damping {
-            Some(damping) => line("C", format!("{damping:.4e} N.s/m, of each")),
-            None => line("C", "not stated by the source".into()),
-        }
-        if let Some(rocking) = rocking_stiffness.filter(|&rocking| rocking != stiffness) {
-            let part = significant(rocking / stiffness, 3);
-            line(
-                "K_rocking",
-                format!("{rocking:.4e} N/m, {part} K: two supports with the rocking stiffness of the footing"),
-            );
-        }
-        let short = |value: f64| significant(value, 4);
-        if let Some(omega_v) = self.omega_v {
-            let xi_v = self.xi_v.map(|xi_v| format!(", xi_v = {}", short(xi_v))).unwrap_or_default();
-            let eta = self.eta.map(|eta| format!(", eta = {}", short(eta))).unwrap_or_default();
-            line("block", format!("omega_v = {} rad/s{xi_v}{eta}", short(omega_v)));
-        }
-        line("source", self.source.into());
-        text
+    let Support { stiffness, damping, rocking_stiffness } = support;
+    let short = |value: f64| significant(value, 4);
+    let mut summary = Summary::default();
+    summary.item("K", stiffness, "K", format!("{stiffness:.4e} N/m, of each of two supports"));
+    let of_each = damping.map(|damping| format!("{damping:.4e} N.s/m, of each"));
+    summary.item("C", damping, "C", of_each.unwrap_or_else(|| "not stated by the source".into()));
+    summary.entry("K_rocking", rocking_stiffness);
+    if let Some(rocking) = rocking_stiffness.filter(|&rocking| rocking != stiffness) {
+        let part = significant(rocking / stiffness, 3);
+        let text = format!("{rocking:.4e} N/m, {part} K: two supports with the rocking stiffness of the footing");
+        summary.line("K_rocking", text);
     }
+    for (key, value) in [("omega_v", omega_v), ("xi_v", xi_v), ("eta", eta)] {
+        summary.entry(key, value);
+    }
+    if let Some(omega_v) = omega_v {
+        let xi_v = xi_v.map(|xi_v| format!(", xi_v = {}", short(xi_v))).unwrap_or_default();
+        let eta = eta.map(|eta| format!(", eta = {}", short(eta))).unwrap_or_default();
+        summary.line("block", format!("omega_v = {} rad/s{xi_v}{eta}", short(omega_v)));
+    }
+    summary.item("source", source, "source", source);
+    report.print(command, &WrittenFiles::new([]), &[], &summary.text, &summary.json)
 }
 
 /// Writes the pairs as a table, with the sources below.
 fn table(pairs: &[Pair]) -> String {
-    let heading = ["quantity", "surfaces", "state", "value", "kind", "source"].map(String::from);
+    let heading = ["quantity", "surfaces", "state", "value", "kind", "source"].map(String::from).to_vec();
     let row = |pair: &Pair| {
         let [low, high] = [pair.low, pair.high].map(|value| significant(value, 3));
-        [
+        vec![
             pair.quantity.name().into(),
             pair.surfaces.clone(),
             pair.state.clone(),
@@ -176,15 +157,8 @@ fn table(pairs: &[Pair]) -> String {
             pair.source.name.clone(),
         ]
     };
-    let rows: Vec<[String; 6]> = std::iter::once(heading).chain(pairs.iter().map(row)).collect();
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; 6] = std::array::from_fn(width);
-    let mut text = String::new();
-    for row in &rows {
-        let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-        text.push_str(cells.join("  ").trim_end());
-        text.push('\n');
-    }
+    let rows: Vec<Vec<String>> = std::iter::once(heading).chain(pairs.iter().map(row)).collect();
+    let mut text = aligned(&rows, 0..0);
     text.push('\n');
     let mut seen = BTreeSet::new();
     for source in pairs.iter().map(|pair| &pair.source).filter(|source| seen.insert(&source.name)) {

@@ -1,9 +1,8 @@
-//! `rocking frame`: options → columns under a beam → one run of their equivalent block, with the forces of the columns.
+//! `rocking frame`: options → columns under a beam → one run of their equivalent block.
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use serde::Serialize;
 
 use crate::options::checks::check;
 use crate::options::excitation::{Excitation, ExcitationOptions};
@@ -13,11 +12,12 @@ use crate::options::single_run;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::{Object, Summary};
 use rocking_block::block::{Block, Common, Physical, Supports};
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::history::block_line;
 use rocking_studies::doubts;
-use rocking_studies::frame::Frame;
+use rocking_studies::frame::{Frame, FrameResponse};
 use rocking_studies::output::csv::with_headings;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::SingleRunSpec;
@@ -82,69 +82,6 @@ impl FrameOptions {
     }
 }
 
-/// Summary of a run, in SI units.
-#[derive(Serialize)]
-struct Summary<'a> {
-    excitation: &'a str,
-    frame: Parameters,
-    /// `completed`, `overturned`, `separated` or `undecided`.
-    outcome: &'static str,
-    end_time: f64,
-    peak: Peaks,
-    /// The time from which the beam would have to be held down, if any.
-    beam_leaves: Option<f64>,
-}
-
-/// The equivalent block: with these values it can be part of a sweep or a spectrum.
-#[derive(Serialize)]
-struct Parameters {
-    mass_ratio: f64,
-    alpha: f64,
-    p: f64,
-    gamma: f64,
-    e: f64,
-    #[serde(rename = "R0")]
-    r0: f64,
-    mass: f64,
-}
-
-/// Largest absolute values: of θ in the whole run, of the others in the rows.
-#[derive(Default, Serialize)]
-struct Peaks {
-    theta: f64,
-    #[serde(rename = "theta/alpha")]
-    theta_over_alpha: f64,
-    beam_u: f64,
-    #[serde(rename = "base_H")]
-    base_horizontal: f64,
-    #[serde(rename = "base_N")]
-    base_vertical: f64,
-    #[serde(rename = "top_H")]
-    top_horizontal: f64,
-    #[serde(rename = "top_N")]
-    top_vertical: f64,
-}
-
-impl Peaks {
-    fn of(frame: &Frame, history: &History) -> Peaks {
-        let theta = history.peaks.theta;
-        let mut peaks = Peaks { theta, theta_over_alpha: theta / frame.block.alpha, ..Peaks::default() };
-        for row in &history.rows {
-            let response = frame.response_in(row);
-            for (peak, value) in [
-                (&mut peaks.beam_u, response.beam[0]),
-                (&mut peaks.base_horizontal, response.base[0]),
-                (&mut peaks.base_vertical, response.base[1]),
-                (&mut peaks.top_horizontal, response.top[0]),
-                (&mut peaks.top_vertical, response.top[1]),
-            ] {
-                *peak = peak.max(value.abs());
-            }
-        }
-        peaks
-    }
-}
-
 /// Runs the command.
 pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let csv = options.csv.as_deref();
@@ -157,19 +94,9 @@ pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result
     if let Some(file) = file {
         Pending::write(vec![(file, with_headings(&frame.table(&history))?.into_bytes())])?;
     }
-    let Block { alpha, p, gamma, r0, mass, .. } = frame.block;
-    let e = frame.block.restitution();
-    let last = history.rows.last().map_or(0.0, |row| row.time);
-    let summary = Summary {
-        excitation: &excitation,
-        frame: Parameters { mass_ratio: frame.mass_ratio(), alpha, p, gamma, e, r0, mass },
-        outcome: history.end.word(),
-        end_time: history.ending.map_or(last, |(_, time)| time),
-        peak: Peaks::of(&frame, &history),
-        beam_leaves: frame.beam_leaves(&history),
-    };
     let written = WrittenFiles::new([("csv", csv)]);
-    options.report.print("frame", &written, &[], &(summary.text(&frame) + &written.lines()), &summary)
+    let summary = summary(&frame, &history, &excitation);
+    options.report.print("frame", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }
 
 impl FrameCommand {
@@ -177,8 +104,10 @@ impl FrameCommand {
     fn run(&self, explicit: &ExplicitOptions, frame: &Frame) -> anyhow::Result<(Run, String)> {
         let block = frame.block;
         let Excitation { ground, pulse, description } = self.excitation.read(explicit, block.gravity, None)?;
-        let is_moved = !description.is_empty() || self.theta != 0.0;
-        anyhow::ensure!(is_moved, "nothing moves the frame; expected --record, --pulse or --theta");
+        anyhow::ensure!(
+            !description.is_empty() || self.theta != 0.0,
+            "nothing moves the frame; expected --record, --pulse or --theta"
+        );
         let initial = Initial { theta: self.theta, ..Initial::default() };
         // The equivalent block does not fly like the frame.
         let run = single_run::run(&self.single_run, block, OnSeparation::Terminate, initial, pulse, ground)?;
@@ -186,36 +115,74 @@ impl FrameCommand {
     }
 }
 
-impl Summary<'_> {
-    fn text(&self, frame: &Frame) -> String {
-        let Summary { excitation, peak, outcome, end_time, .. } = self;
-        let Frame { columns, column, beam_mass, .. } = frame;
-        let weight = column.mass * column.gravity + beam_mass * column.gravity / f64::from(*columns);
-        let mut text = format!("excitation    {excitation}\n");
-        text += &format!(
-            "frame         {columns} columns of {} m × {} m, {} kg; beam {beam_mass} kg, γ_b = {:.4}\n",
+/// Summarizes the frame and its run. The peak of θ is that of the whole run, others are those of the rows.
+fn summary(frame: &Frame, history: &History, excitation: &str) -> Summary {
+    let Frame { columns, column, beam_mass, block } = frame;
+    let each = f64::from(*columns);
+    let weight = column.mass * column.gravity + beam_mass * column.gravity / each;
+    let peak = |of: fn(&FrameResponse) -> f64| {
+        history.rows.iter().map(|row| of(&frame.response_in(row)).abs()).fold(0.0, f64::max)
+    };
+    let (theta, beam) = (history.peaks.theta, peak(|response| response.beam[0]));
+    let base = [peak(|response| response.base[0]), peak(|response| response.base[1])];
+    let top = [peak(|response| response.top[0]), peak(|response| response.top[1])];
+    let last = history.rows.last().map_or(0.0, |row| row.time);
+    let end_time = history.ending.map_or(last, |(_, time)| time);
+
+    let mut summary = Summary::default();
+    summary.item("excitation", excitation, "excitation", excitation);
+    let ratio = frame.mass_ratio();
+    summary.line(
+        "frame",
+        format!(
+            "{columns} columns of {} m × {} m, {} kg; beam {beam_mass} kg, γ_b = {ratio:.4}",
             2.0 * column.b,
             2.0 * column.h,
-            column.mass,
-            self.frame.mass_ratio
-        );
-        text += &format!("block         {}, γ = {:.4}\n", block_line(&frame.block), self.frame.gamma);
-        text += &format!("end           {outcome} at t = {end_time:.4} s\n");
-        text += &format!("peak          |θ|/α = {:.4}, beam {:.1} mm\n", peak.theta_over_alpha, 1e3 * peak.beam_u);
-        text += &format!(
-            "base          N = {:.4e} N, |H| = {:.4e} N per column on average; {:.3} and {:.3} of its load at rest\n",
-            peak.base_vertical,
-            peak.base_horizontal,
-            peak.base_vertical / weight,
-            peak.base_horizontal / weight
-        );
-        text += &format!(
-            "top           N = {:.4e} N, |H| = {:.4e} N per column on average\n",
-            peak.top_vertical, peak.top_horizontal
-        );
-        if let Some(time) = self.beam_leaves {
-            text += &format!("beam          leaves the columns at t = {time:.4} s, where this model ends\n");
-        }
-        text
+            column.mass
+        ),
+    );
+    // With these values the equivalent block can be part of a sweep or a spectrum.
+    summary.item(
+        "frame",
+        Object::from([
+            ("mass_ratio", ratio),
+            ("alpha", block.alpha),
+            ("p", block.p),
+            ("gamma", block.gamma),
+            ("e", block.restitution()),
+            ("R0", block.r0),
+            ("mass", block.mass),
+        ]),
+        "block",
+        format!("{}, γ = {:.4}", block_line(block), block.gamma),
+    );
+    let outcome = history.end.word();
+    summary.item("outcome", outcome, "end", format!("{outcome} at t = {end_time:.4} s"));
+    summary.entry("end_time", end_time);
+    summary.item(
+        "peak",
+        Object::from([
+            ("theta", theta),
+            ("theta/alpha", theta / block.alpha),
+            ("beam_u", beam),
+            ("base_H", base[0]),
+            ("base_N", base[1]),
+            ("top_H", top[0]),
+            ("top_N", top[1]),
+        ]),
+        "peak",
+        format!("|θ|/α = {:.4}, beam {:.1} mm", theta / block.alpha, 1e3 * beam),
+    );
+    let [horizontal, vertical] = base.map(|force| force / weight);
+    let forces = |[horizontal, vertical]: [f64; 2]| {
+        format!("N = {vertical:.4e} N, |H| = {horizontal:.4e} N per column on average")
+    };
+    summary.line("base", format!("{}; {vertical:.3} and {horizontal:.3} of its load at rest", forces(base)));
+    summary.line("top", forces(top));
+    let leaves = frame.beam_leaves(history);
+    summary.entry("beam_leaves", leaves);
+    if let Some(time) = leaves {
+        summary.line("beam", format!("leaves the columns at t = {time:.4} s, where this model ends"));
     }
+    summary
 }

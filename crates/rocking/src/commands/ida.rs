@@ -1,9 +1,7 @@
-//! `rocking ida`: a study file → incremental dynamic analysis: the table of its runs, fractiles and a picture.
-
-use std::fmt::Write;
+//! `rocking ida`: a study file → incremental dynamic analysis. It has a table of runs, fractiles and a picture.
 
 use clap::Parser;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::commands::sweep::SweepOptions;
 use crate::options::explicit::ExplicitOptions;
@@ -11,9 +9,10 @@ use crate::options::run::warn;
 use crate::output::files::{NamedFile, Pending};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::is_standard_output;
+use crate::output::summary::{Object, Summary};
 use rocking_charts::fragility as charts;
 use rocking_charts::numerals::significant;
-use rocking_studies::fragility::{Ida, Response, SweepTable};
+use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
 use rocking_studies::sweep::strength::Strengths;
@@ -67,123 +66,68 @@ pub fn run(options: &IdaCommand, explicit: &ExplicitOptions) -> anyhow::Result<(
         let svg = charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?;
         Pending::write(vec![(file, format.encode(&svg)?)])?;
     }
-    let result = IdaResult::of(&ida, measure);
-    options.study.report("ida", (csv, &summary), (&result.text(), &result), &[("plot", plot)], &sweep.remarks)
+    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &sweep.remarks)
 }
 
 /// The curves of an analysis in numbers.
-#[derive(Serialize)]
-struct IdaResult {
-    im: String,
-    unit: &'static str,
-    curves: usize,
-    /// Curves that overturn.
-    overturning: usize,
-    /// Fractiles of the least level that overturns; `None` where fewer curves do.
-    overturning_fractiles: [Fractile; 3],
-    /// Fractiles of the peak |θ|/α at levels.
-    fractiles: Vec<AtLevel>,
-    /// The least level that overturns, and the greatest below that does not, of each curve.
-    capacities: Vec<Capacity>,
+fn items(ida: &Ida, measure: Measure) -> Summary {
+    let mut summary = Summary::default();
+    let capacity = |curve: &IdaCurve| {
+        // The least level that overturns, and the greatest below that does not.
+        let found = curve.overturning();
+        let greatest = curve.levels.last().copied().unwrap_or_default();
+        Object::default()
+            .with("curve", curve.name.split_whitespace().collect::<Vec<_>>().join(" "))
+            .with("stands", found.map_or(greatest, |[below, _]| below))
+            .with("overturns", found.map(|[_, least]| least))
+    };
+    let capacities: Vec<Object> = ida.curves.iter().map(capacity).collect();
+    let overturning = ida.curves.iter().filter(|curve| curve.overturning().is_some()).count();
+    summary.entry("im", measure.to_string());
+    summary.entry("unit", measure.unit());
+    let curves = ida.curves.len();
+    summary.item("curves", curves, "curves", format!("{curves}, {overturning} overturning"));
+    summary.entry("overturning", overturning);
+    let unit = if measure.unit() == "1" { String::new() } else { format!(" {}", measure.unit()) };
+    // None where fewer curves overturn.
+    let levels = FRACTILES.map(|fraction| (fraction, ida.overturning(fraction)));
+    let shown = levels.map(|(fraction, level)| {
+        let level = level.map_or("none".into(), |level| format!("{}{unit}", significant(level, 4)));
+        format!("{} % {level}", significant(100.0 * fraction, 2))
+    });
+    summary.item(
+        "overturning_fractiles",
+        levels.map(|(fraction, level)| Object::default().with("fraction", fraction).with("level", level)),
+        "overturning",
+        format!("by {measure}: {}", shown.join(", ")),
+    );
+    add_fractiles(&mut summary, ida, &format!("{measure}{}", unit.replace(' ', ", ")));
+    summary.entry("capacities", capacities);
+    summary
 }
 
-#[derive(Serialize)]
-struct Fractile {
-    fraction: f64,
-    level: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct AtLevel {
-    level: f64,
-    /// Peaks by [`FRACTILES`].
-    peaks: [Peak; 3],
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Peak {
-    Stands(f64),
-    Word(&'static str),
-}
-
-#[derive(Serialize)]
-struct Capacity {
-    curve: String,
-    stands: f64,
-    overturns: Option<f64>,
-}
-
-impl IdaResult {
-    fn of(ida: &Ida, measure: Measure) -> IdaResult {
-        let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
-        let peak = |response: Response| match response {
-            Response::Stands(peak) => Peak::Stands(peak),
-            Response::Overturns => Peak::Word("overturned"),
-            Response::Unknown => Peak::Word("unknown"),
-        };
-        let at = |(i, &level): (usize, &f64)| AtLevel {
-            level,
-            peaks: [0, 1, 2].map(|part: usize| peak(fractiles[part][i])),
-        };
-        let capacities = ida.curves.iter().map(|curve| {
-            let found = curve.overturning();
-            let greatest = curve.levels.last().copied().unwrap_or_default();
-            Capacity {
-                curve: curve.name.split_whitespace().collect::<Vec<_>>().join(" "),
-                stands: found.map_or(greatest, |[below, _]| below),
-                overturns: found.map(|[_, least]| least),
-            }
+/// Adds the fractiles of the peak |θ|/α at all levels. The measure has this heading.
+fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
+    /// Levels shown, evenly among all.
+    const SHOWN: usize = 6;
+    let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
+    let peaks = |i: usize| fractiles.each_ref().map(|fractile| fractile[i]);
+    let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>10} {b:>10} {c:>10}");
+    summary.line("peak |θ|/α", line(heading, ["16 %", "50 %", "84 %"]));
+    let step = ida.levels.len().div_ceil(SHOWN).max(1);
+    for (i, level) in ida.levels.iter().enumerate().skip(step - 1).step_by(step) {
+        let shown = peaks(i).map(|peak| match peak {
+            Response::Stands(peak) => significant(peak, 3),
+            Response::Overturns => "overturned".into(),
+            Response::Unknown => "unknown".into(),
         });
-        let capacities: Vec<Capacity> = capacities.collect();
-        IdaResult {
-            im: measure.to_string(),
-            unit: measure.unit(),
-            curves: ida.curves.len(),
-            overturning: capacities.iter().filter(|capacity| capacity.overturns.is_some()).count(),
-            overturning_fractiles: FRACTILES.map(|fraction| Fractile { fraction, level: ida.overturning(fraction) }),
-            fractiles: ida.levels.iter().enumerate().map(at).collect(),
-            capacities,
-        }
+        summary.line("", line(&significant(*level, 4), shown.each_ref().map(String::as_str)));
     }
-
-    fn text(&self) -> String {
-        /// Levels shown, evenly among all.
-        const SHOWN: usize = 6;
-        let IdaResult { im, unit, curves, overturning, overturning_fractiles, fractiles, .. } = self;
-        let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
-        let levels = overturning_fractiles.iter().map(|Fractile { fraction, level }| {
-            let level = level.map_or("none".into(), |level| format!("{}{unit}", significant(level, 4)));
-            format!("{} % {level}", significant(100.0 * fraction, 2))
-        });
-        let mut text = format!("curves        {curves}, {overturning} overturning\n");
-        let levels = levels.collect::<Vec<_>>().join(", ");
-        // Writing to a String never fails.
-        let _ = writeln!(text, "overturning   by {im}: {levels}");
-        let _ = writeln!(
-            text,
-            "peak |θ|/α    {:>12} {:>10} {:>10} {:>10}",
-            format!("{im}{}", unit.replace(' ', ", ")),
-            "16 %",
-            "50 %",
-            "84 %"
-        );
-        let step = fractiles.len().div_ceil(SHOWN).max(1);
-        for AtLevel { level, peaks } in fractiles.iter().skip(step - 1).step_by(step) {
-            let shown = peaks.each_ref().map(|peak| match peak {
-                Peak::Stands(peak) => significant(*peak, 3),
-                Peak::Word(word) => (*word).into(),
-            });
-            let _ = writeln!(
-                text,
-                "{:14}{:>12} {:>10} {:>10} {:>10}",
-                "",
-                significant(*level, 4),
-                shown[0],
-                shown[1],
-                shown[2]
-            );
-        }
-        text
-    }
+    let peak = |response: Response| match response {
+        Response::Stands(peak) => json!(peak),
+        Response::Overturns => "overturned".into(),
+        Response::Unknown => "unknown".into(),
+    };
+    let at = |(i, level): (usize, &f64)| Object::default().with("level", level).with("peaks", peaks(i).map(peak));
+    summary.entry("fractiles", ida.levels.iter().enumerate().map(at).collect::<Vec<_>>());
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Parser;
-use serde::Serialize;
 
 use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
@@ -14,6 +13,7 @@ use crate::options::input;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::Summary;
 use rocking_block::block::Common;
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -88,77 +88,41 @@ pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result
         files.push((Pending::new(path)?, format.encode(&svg)?));
     }
     Pending::write(files)?;
-    let peak = |of: fn(&pulse_fit::FitSample) -> f64| samples.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
-    let result = Report {
-        file: name.to_string(),
-        title,
-        shape: shape.word(),
-        amplitude: fit.pulse.amplitude,
-        period: fit.pulse.period,
-        start: fit.pulse.start,
-        gabor: (*shape == PulseShape::Gabor).then_some(Gabor { phase: fit.pulse.phase, cycles: fit.pulse.cycles }),
-        omega_p: fit.omega(),
-        duration: fit.pulse.duration(),
-        r_squared: fit.r_squared,
-        pga: [pga(&record), peak(|sample| sample.acceleration[1])],
-        pgv: [pgv(&record), peak(|sample| sample.velocity[1])],
-        command: command(&fit.pulse),
-    };
     let written = WrittenFiles::new(outputs);
-    report.print("pulse", &written, &[], &(result.text(&fit) + &written.lines()), &result)
+    let mut summary = Summary::default();
+    summary.item("file", name.to_string(), "file", name);
+    summary.item("title", &title, "title", &title);
+    add_pulse(&mut summary, &fit);
+    let peak = |of: fn(&pulse_fit::FitSample) -> f64| samples.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let pga = [pga(&record), peak(|sample| sample.acceleration[1])];
+    let pgv = [pgv(&record), peak(|sample| sample.velocity[1])];
+    summary.line("velocity", format!("{:.4} m/s at most, of PGV = {:.4} m/s", pgv[1], pgv[0]));
+    // Of the record and of the pulse.
+    summary.item("PGA", pga, "acceleration", format!("{:.4} m/s² at most, of PGA = {:.4} m/s²", pga[1], pga[0]));
+    summary.entry("PGV", pgv);
+    let command = command(&fit.pulse);
+    summary.item("command", &command, "run", &command);
+    report.print("pulse", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }
 
-/// The fitted pulse, in SI units.
-#[derive(Serialize)]
-struct Report {
-    file: String,
-    title: String,
-    shape: &'static str,
-    amplitude: f64,
-    period: f64,
-    start: f64,
-    #[serde(flatten)]
-    gabor: Option<Gabor>,
-    omega_p: f64,
-    duration: f64,
-    /// Share of the energy of the record's velocity.
-    r_squared: f64,
-    /// Peak acceleration of the record and of the pulse.
-    #[serde(rename = "PGA")]
-    pga: [f64; 2],
-    /// Peak velocity of the record and of the pulse.
-    #[serde(rename = "PGV")]
-    pgv: [f64; 2],
-    /// Command line that uses the pulse.
-    command: String,
-}
-
-#[derive(Serialize)]
-struct Gabor {
-    phase: f64,
-    cycles: f64,
-}
-
-impl Report {
-    fn text(&self, fit: &PulseFit) -> String {
-        let Report { file, title, pga, pgv, command, omega_p, duration, r_squared, .. } = self;
-        let Pulse { amplitude, period, start, phase, cycles, .. } = fit.pulse;
-        let gabor = match &self.gabor {
-            Some(_) => format!(", ν = {phase:.4} rad, γ = {cycles:.4}"),
-            None => String::new(),
-        };
-        format!(
-            "file          {file}\n\
-             title         {title}\n\
-             pulse         {}, a_p = {amplitude:.4} m/s², T_p = {period:.4} s, ω_p = {omega_p:.4} rad/s{gabor}\n\
-             time          from {start:.4} s, {duration:.4} s long\n\
-             share         R² = {r_squared:.4} of the energy of the velocity\n\
-             velocity      {:.4} m/s at most, of PGV = {:.4} m/s\n\
-             acceleration  {:.4} m/s² at most, of PGA = {:.4} m/s²\n\
-             run           {command}\n",
-            self.shape, pgv[1], pgv[0], pga[1], pga[0]
-        )
+/// Adds the fitted pulse.
+fn add_pulse(summary: &mut Summary, fit: &PulseFit) {
+    let Pulse { shape, amplitude, period, start, phase, cycles } = fit.pulse;
+    let (omega_p, duration, r_squared) = (fit.omega(), fit.pulse.duration(), fit.r_squared);
+    let mut text =
+        format!("{}, a_p = {amplitude:.4} m/s², T_p = {period:.4} s, ω_p = {omega_p:.4} rad/s", shape.word());
+    summary.entry("shape", shape.word());
+    summary.entry("amplitude", amplitude);
+    summary.entry("period", period);
+    summary.entry("start", start);
+    if shape == PulseShape::Gabor {
+        summary.entry("phase", phase);
+        summary.entry("cycles", cycles);
+        text += &format!(", ν = {phase:.4} rad, γ = {cycles:.4}");
     }
+    summary.item("omega_p", omega_p, "pulse", text);
+    summary.item("duration", duration, "time", format!("from {start:.4} s, {duration:.4} s long"));
+    summary.item("r_squared", r_squared, "share", format!("R² = {r_squared:.4} of the energy of the velocity"));
 }
 
 /// Returns the command line that uses a pulse, with six digits.

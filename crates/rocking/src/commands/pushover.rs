@@ -1,15 +1,16 @@
-//! `rocking pushover`: options → a block → its lateral force over a slow rotation, with its landmarks, and the loop of a cycle.
+//! `rocking pushover`: options → a block → its lateral force over a slow rotation. The curve has landmarks, and a cycle its loop.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
-use serde::Serialize;
 
 use crate::options::block;
 use crate::options::explicit::ExplicitOptions;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table, encoded, knows_parquet};
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::{Object, Summary};
 use rocking_block::block::restraints::{MAX, tie};
 use rocking_block::block::{Block, Corner};
 use rocking_charts::history::block_line;
@@ -59,36 +60,6 @@ enum Side {
     Right,
 }
 
-/// The curve and the cycle, in SI units.
-#[derive(Serialize)]
-struct Results {
-    landmarks: Vec<Named>,
-    #[serde(flatten)]
-    cycle: Option<CycleResults>,
-}
-
-/// A named point of the curve.
-#[derive(Serialize)]
-struct Named {
-    name: String,
-    theta: f64,
-    u: f64,
-    force: f64,
-    moment: f64,
-}
-
-#[derive(Serialize)]
-struct CycleResults {
-    amplitude: f64,
-    /// Lost in the closed cycle, by the names of ties and dampers (J).
-    energy: serde_json::Map<String, serde_json::Value>,
-    /// Lost before it (J).
-    energy_before: serde_json::Map<String, serde_json::Value>,
-    equivalent_damping: Option<f64>,
-    recentring_ratio: Option<f64>,
-    residual_theta: f64,
-}
-
 /// Runs the command.
 pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let PushoverCommand { block: given, side, to, amplitude, points, csv, cycle_csv, picture, report } = options;
@@ -121,40 +92,25 @@ pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Res
     }
     Pending::write(written)?;
     let written = WrittenFiles::new(outputs);
-    let results = Results {
-        landmarks: found.landmarks.iter().map(Named::of).collect(),
-        cycle: found.cycle.as_ref().map(|cycle| CycleResults::of(&block, cycle)),
+    let summary = summary(&block, &found);
+    report.print("pushover", &written, &[], &(summary.text + &written.lines()), &summary.json)
+}
+
+/// The curve and the cycle.
+fn summary(block: &Block, found: &Pushover) -> Summary {
+    let mut summary = Summary::default();
+    summary.line("block", block_line(block));
+    let landmark = |Landmark { kind, at }: &Landmark| {
+        let values = [("theta", at.theta), ("u", at.u), ("force", at.force), ("moment", at.moment)];
+        values
+            .into_iter()
+            .fold(Object::default().with("name", kind.to_string()), |all, (key, value)| all.with(key, value))
     };
-    report.print("pushover", &written, &[], &(text(&block, &found, &results) + &written.lines()), &results)
-}
-
-impl Named {
-    fn of(Landmark { kind, at }: &Landmark) -> Named {
-        Named { name: kind.to_string(), theta: at.theta, u: at.u, force: at.force, moment: at.moment }
-    }
-}
-
-impl CycleResults {
-    fn of(block: &Block, cycle: &Cycle) -> CycleResults {
-        let of_links = |energy: [f64; MAX]| tie::names(block.ties()).into_iter().zip(energy.map(Into::into)).collect();
-        let finite = |number: f64| number.is_finite().then_some(number);
-        CycleResults {
-            amplitude: cycle.amplitude,
-            energy: of_links(cycle.lost),
-            energy_before: of_links(cycle.lost_before),
-            equivalent_damping: finite(cycle.equivalent_damping),
-            recentring_ratio: finite(cycle.recentring),
-            residual_theta: cycle.residual,
-        }
-    }
-}
-
-fn text(block: &Block, found: &Pushover, results: &Results) -> String {
-    let mut text = format!("block         {}\n", block_line(block));
-    text += "curve            θ/rad     θ/α      u/mm   F/(M g)   moment/kN.m\n";
+    summary.entry("landmarks", found.landmarks.iter().map(landmark).collect::<Vec<_>>());
+    summary.text += "curve            θ/rad     θ/α      u/mm   F/(M g)   moment/kN.m\n";
     for group in groups(&found.landmarks) {
         let at = group[0].at;
-        text += &format!(
+        summary.text += &format!(
             "{:>22.5}{:>8.3}{:>10.1}{:>10.4}{:>14}  {}\n",
             at.theta,
             at.theta / block.alpha,
@@ -164,21 +120,36 @@ fn text(block: &Block, found: &Pushover, results: &Results) -> String {
             names(group)
         );
     }
-    let Some(CycleResults { amplitude, energy, energy_before, equivalent_damping, recentring_ratio, residual_theta }) =
-        &results.cycle
-    else {
-        return text;
+    if let Some(cycle) = &found.cycle {
+        add_cycle(&mut summary, block, cycle);
+    }
+    summary
+}
+
+/// Adds the cycle with its energies (J). Each tie and damper loses some before it and in it.
+fn add_cycle(summary: &mut Summary, block: &Block, cycle: &Cycle) {
+    let Cycle { amplitude, lost, lost_before, equivalent_damping, recentring, residual, .. } = cycle;
+    let of_links = |energy: &[f64; MAX]| -> BTreeMap<String, f64> {
+        tie::names(block.ties()).into_iter().zip(energy.iter().copied()).collect()
     };
-    let [lost, before] = [energy, energy_before].map(|energy| {
-        let sum: f64 = energy.values().filter_map(serde_json::Value::as_f64).sum();
-        significant(sum, 4)
-    });
-    let damping = equivalent_damping.map_or("none".into(), |ratio| significant(ratio, 4));
-    let recentring = recentring_ratio.map_or("no damper".into(), |ratio| format!("λ = {}", significant(ratio, 4)));
-    text + &format!(
-        "cycle         ±{} rad: {lost} J lost by yielding, after {before} J; ξ_eq = {damping} without impacts\n\
-         recentring    {recentring}; residual rotation {} rad\n",
-        significant(*amplitude, 4),
-        significant(*residual_theta, 4)
-    )
+    let [in_cycle, before] = [lost, lost_before].map(|energy| significant(of_links(energy).values().sum(), 4));
+    let finite = |number: f64| number.is_finite().then_some(number);
+    let (damping, ratio) = (finite(*equivalent_damping), finite(*recentring));
+    let shown = damping.map_or("none".into(), |ratio| significant(ratio, 4));
+    let amplitude_shown = significant(*amplitude, 4);
+    summary.item(
+        "amplitude",
+        amplitude,
+        "cycle",
+        format!(
+            "±{amplitude_shown} rad: {in_cycle} J lost by yielding, after {before} J; ξ_eq = {shown} without impacts"
+        ),
+    );
+    summary.entry("energy", of_links(lost));
+    summary.entry("energy_before", of_links(lost_before));
+    summary.entry("equivalent_damping", damping);
+    let shown = ratio.map_or("no damper".into(), |ratio| format!("λ = {}", significant(ratio, 4)));
+    let text = format!("{shown}; residual rotation {} rad", significant(*residual, 4));
+    summary.item("recentring_ratio", ratio, "recentring", text);
+    summary.entry("residual_theta", residual);
 }

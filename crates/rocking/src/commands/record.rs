@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use serde::{Serialize, Serializer};
 
 use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
@@ -13,6 +12,7 @@ use crate::options::input;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::{Object, Summary};
 use rocking_block::block::Common;
 use rocking_block::excitation::records::Ground;
 use rocking_records::Record;
@@ -20,7 +20,7 @@ use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{Measure, PERIODS, rot_d, rotated};
 use rocking_studies::spec::ReadingSpec;
 
-/// Displacement (m) that the ground hardly reaches away from a fault; integrals of a record that drifts exceed it.
+/// Displacement (m) that the ground hardly reaches away from a fault. Integrals of a record that drifts exceed it.
 const LARGEST_DISPLACEMENT: f64 = 1.0;
 
 /// Options of `rocking record`, which scales no ground motion: `--scale` is that of the values.
@@ -103,14 +103,13 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
         let table: String = shown.iter().zip(records()).map(|(path, record)| table(path, record)).collect();
         Pending::write(vec![(Pending::new(path)?, table.into_bytes())])?;
     }
-    let report = |(path, record): (&&PathBuf, &Record)| {
-        Report::of(path.display().to_string(), record, &measures, &rotations, *g)
-    };
-    let reports: Vec<Report> = shown.iter().zip(records()).map(report).collect();
-    let texts: Vec<String> = reports.iter().map(|report| report.text(*g)).collect();
+    let named: Vec<(String, &Record)> = shown.iter().map(|path| path.display().to_string()).zip(records()).collect();
+    let report = |(file, record): &(String, &Record)| report(file, record, &measures, &rotations, *g);
+    let (texts, reports): (Vec<String>, Vec<Object>) =
+        named.iter().map(report).map(|Summary { text, json }| (text, json)).unzip();
     let written = WrittenFiles::new(outputs);
     let text = texts.join("\n") + &written.lines();
-    let warnings: Vec<String> = reports.iter().filter_map(Report::drift).collect();
+    let warnings: Vec<String> = named.iter().filter_map(|(file, record)| drift(file, record, *g)).collect();
     for warning in &warnings {
         eprintln!("rocking: warning: {warning}");
     }
@@ -118,137 +117,63 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
         eprintln!("rocking: {error}");
     }
     let failed = unreadable.len();
-    options.report.print("record", &written, &warnings, &text, &Reports { records: reports, unreadable })?;
+    let json = Object::default().with("records", reports);
+    let json = json.with_some("unreadable", (failed > 0).then_some(unreadable));
+    options.report.print("record", &written, &warnings, &text, &json)?;
     anyhow::ensure!(failed == 0, "{failed} of {} records cannot be read", files.len());
     Ok(())
 }
 
-/// Contents of all records.
-#[derive(Serialize)]
-struct Reports {
-    records: Vec<Report>,
-    /// The reason for each file that is no record.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    unreadable: Vec<String>,
+/// Returns the reason to doubt the displacements, if there is one.
+fn drift(file: &str, record: &Record, gravity: f64) -> Option<String> {
+    let pgd = Measure::Pgd.of(record, gravity).filter(|pgd| *pgd > LARGEST_DISPLACEMENT)?;
+    Some(format!(
+        "{file}: the PGD is {} m; expected at most {LARGEST_DISPLACEMENT} m except beside a fault. \
+         A wrong unit, counts or a drifting baseline (--baseline, --band-pass) give more",
+        short(pgd)
+    ))
 }
 
-/// Contents of a record, in SI units.
-#[derive(Serialize)]
-struct Report {
-    file: String,
-    title: String,
-    format: String,
-    /// Unit of the file.
-    unit: String,
-    /// Changes since the file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    processing: Option<String>,
-    samples: usize,
-    dt: f64,
-    start: f64,
-    duration: f64,
-    #[serde(rename = "PGA.time")]
-    pga_time: f64,
-    /// By their names; null if the record has no value.
-    #[serde(flatten, serialize_with = "by_name")]
-    measures: Vec<(Measure, Option<f64>)>,
-    /// The measures over all directions, with a transverse record.
-    #[serde(flatten)]
-    rotations: Option<Rotations>,
-}
-
-/// Median and greatest of each measure over all directions.
-#[derive(Serialize)]
-struct Rotations {
-    #[serde(rename = "RotD50", serialize_with = "by_name")]
-    median: Vec<(Measure, Option<f64>)>,
-    #[serde(rename = "RotD100", serialize_with = "by_name")]
-    greatest: Vec<(Measure, Option<f64>)>,
-}
-
-fn by_name<S: Serializer>(measures: &[(Measure, Option<f64>)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(measures.iter().map(|(measure, value)| (measure.to_string(), value)))
-}
-
-impl Report {
-    fn of(file: String, record: &Record, measures: &[Measure], rotations: &[Option<[f64; 2]>], gravity: f64) -> Report {
-        let over_directions = |part: usize| {
-            let values = rotations.iter().map(|values| values.map(|values| values[part]));
-            measures.iter().copied().zip(values).collect()
+/// Summarizes a record, with the PGA also in units of this gravity (m/s²).
+///
+/// `rotations` are the median and the greatest of each measure over all directions, with a transverse record.
+fn report(file: &str, record: &Record, measures: &[Measure], rotations: &[Option<[f64; 2]>], gravity: f64) -> Summary {
+    let Record { title, format, unit, processing, start_time, time_step, acceleration, .. } = record;
+    let title = title.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (samples, duration, pga_time) = (acceleration.len(), record.duration(), record.peak().time);
+    let mut summary = Summary::default();
+    summary.item("file", file, "file", file);
+    summary.item("title", &title, "title", &title);
+    summary.item("format", format.to_string(), "format", format!("{format}, in {unit}"));
+    summary.entry("unit", unit.to_string());
+    if !processing.is_none() {
+        summary.item("processing", processing.to_string(), "processing", processing);
+    }
+    summary.item("samples", samples, "samples", format!("{samples}, every {time_step} s from {start_time} s"));
+    summary.entry("dt", time_step);
+    summary.entry("start", start_time);
+    summary.item("duration", duration, "duration", format!("{} s", short(duration)));
+    summary.entry("PGA.time", pga_time);
+    for (i, &measure) in measures.iter().enumerate() {
+        let value = measure.of(record, gravity);
+        let in_g = match (measure, value) {
+            (Measure::Pga, Some(pga)) => format!(" = {:.3} g at {} s", pga / gravity, short(pga_time)),
+            _ => String::new(),
         };
-        Report {
-            file,
-            title: record.title.split_whitespace().collect::<Vec<_>>().join(" "),
-            format: record.format.to_string(),
-            unit: record.unit.to_string(),
-            processing: (!record.processing.is_none()).then(|| record.processing.to_string()),
-            samples: record.acceleration.len(),
-            dt: record.time_step,
-            start: record.start_time,
-            duration: record.duration(),
-            pga_time: record.peak().time,
-            measures: measures.iter().map(|&measure| (measure, measure.of(record, gravity))).collect(),
-            rotations: (!rotations.is_empty())
-                .then(|| Rotations { median: over_directions(0), greatest: over_directions(1) }),
+        let unit = measure.unit().replace('2', "²");
+        let mut text = value.map_or("none".into(), |value| format!("{} {unit}{in_g}", short(value)));
+        if let Some(Some([median, greatest])) = rotations.get(i) {
+            text += &format!("; RotD50 {}, RotD100 {}", short(*median), short(*greatest));
+        }
+        summary.item(&measure.to_string(), value, &measure.to_string(), text);
+    }
+    if !rotations.is_empty() {
+        for (part, key) in ["RotD50", "RotD100"].into_iter().enumerate() {
+            let values = rotations.iter().map(|values| values.map(|values| values[part]));
+            summary.entry(key, measures.iter().map(Measure::to_string).zip(values).collect::<Object>());
         }
     }
-
-    /// Returns the reason to doubt the displacements, if there is one.
-    fn drift(&self) -> Option<String> {
-        let (_, pgd) = self.measures.iter().find(|(measure, _)| *measure == Measure::Pgd)?;
-        let pgd = pgd.filter(|pgd| *pgd > LARGEST_DISPLACEMENT)?;
-        let file = &self.file;
-        Some(format!(
-            "{file}: the PGD is {} m; expected at most {LARGEST_DISPLACEMENT} m except beside a fault. \
-             A wrong unit, counts or a drifting baseline (--baseline, --band-pass) give more",
-            short(pgd)
-        ))
-    }
-
-    /// Writes the report as text, with the PGA also in units of this gravity (m/s²).
-    fn text(&self, gravity: f64) -> String {
-        let Report {
-            file,
-            title,
-            format,
-            unit,
-            processing,
-            samples,
-            dt,
-            start,
-            duration,
-            pga_time,
-            measures,
-            rotations,
-        } = self;
-        let processing = processing.as_ref().map(|words| format!("processing    {words}\n")).unwrap_or_default();
-        let [duration, pga_time] = [duration, pga_time].map(|value| short(*value));
-        let mut text = format!(
-            "file          {file}\n\
-             title         {title}\n\
-             format        {format}, in {unit}\n\
-             {processing}\
-             samples       {samples}, every {dt} s from {start} s\n\
-             duration      {duration} s\n"
-        );
-        for (i, (measure, value)) in measures.iter().enumerate() {
-            let in_g = match (measure, value) {
-                (Measure::Pga, Some(pga)) => format!(" = {:.3} g at {pga_time} s", pga / gravity),
-                _ => String::new(),
-            };
-            let unit = measure.unit().replace('2', "²");
-            let mut value = value.map_or("none".into(), |value| format!("{} {unit}{in_g}", short(value)));
-            if let Some(Rotations { median, greatest }) = rotations
-                && let (Some((_, Some(median))), Some((_, Some(greatest)))) = (median.get(i), greatest.get(i))
-            {
-                // Writing to a String never fails.
-                let _ = write!(value, "; RotD50 {}, RotD100 {}", short(*median), short(*greatest));
-            }
-            // Writing to a String never fails.
-            let _ = writeln!(text, "{:<13} {value}", measure.to_string());
-        }
-        text
-    }
+    summary
 }
 
 /// Rounds a number to six digits.

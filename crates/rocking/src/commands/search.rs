@@ -5,7 +5,6 @@ use std::sync::Mutex;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use serde::Serialize;
 
 use crate::options::accelerograms::Accelerograms;
 use crate::options::block::in_options;
@@ -16,6 +15,7 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::summary::{Object, Summary};
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Ratios, Supports};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnSeparation, Settings};
@@ -351,60 +351,36 @@ impl SearchOptions {
         let threshold = threshold(&found);
         let shown = |value: f64| rounded(value, scan.resolution);
         let answer = answer(&found, threshold, &shown);
-        let mut text = String::new();
+        let mut summary = Summary::default();
         for (from, to, end) in &stretches {
-            text.push_str(&format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to)));
+            summary.text += &format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to));
         }
         let failed = stretches.iter().any(|stretch| stretch.2 == End::Failed).then(|| "some runs failed".to_string());
         let failures = failed.as_ref().map(|failed| format!("; {failed}")).unwrap_or_default();
-        text.push_str(&format!(
+        summary.text += &format!(
             "{answer}\n{} values, {}{unit} apart: narrower ranges may be missed; changes within {}{unit}{failures}\n",
             scan.points,
             short(found.spacing),
             scan.resolution
-        ));
-        let result = SearchResult {
-            parameter: name,
-            unit: if unit.is_empty() { "1" } else { unit.trim() },
-            least: threshold.value(),
-            bound: threshold.bound(),
-            answer: &answer,
-            values: scan.points,
-            spacing: found.spacing,
-            resolution: scan.resolution,
-            stretches: stretches
-                .iter()
-                .map(|&(from, to, end)| Stretch { from, to, outcome: end.to_string() })
-                .collect(),
-        };
+        );
+        summary.entry("parameter", name);
+        summary.entry("unit", if unit.is_empty() { "1" } else { unit.trim() });
+        summary.entry("least", threshold.value());
+        // `none`; or `upper` or `lower`, if the range only bounds the value.
+        summary.entry("bound", threshold.bound());
+        summary.entry("answer", &answer);
+        summary.entry("values", scan.points);
+        summary.entry("spacing", found.spacing);
+        summary.entry("resolution", scan.resolution);
+        let stretch =
+            |(from, to, end): &(f64, f64, End)| Object::from([("from", from), ("to", to)]).with("outcome", end.word());
+        summary.entry("stretches", stretches.iter().map(stretch).collect::<Vec<_>>());
         let written = WrittenFiles::new([("csv", self.csv.as_deref())]);
-        self.report.print("search", &written, failed.as_slice(), &text, &result)
+        self.report.print("search", &written, failed.as_slice(), &summary.text, &summary.json)
     }
 }
 
-#[derive(Serialize)]
-struct SearchResult<'a> {
-    parameter: &'a str,
-    unit: &'a str,
-    /// Smallest damping without separation above it, or smallest amplitude or factor that overturns the block.
-    least: Option<f64>,
-    /// `none`; or `upper` or `lower`, if the range only bounds the value.
-    bound: &'static str,
-    answer: &'a str,
-    values: u64,
-    spacing: f64,
-    resolution: f64,
-    stretches: Vec<Stretch>,
-}
-
-#[derive(Serialize)]
-struct Stretch {
-    from: f64,
-    to: f64,
-    outcome: String,
-}
-
-/// Rounds a value to the fewest decimals that are as fine as a resolution; a value with fewer is printed in full.
+/// Rounds a value to the fewest decimals that are as fine as a resolution. A value with fewer is printed in full.
 fn rounded(value: f64, resolution: f64) -> String {
     let fine = |decimals: &usize| libm::pow(10.0, -(*decimals as f64)) <= resolution * (1.0 + 1e-9);
     let exact = value.to_string();

@@ -35,7 +35,7 @@ pub fn completions(options: &Completions, mut command: Command) -> anyhow::Resul
     report::print(&String::from_utf8(script)?, false)
 }
 
-/// Prints the main manual page or the reference in Markdown, or writes the pages of all commands.
+/// Prints the main manual page or the reference in Markdown. With a folder it writes the pages of all commands.
 pub fn man(options: &Man, command: Command) -> anyhow::Result<()> {
     let mut command = command.disable_help_subcommand(true);
     command.build();

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use serde::Serialize;
 
 use crate::options::accelerograms::MotionFiles;
 use crate::options::block::in_options;
@@ -15,6 +14,7 @@ use crate::options::run::{SizeOptions, StudyOptions, warn};
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::is_standard_output;
+use crate::output::summary::{Summary, aligned};
 use rocking_block::block::Common;
 use rocking_block::block::restraints::Tie;
 use rocking_block::excitation::PulseShape;
@@ -27,8 +27,8 @@ use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
 use rocking_studies::spec::{RunSpec, damper, tie};
-use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, Statistics};
-use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, EndCounts, Greatest, Statistics};
+use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -166,21 +166,35 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
     }
     Pending::write(written)?;
     let others = [("statistics", statistics_path), ("plot", plot)];
-    let lines = format!("excitation    {excitation}\n{}", CurveSummary::lines(&statistics.curves));
-    let numbers = SpectrumResult { excitation: &excitation, curves: &statistics.curves };
-    options.study.report("spectrum", (csv, &summary), (&lines, &numbers), &others, &[])
+    let mut items = Summary::default();
+    items.item("excitation", &excitation, "excitation", &excitation);
+    if !statistics.curves.is_empty() {
+        items.entry("curves", &statistics.curves);
+        items.text += &table_of_curves(&statistics.curves);
+    }
+    options.study.report("spectrum", (csv, &summary), items, &others, &[])
 }
 
-#[derive(Serialize)]
-struct SpectrumResult<'a> {
-    excitation: &'a str,
-    #[serde(skip_serializing_if = "<[CurveSummary]>::is_empty")]
-    curves: &'a [CurveSummary],
+/// A text table of the outcomes of each curve.
+fn table_of_curves(curves: &[CurveSummary]) -> String {
+    let head =
+        ["foundation", "motion", "completed", "overturned", "separated", "undecided", "failed", "flew", "flights"];
+    let head = head.into_iter().chain(["greatest |θ|/α of those that completed"]).map(String::from).collect();
+    let row = |curve: &CurveSummary| {
+        let EndCounts { completed, overturned, separated, undecided, failed } = curve.ends;
+        let CurveSummary { flew, flights, .. } = *curve;
+        let counts =
+            [completed, overturned, separated, undecided, failed, flew, flights].map(|count| count.to_string());
+        let greatest = curve.greatest.map(|Greatest { peak, p }| format!("{peak:.4} at p = {p:.4} rad/s"));
+        let names = [curve.foundation.clone(), curve.motion.clone()];
+        names.into_iter().chain(counts).chain([greatest.unwrap_or_else(|| "none".into())]).collect()
+    };
+    aligned(&std::iter::once(head).chain(curves.iter().map(row)).collect::<Vec<_>>(), 2..9)
 }
 
 impl SpectrumCommand {
     /// Returns the spectrum and a description of its excitation.
-    fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
+    fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(CheckedSpectrum, String)> {
         let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction, .. } =
             self.blocks;
         let alpha = match size.read(explicit, &["alpha"])? {
@@ -218,7 +232,7 @@ impl SpectrumCommand {
             friction_demand: self.run.friction_demand,
         };
         check("eccentricity-ratio", self.blocks.eccentricity_ratio, |x| x.abs() < 1.0, "a ratio between -1 and 1")?;
-        spectrum.check()?;
+        let spectrum = spectrum.checked()?;
         let ends = spectrum.bases.iter().flat_map(|&base| [p_min, p_max].map(|p| spectrum.block(base, p)));
         warn(doubts::of_blocks(ends.collect::<Result<Vec<_>, _>>()?));
         Ok((spectrum, description))

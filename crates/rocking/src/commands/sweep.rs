@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
-use serde::Serialize;
 
 use crate::options::input;
 use crate::options::run::{StudyOptions, warn};
 use crate::output::files::{NamedFile, check_distinct};
 use crate::output::formats::{check_table, knows_parquet};
+use crate::output::summary::Summary;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::output::parts::PartNumber;
@@ -107,20 +107,11 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     }
     let Some((number, folder, extension, _)) = part else {
         let summary = study.run(&sweep, None)?;
-        return study.report("sweep", (study.csv(), &summary), ("", &Nothing {}), &[], &sweep.remarks);
+        return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &sweep.remarks);
     };
     let (file, summary) = study.run_part(&sweep, number, folder, extension)?;
     let before = if summary.resumed > 0 { ", complete before" } else { "" };
-    let (line, numbers) = (format!("part          {number}{before}\n"), [number.number(), number.count()]);
-    study.report("sweep", (&file, &summary), (&line, &PartResult { part: numbers }), &[], &sweep.remarks)
-}
-
-/// The numbers of a summary that has none but those of its rows.
-#[derive(Serialize)]
-struct Nothing {}
-
-#[derive(Serialize)]
-struct PartResult {
-    /// The number of the part, and the number of parts.
-    part: [u64; 2],
+    let mut items = Summary::default();
+    items.item("part", [number.number(), number.count()], "part", format!("{number}{before}"));
+    study.report("sweep", (&file, &summary), items, &[], &sweep.remarks)
 }

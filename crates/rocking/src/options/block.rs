@@ -1,4 +1,4 @@
-//! A specification of a block → the block, with the names of the program's options in errors.
+//! A specification of a block → the block. Errors name the program's options.
 
 use rocking_block::block::Block;
 use rocking_studies::doubts;

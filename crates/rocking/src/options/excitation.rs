@@ -65,7 +65,7 @@ pub struct ManyExcitations {
 }
 
 impl ExcitationOptions {
-    /// Reads the records, those in g with this gravity (m/s²); `default` replaces a missing horizontal record.
+    /// Reads the records. This gravity (m/s²) converts those in g, and `default` replaces a missing horizontal record.
     pub fn read(
         &self,
         explicit: &ExplicitOptions,
@@ -127,7 +127,7 @@ fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyh
     explicit.refuse_unless(has_record, &["scale"], "without --record or --vertical")
 }
 
-/// Describes the records of a ground motion, with their PGA in units of this gravity (m/s²).
+/// Describes the records of a ground motion. Their PGA is in units of this gravity (m/s²).
 fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<String> {
     let parts = [("", &ground.horizontal, files.horizontal), ("vertical ", &ground.vertical, files.vertical)];
     let parts = parts.into_iter().filter_map(|(direction, record, path)| {
@@ -138,7 +138,7 @@ fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<St
     parts.collect()
 }
 
-/// Names ground motions: a single one by its directions, several by their files, with folders if names repeat.
+/// Names ground motions. A single one is named by its directions, several by their files, with folders if names repeat.
 pub fn names(files: &[MotionFiles]) -> Vec<String> {
     if let [files] = files {
         return vec![direction(files.vertical.is_some()).into()];
@@ -159,7 +159,7 @@ fn describe_pulse(pulse: &Pulse) -> Option<String> {
     (pulse.shape != PulseShape::None).then(|| text(pulse))
 }
 
-/// Returns file and title of a record on one line; the path replaces a missing title.
+/// Returns file and title of a record on one line. The path replaces a missing title.
 fn title(record: &Record, path: Option<&Path>) -> String {
     let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
     let Some(path) = path else { return title };

@@ -1,4 +1,4 @@
-//! Options of a fit: the table of a sweep → its rows, the limit, and the method of intervals.
+//! Options of a fit: a table → its rows, the limit, and the method of intervals.
 
 use std::path::Path;
 
@@ -58,13 +58,13 @@ impl FitOptions {
         self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed))
     }
 
-    /// Begins with the cases over these columns, for the limit of the options or another one.
+    /// Begins with the cases over these columns. The limit is that of the options, or another one.
     pub fn collected(&self, limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
         Collected::new(limit.or(self.limit), columns)
     }
 
-    /// Passes the rows of a table that meet the conditions on in batches, with whether they are rows of a part, and returns the name of the
-    /// table. Columns that are neither named nor needed by any fit are left out.
+    /// Passes the rows that meet the conditions on in batches; returns the table's name. Each batch comes with whether its rows are those
+    /// of a part. Columns that are neither named nor needed by any fit are left out.
     pub fn read_batches(
         &self,
         path: &Path,

@@ -42,7 +42,7 @@ pub fn text(path: &Path) -> anyhow::Result<(String, String)> {
     Ok((name, text))
 }
 
-/// Refuses to read more than one record from standard input; takes the records with the options that name them.
+/// Refuses to read more than one record from standard input. The records come with the options that name them.
 pub fn check_one_standard<'a>(records: impl Iterator<Item = (&'static str, &'a Path)>) -> anyhow::Result<()> {
     let standard = records.filter(|(_, path)| *path == Path::new(STANDARD));
     let options: Vec<String> = standard.map(|(option, _)| format!("{option} -")).collect();

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use serde::Serialize;
 
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
@@ -15,6 +14,7 @@ use crate::output::formats::knows_parquet;
 use crate::output::interrupt::print_continuation;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles, is_standard_output};
+use crate::output::summary::Summary;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_charts::numerals::significant;
 use rocking_studies::output::forecast::Forecast;
@@ -139,7 +139,7 @@ impl StudyOptions {
         self.fill(study, &mut table, follow)
     }
 
-    /// Computes the rows of a study and writes them to a file that is complete or absent, in CSV or Parquet by its name.
+    /// Computes the rows of a study for a file that is complete or absent. It is CSV or Parquet by its name.
     fn run_whole(&self, path: &Path, study: &impl Study, follow: Option<Follower>) -> anyhow::Result<StudySummary> {
         let file = Growing::new(path)?;
         let (name, header) = (path.display().to_string(), study.header());
@@ -175,7 +175,7 @@ impl StudyOptions {
         Ok(summary?)
     }
 
-    /// Makes a part of a study in a folder unless it is there, and returns its file.
+    /// Makes a part of a study in a folder and returns its file. A part that is there stays.
     pub fn run_part<S: Study>(
         &self,
         study: &S,
@@ -197,34 +197,35 @@ impl StudyOptions {
 
     /// Prints the expected cost of a study, from a sample of its rows.
     pub fn forecast(&self, study: &impl Study, parts: u64) -> anyhow::Result<()> {
-        let forecast = Forecast::of(study, self.processor.width())?;
-        self.report.print("sweep", &WrittenFiles::new([]), &[], &forecast_text(&forecast, parts), &forecast)
+        let summary = forecast_summary(&Forecast::of(study, self.processor.width())?, parts);
+        self.report.print("sweep", &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
 
-    /// Prints the summary of a study, with its own lines and numbers first; failed runs are an error.
+    /// Prints the summary of a study, with its own items first. Failed runs are an error.
     ///
     /// `others` are the other files written, and `remarks` join the warnings of the JSON.
     pub fn report(
         &self,
         command: &str,
-        (file, summary): (&Path, &StudySummary),
-        (lines, numbers): (&str, &impl Serialize),
+        (file, made): (&Path, &StudySummary),
+        mut summary: Summary,
         others: &[(&'static str, Option<&Path>)],
         remarks: &[String],
     ) -> anyhow::Result<()> {
-        let StudySummary { rows, resumed: before, failures: Failures { count, first }, ref reason } = *summary;
+        let StudySummary { rows, resumed, failures: Failures { count, first }, ref reason } = *made;
         let written = WrittenFiles::new([("csv", Some(file))].into_iter().chain(others.iter().copied()));
-        let text = format!("{lines}rows          {rows}, {before} resumed\n{}", written.lines());
         let why = reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
         let failed = (count > 0).then(|| format!("{count} of {rows} runs failed, the first in row {first}{why}"));
-        let result = StudyResult { numbers, rows, rows_before: before, failed: count };
+        summary.item("rows", rows, "rows", format!("{rows}, {resumed} resumed"));
+        summary.entry("rows_before", resumed);
+        summary.entry("failed", count);
         let warnings = [remarks, failed.as_slice()].concat();
-        self.report.print(command, &written, &warnings, &text, &result)?;
+        self.report.print(command, &written, &warnings, &(summary.text + &written.lines()), &summary.json)?;
         failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
 }
 
-fn forecast_text(forecast: &Forecast, parts: u64) -> String {
+fn forecast_summary(forecast: &Forecast, parts: u64) -> Summary {
     let Forecast { rows, seconds, uncertainty, bytes, tried } = *forecast;
     let time = match seconds {
         seconds if seconds < 120.0 => format!("{} s", significant(seconds, 2)),
@@ -236,26 +237,20 @@ fn forecast_text(forecast: &Forecast, parts: u64) -> String {
         bytes if bytes < 1e9 => format!("{} MB", significant(bytes / 1e6, 2)),
         bytes => format!("{} GB", significant(bytes / 1e9, 2)),
     };
-    let of_parts = match parts {
-        1 => String::new(),
-        parts => format!("parts         {parts}, of some {} rows\n", rows.div_ceil(parts)),
-    };
     let error = significant(100.0 * uncertainty, 1);
-    format!(
-        "rows          {rows}\n{of_parts}CPU time      {time} of one core, ±{error} %, from {tried} rows\ntable         {size} as CSV\n"
-    )
+    let mut summary = Summary::default();
+    summary.item("rows", rows, "rows", rows);
+    if parts > 1 {
+        summary.line("parts", format!("{parts}, of some {} rows", rows.div_ceil(parts)));
+    }
+    summary.item("seconds", seconds, "CPU time", format!("{time} of one core, ±{error} %, from {tried} rows"));
+    summary.entry("uncertainty", uncertainty);
+    summary.item("bytes", bytes, "table", format!("{size} as CSV"));
+    summary.entry("tried", tried);
+    summary
 }
 
 /// Parses a number of lanes.
 fn lanes(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|lanes| [1, 2, 4, 8].contains(lanes)).ok_or_else(|| "expected 1, 2, 4 or 8".into())
-}
-
-#[derive(Serialize)]
-struct StudyResult<'a, T> {
-    #[serde(flatten)]
-    numbers: &'a T,
-    rows: u64,
-    rows_before: u64,
-    failed: u64,
 }

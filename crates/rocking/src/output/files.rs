@@ -1,4 +1,4 @@
-//! Content → files, devices and pipes: checked before the work begins, written whole or not at all.
+//! Content → files, devices and pipes. They are checked before the work begins, and written whole or not at all.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Seek, Write};
@@ -37,7 +37,7 @@ impl std::fmt::Display for NamedFile {
     }
 }
 
-/// Refuses an output that is also an input or another output, under any name or link. Opens and changes nothing.
+/// Refuses an output that is also an input or another output. It is found under any name or link. Opens and changes nothing.
 pub fn check_distinct(inputs: &[NamedFile], outputs: &[NamedFile]) -> anyhow::Result<()> {
     let inputs: Vec<_> = inputs.iter().map(|named| (named, Identity::of_input(&named.path))).collect();
     let mut others: Vec<(&NamedFile, OutputTarget, Option<Identity>)> = Vec::new();
@@ -162,7 +162,7 @@ fn synced(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A file on disk, in the folder of the file that it replaces, with its owner and its permissions.
+/// A file on disk that will replace another one in its folder. It has the owner and the permissions of that file.
 enum Staged {
     /// A file without a name: the system removes it however the program ends.
     #[cfg(target_os = "linux")]

@@ -31,7 +31,7 @@ const NOT_CSV: [(&[&str], &str); 7] = [
 /// Extensions of text files that programs do not open as a table.
 const TEXT: [&str; 5] = ["txt", "text", "dat", "out", "log"];
 
-/// Whether a table is Parquet by its name; refuses one if this program does not know the format.
+/// Whether a table is Parquet by its name. Refuses one if this program does not know the format.
 pub fn knows_parquet(path: &Path) -> anyhow::Result<bool> {
     let is_parquet = is_parquet(path);
     anyhow::ensure!(
@@ -42,7 +42,7 @@ pub fn knows_parquet(path: &Path) -> anyhow::Result<bool> {
     Ok(is_parquet)
 }
 
-/// Returns a table in the format of its name, CSV or Parquet, from its content as CSV.
+/// Converts a table from CSV to the format of its name.
 pub fn encoded(is_parquet: bool, csv: Vec<u8>) -> anyhow::Result<Vec<u8>> {
     #[cfg(feature = "parquet")]
     if is_parquet && !csv.starts_with(parquet::MAGIC) {

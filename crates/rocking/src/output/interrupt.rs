@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Prints the command that continues this one when Ctrl-C ends it, if its table is a file.
+/// Prints the command that continues this one when Ctrl-C ends it. The table must be a file.
 #[cfg(unix)]
 pub fn print_continuation(table: &Path) -> anyhow::Result<()> {
     use rocking_studies::output::output_target::OutputTarget;
@@ -28,7 +28,7 @@ pub fn print_continuation(_: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns whether the program was started to ignore Ctrl-C, as in the background of a shell script.
+/// Returns whether the program was started to ignore Ctrl-C. It is so in the background of a shell script.
 #[cfg(unix)]
 fn is_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -4,13 +4,16 @@
 //! | --- | --- |
 //! | [`formats`] | name of an output → its format |
 //! | [`files`] | content → files, checked first and replaced as a whole |
-//! | [`report`] | result → a summary, as text or JSON |
+//! | [`summary`] | items → lines of text, and the entries of a JSON object |
+//! | [`report`] | a summary → standard output, as text or JSON |
 //! | [`progress`] | finished part of the work → a bar on the terminal |
 //! | [`interrupt`] | Ctrl-C → the command that continues a study |
 
 pub mod formats;
 
 pub mod files;
+
+pub mod summary;
 
 pub mod report;
 

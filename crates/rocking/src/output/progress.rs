@@ -33,7 +33,7 @@ impl Progress {
         self.bar.set_position(done.saturating_sub(self.before));
     }
 
-    /// Shows the name of the step and the number of finished parts of a total that changes during the work.
+    /// Shows the name of the step and the finished parts. Their total changes during the work.
     pub fn show_step(&mut self, step: &str, done: u64, parts: u64) {
         if self.bar.message().trim_end() != step {
             self.bar.set_message(format!("{step} "));

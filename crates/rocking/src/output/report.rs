@@ -1,4 +1,4 @@
-//! Result of a command → a summary, as text for a person or as JSON for a program.
+//! A summary → standard output, as text for a person or JSON for a program.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -47,7 +47,8 @@ pub fn is_standard_output(path: &Path) -> bool {
 }
 
 impl ReportOptions {
-    /// Prints the summary of a command: `text`, or `result` as JSON with the name of the command, its outputs and warnings.
+    /// Prints the summary of a command: `text`, or `result` as JSON. The JSON begins with the name of the command and ends with its outputs
+    /// and warnings.
     pub fn print(
         &self,
         command: &str,
@@ -80,7 +81,7 @@ impl Serialize for WrittenFiles<'_> {
     }
 }
 
-/// Prints to standard output, or to standard error; a reader such as `head` may close its pipe early.
+/// Prints to standard output, or to standard error. A reader such as `head` may close its pipe early.
 pub fn print(text: &str, to_standard_error: bool) -> anyhow::Result<()> {
     let write = |mut to: Box<dyn Write>| to.write_all(text.as_bytes()).and_then(|()| to.flush());
     let (name, written) = if to_standard_error {

@@ -10,9 +10,9 @@ use rocking_block::unit::variables::{Kind, Variable};
 
 /// Width of a wider base over that of the object.
 const WIDER: f64 = 1.1;
-/// Friction of a base that slides over the static threshold: low enough that the block slides before it rocks.
+/// Friction of a base that slides over the static threshold. It is low enough for the block to slide before it rocks.
 const SLIDING: f64 = 0.8;
-/// Stiffness of a tie over M g/R0: it stretches by a tenth of R0 under the weight of the block.
+/// Stiffness of a tie over M g/R0. It stretches by a tenth of R0 under the weight of the block.
 const TIED: f64 = 10.0;
 /// Factors on η and ξ_v.
 const FACTORS: [f64; 2] = [0.5, 2.0];
@@ -102,7 +102,8 @@ fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
     assumption.collect()
 }
 
-/// Returns usual ranges of η, ξ_v, ε, the factor on e, and friction, if the study has a single value.
+/// Returns usual ranges of the parameters of the foundation. These are η, ξ_v, ε, the factor on e, and friction, if the study has a single
+/// value.
 fn foundation_ranges(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
     let varies = |variable: Variable| {
         let found = sweep.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);

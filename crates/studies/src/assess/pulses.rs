@@ -1,4 +1,4 @@
-//! The object → the least pulses that overturn it, of the ground or, in a building, of its floors under a pulse of the ground.
+//! The object → the least pulses that overturn it. In a building they pass from the ground to its floors.
 
 use crate::assess::plan::Plan;
 use crate::assess::results::LeastPulse;
@@ -10,7 +10,7 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_records::{Format, Processing, Record, Unit};
 
-/// Values of a scan, and the width of bisected changes (m/s²), as in `rocking search overturning`.
+/// Values of a scan, as in `rocking search overturning`. The width of bisected changes (m/s²) follows.
 pub(super) const POINTS: u64 = 201;
 const RESOLUTION: f64 = 1e-6;
 /// Samples per period of a pulse that passes through a building.

@@ -1,10 +1,10 @@
-//! The object → blocks of its shape in other sizes, under the ground motions of the study at one strength.
+//! The object → blocks of its shape in other sizes. The ground motions are those of the study at one strength.
 
 use crate::assess::plan::Plan;
 use crate::assess::results::SizeResult;
 use crate::output::table::Table;
 use crate::spectrum::statistics::Statistics;
-use crate::spectrum::{Base, InProportion, Sizes, Spectrum};
+use crate::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::{Block, BlockError, Common};
 
@@ -15,7 +15,7 @@ const RANGE: f64 = 2.0;
 /// A spectrum of the object's shape.
 pub struct SizeSpectrum {
     /// The spectrum.
-    pub spectrum: Spectrum,
+    pub spectrum: CheckedSpectrum,
     /// Its table.
     pub table: Table,
     /// Statistics over the ground motions.
@@ -24,8 +24,8 @@ pub struct SizeSpectrum {
     pub strength: String,
 }
 
-/// Returns the spectrum and the middle strength of the study's list, that of its ground motions.
-pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
+/// Returns the spectrum and the strength of its ground motions. It is the middle one of the study's list.
+pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
     let Plan { sweep, block, values, .. } = plan;
     let middle = sweep.strengths.count() / 2;
     let strength = match &sweep.strengths {
@@ -53,8 +53,7 @@ pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
         step: sweep.step,
         friction_demand: None,
     };
-    spectrum.check()?;
-    Ok((spectrum, strength))
+    Ok((spectrum.checked()?, strength))
 }
 
 impl SizeSpectrum {
@@ -64,9 +63,9 @@ impl SizeSpectrum {
         let size = |(number, cell): (u64, &crate::spectrum::statistics::SizeStatistics)| SizeResult {
             p: self.spectrum.sizes.p(number),
             rocked: cell.rocked,
-            at_rest: cell.at_rest,
-            overturned: cell.overturned,
-            undecided: cell.separated + cell.undecided + cell.failed,
+            at_rest: cell.at_rest(),
+            overturned: cell.ends.overturned,
+            undecided: cell.ends.separated + cell.ends.undecided + cell.ends.failed,
             geometric_mean: cell.geometric_mean(),
         };
         (0..).zip(cells).map(size).collect()

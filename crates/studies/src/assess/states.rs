@@ -99,8 +99,8 @@ impl StateCurve {
     }
 }
 
-/// The rates of the least measure from which on all runs exceed a limit, and of the greatest one up to which none does; `measures` are those
-/// of all rows; those without a case may exceed it or not.
+/// Bounds of the rate without a curve. They are the rates of the least measure from which on all runs exceed a limit, and of the greatest
+/// one up to which none does. `measures` are those of all rows; those without a case may exceed it or not.
 fn rate_bounds(hazard: &HazardCurve, cases: &[Case], measures: &[Option<f64>]) -> [Option<f64>; 2] {
     let mut fractions: Vec<Option<f64>> = vec![None; measures.len()];
     for case in cases {
@@ -119,7 +119,7 @@ fn rate_bounds(hazard: &HazardCurve, cases: &[Case], measures: &[Option<f64>]) -
 mod tests {
     use super::*;
 
-    /// A step at an unknown measure between two levels has a rate between theirs; unknown outcomes widen the bounds.
+    /// A step at an unknown measure between two levels has a rate between theirs. Unknown outcomes widen the bounds.
     #[test]
     fn the_runs_bound_the_rate_where_they_have_no_curve() {
         let hazard = HazardCurve::new(&[0.1, 1.0, 2.0], &[1e-2, 1e-4, 1e-5]).unwrap();

@@ -87,7 +87,7 @@ impl<'a> Work<'a> {
         Ok(table)
     }
 
-    /// Completes the kept rows of a study; returns all rows and the number of those that were there.
+    /// Completes the kept rows of a study. Returns all rows and the number of those that were there.
     fn kept_rows(
         &self,
         name: &str,

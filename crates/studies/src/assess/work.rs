@@ -19,7 +19,7 @@ use rocking_block::block::restraints::LinkKind;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::unit::variables::Variable;
 
-/// Coefficients of friction of the runs that slide: most pairs of `rocking foundations` lie between the first and the last.
+/// Coefficients of friction of the runs that slide. Most pairs of `rocking foundations` lie between the first and the last.
 const FRICTIONS: [f64; 3] = [0.3, 0.5, 0.7];
 /// Slip (m) that counts as sliding.
 const SLID: f64 = 1e-3;
@@ -129,7 +129,7 @@ pub fn assess(
     Ok(Results { report, table, states: curves, sizes, steps: work.steps })
 }
 
-/// Returns the coefficients of friction to try: none for a study with friction, or if a corner could jam.
+/// Returns the coefficients of friction to try. There are none for a study with friction, or if a corner could jam.
 fn frictions(plan: &Plan) -> Vec<f64> {
     let fits = |friction: &f64| {
         let change = Change::Parameter(Variable::Friction, *friction);

@@ -17,11 +17,11 @@ pub struct FloorMotion {
     pub pfv: f64,
 }
 
-/// The free vibration after the record is followed until its acceleration is below this fraction of PGA (1).
+/// Fraction of PGA (1) at which the free vibration after a record ends.
 const REST: f64 = 1e-3;
 
 impl Building {
-    /// Returns the motions of the ground and all floors above, from rest at the first sample.
+    /// Returns the motions of all floors from rest, that of the ground first.
     ///
     /// Each mode's oscillator takes steps that are exact for an acceleration that is linear between the samples of the record. A floor
     /// follows the ground as far as the modes do not describe its motion: `a = a_g (1 − Σ Γφ) + Σ Γφ a_mode`. The motions of the
@@ -120,7 +120,7 @@ mod tests {
         Building::shear(&[3e5, 2e5, 2e5, 1e5], &[4e8, 3e8, 2e8, 1e8], damping).unwrap()
     }
 
-    /// Under a sudden constant acceleration a the floor of one storey moves with
+    /// The floor of one storey follows the closed form under a sudden constant acceleration a. It moves with
     /// `a [1 − exp(−ζωt) (cos ω_d t − ζ/√(1−ζ²) sin ω_d t)]`.
     #[test]
     fn one_storey_under_a_step_has_the_closed_form() {
@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// The effective masses add up to the mass of the building, and Σ Γφ = 1 at each floor; modes are orthogonal.
+    /// The effective masses add up to the mass of the building. Σ Γφ = 1 at each floor, and modes are orthogonal.
     #[test]
     fn participation_adds_up() {
         let building = tower(&Damping::All(0.05));
@@ -151,7 +151,7 @@ mod tests {
         assert!(frequencies.is_sorted(), "{frequencies:?}");
     }
 
-    /// A very stiff building moves like the ground; given modes make the same floors as the shear building that has them.
+    /// A very stiff building moves like the ground. Given modes make the same floors as the shear building that has them.
     #[test]
     fn stiff_buildings_follow_the_ground_and_given_modes_repeat_their_building() {
         let samples: Vec<f64> = (0..400).map(|i| (0.05 * f64::from(i)).sin() * (0.011 * f64::from(i)).cos()).collect();

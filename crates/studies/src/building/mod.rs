@@ -1,4 +1,4 @@
-//! An elastic building → its modes, and a record of the ground → the motions of its floors.
+//! An elastic building → its modes and the motions of its floors under a record.
 //!
 //! | module | in → out |
 //! | --- | --- |

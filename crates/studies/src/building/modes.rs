@@ -63,7 +63,7 @@ const EXPECTED_DAMPING: &str = "0.001 to less than 1";
 const MAX_FLOORS: usize = 500;
 
 impl Building {
-    /// Makes a shear building of floor masses (kg) and storey stiffnesses (N/m), from the ground up.
+    /// Makes a shear building of floor masses (kg) and storey stiffnesses (N/m). Both begin at the ground.
     ///
     /// # Errors
     /// [`BuildingError`]: a list of the wrong length or with invalid numbers, or invalid damping.

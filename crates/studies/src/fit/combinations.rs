@@ -1,4 +1,4 @@
-//! The Jacobian of the data → the combinations of parameters that they determine, and those that they do not.
+//! The Jacobian of the data → the determined and the undetermined combinations of parameters.
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ const UNDETERMINED: f64 = 0.5;
 /// Weights below this one, relative to the largest, are left out of the words.
 const SMALL: f64 = 0.15;
 
-/// Largest change of a parameter in the words on a combination that the data do not determine.
+/// Largest change of a parameter in the description of an undetermined combination.
 const JOINT_CHANGE: f64 = 0.1;
 
 /// A direction of the parameters: a right singular vector of the Jacobian over the noise.
@@ -89,7 +89,7 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
     }
 }
 
-/// Formats a change of a coordinate of the Jacobian: in per cent, or in the unit of a parameter that may be negative.
+/// Formats a change of a coordinate of the Jacobian. It is in per cent, or in the unit of a parameter that may be negative.
 fn change(unknown: &Unknown, fraction: f64) -> String {
     if unknown.is_logarithmic {
         return format!("{} %", signed(100.0 * fraction));
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(found[1].meaning, "the data do not determine epsilon");
     }
 
-    /// Changes are in per cent of positive parameters, and in the unit of others, whose coordinate is over half the range.
+    /// Changes are in per cent of positive parameters, and in the unit of others. The coordinate of the latter is over half the range.
     #[test]
     fn joint_changes_are_in_units() {
         let tilt = Unknown {

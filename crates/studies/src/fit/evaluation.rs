@@ -50,10 +50,10 @@ impl Evaluator<'_> {
         [value("zero", test.zero), value("delay", test.delay)]
     }
 
-    /// Returns a test's column at times of its clock, with derivatives with respect to its unknowns.
+    /// Returns a test's column at times of its clock. Its derivatives are with respect to the unknowns of the test.
     ///
     /// # Errors
-    /// An invalid block, or a failed run with its reason.
+    /// The failure of a run; `None` for an invalid block, or one without the parameters or the column.
     pub fn course(
         &self,
         number: usize,
@@ -75,8 +75,8 @@ impl Evaluator<'_> {
         let run = self.problem.run(test, &parameters).map_err(|_| None)?;
         let counter = if with_gradients { &self.runs.with_gradients } else { &self.runs.plain };
         counter.fetch_add(1, Ordering::Relaxed);
-        course(&run, &parameters, names.as_deref(), &test.output, &times, with_rate)
-            .map_err(|error| Some(FitError::Runs(error)))
+        let found = course(&run, &parameters, names.as_deref(), &test.output, &times, with_rate);
+        found.ok_or(None)?.map_err(|error| Some(FitError::Runs(error)))
     }
 
     /// Estimates the sum of squares of the first `counts` values and of the priors. The estimate comes from a sample of the values.

@@ -76,7 +76,7 @@ fn parameters<'a>(
     found.into_iter().map(parameter).collect()
 }
 
-/// Returns the variables with these parameters set; each must have one value and be read by the block.
+/// Returns the variables with these parameters set. Each must have one value and be read by the block.
 fn set<'a>(
     source: StudyText<'a>,
     parameters: impl Iterator<Item = &'a GivenParameter<'a>> + Clone,
@@ -192,7 +192,7 @@ fn leaves<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<(String, Spa
     }
 }
 
-/// Reads two columns of a CSV file: times (s), and values times a factor, in this unit.
+/// Reads two columns of a CSV file: times (s) and values. The values are multiplied by a factor, and are then in this unit.
 fn read_table(
     path: &Path,
     wanted: [&Choice; 2],

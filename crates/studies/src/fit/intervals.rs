@@ -54,7 +54,7 @@ impl Profile<'_> {
     /// # Errors
     /// [`Lower`], a better minimum than that of the fit.
     pub fn end(&self, i: usize, side: f64) -> Result<IntervalEnd, Lower> {
-        /// Relative error of the deviate below which a secant gives the end, and greatest gain of the other coordinates there.
+        /// Relative error of the deviate below which a secant gives the end. It is also the greatest gain of the other coordinates there.
         const NEAR: [f64; 2] = [0.1, 0.02];
         /// Part of the variance by which a lower minimum must lie below.
         const LOWER: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! Residuals and their Jacobian at any point of a box → the point in the box with the least sum of squares.
+//! Residuals and their Jacobian → the point of a box with the least sum of squares.
 //!
 //! Levenberg's and Marquardt's method with an active set of bounds. Every coordinate runs from 0 to 1 between its bounds, so that one
 //! damping fits all of them.
@@ -14,7 +14,7 @@ pub struct Linearization {
     pub jacobian: DMatrix<f64>,
 }
 
-/// The sum of squares `|r + J s|²` as a function of a step s: J and r rotated into a triangle with one row per coordinate.
+/// The sum of squares `|r + J s|²` as a function of a step s. J and r are rotated into a triangle with one row per coordinate.
 #[derive(Clone, Debug)]
 pub struct Triangle {
     /// R of `J = Q R`.
@@ -55,7 +55,7 @@ impl Triangle {
         self.projected.norm_squared() - (&self.r * step + &self.projected).norm_squared()
     }
 
-    /// Returns the step from `point` that minimizes `|r + J s|² + damping |s|²` within the box; `fixed` coordinates stay.
+    /// Returns the step from `point` that minimizes `|r + J s|² + damping |s|²` within the box. The `fixed` coordinates stay.
     pub fn step(&self, point: &DVector<f64>, fixed: &[bool], damping: f64) -> DVector<f64> {
         let count = point.len();
         let mut step = DVector::zeros(count);
@@ -74,7 +74,7 @@ impl Triangle {
         }
     }
 
-    /// Returns the change of the `free` coordinates that minimizes `|R s + target|² + damping |s|²`, without bounds.
+    /// Returns the change of the `free` coordinates that minimizes `|R s + target|² + damping |s|²`. There are no bounds.
     pub fn solve(&self, free: &[usize], target: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
         /// Singular values below this fraction of the greatest are round-off.
         const RANK: f64 = 1e-12;
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// The least sum of squares with x at its bound, where y = 0.5 of the line `y = 2 - 2 x` is out of reach: by hand.
+    /// The least sum of squares has x at its bound, by hand. There y = 0.5 of the line `y = 2 - 2 x` is out of reach.
     #[test]
     fn a_minimum_at_a_bound_meets_its_conditions() {
         let outside = |point: &DVector<f64>| {

@@ -86,7 +86,7 @@ pub struct TestFit {
     pub residuals: Vec<f64>,
     /// Their root mean square.
     pub rms: f64,
-    /// Durbin's and Watson's statistic of the residuals (1): 2 for white noise, less for correlated ones.
+    /// Durbin's and Watson's statistic of the residuals (1). It is 2 for white noise, less for correlated residuals.
     pub durbin_watson: f64,
     /// Correlation of each residual with the next (1).
     pub autocorrelation: f64,
@@ -144,10 +144,10 @@ pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) +
 /// Ends of the intervals of the shared parameters, as coordinates.
 type Ends = Vec<[IntervalEnd; 2]>;
 
-/// Maximum number of searches from lower minima that are found on the way to the ends of intervals.
+/// Maximum number of searches from lower minima. They are found on the way to the ends of intervals.
 const RESTARTS: usize = 4;
 
-/// Returns the best of several minima, the others that the level admits, and the ends of the intervals, which cover those of the others.
+/// Returns the best of several minima with its intervals, and other admissible ones. The intervals cover those of the others.
 ///
 /// A lower minimum found on the way to an end replaces the best one. After the last of these restarts no interval is known.
 fn with_intervals(
@@ -311,7 +311,7 @@ mod tests {
 
     use super::*;
 
-    /// The search for intervals about a point that is no minimum finds the minimum, which is kept and said even after the last restart.
+    /// The search for intervals about a point that is no minimum finds the minimum. It is kept and said even after the last restart.
     #[test]
     fn a_lower_minimum_found_at_last_is_kept() {
         let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };

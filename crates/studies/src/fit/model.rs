@@ -6,7 +6,7 @@ use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_gradients::{Follower, Number, Parameters, Sample, Varied, advance_with_samples};
 
-use crate::run::gradients::add_rows;
+use crate::run::gradients::{add_rows, with_respect_to};
 use crate::run::table::{HistoryColumn, columns};
 use crate::run::{Row, Run};
 
@@ -36,7 +36,7 @@ pub struct TimeSeries {
 /// parameters.
 ///
 /// Before the run begins the block is held in its initial state; after a quarter turn it lies still. With derivatives no step stops at
-/// the times.
+/// the times. `None` if the run lacks a parameter or the column.
 ///
 /// # Errors
 /// The run fails.
@@ -47,8 +47,8 @@ pub fn course(
     output: &str,
     times: &[f64],
     with_rate: bool,
-) -> Result<TimeSeries, SimulationError> {
-    let quantity = Quantity::named(output, run);
+) -> Option<Result<TimeSeries, SimulationError>> {
+    let quantity = Quantity::named(output, run)?;
     let mut simulation = run.begin();
     let start = simulation.time();
     let mut piece = run.ground.piece_from(start);
@@ -58,15 +58,10 @@ pub fn course(
         Some(names) => names.chunks(rocking_gradients::BATCH).collect(),
         None => Vec::new(),
     };
-    let followers: Option<Vec<Follower>> = batches
-        .iter()
-        .map(|names| {
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            let varied = Varied::with_respect_to(parameters, &run.block, &names)?;
-            Some(Follower::new(&simulation, varied, &piece.inputs))
-        })
-        .collect();
-    let Some(mut followers) = followers else { unreachable!("{names:?} are checked before") };
+    let varied: Option<Vec<Varied>> =
+        batches.iter().map(|names| with_respect_to(parameters, &run.block, names)).collect();
+    let mut followers: Vec<Follower> =
+        varied?.into_iter().map(|varied| Follower::new(&simulation, varied, &piece.inputs)).collect();
     let count = names.map_or(0, <[String]>::len);
     let at_stop = |simulation: &Simulation, followers: &[Follower], inputs: &Inputs, is_held: bool| {
         let row = run.row(simulation, inputs);
@@ -100,14 +95,11 @@ pub fn course(
             let mut record = |number: usize, follower: usize, sample: &Sample| {
                 quantity.record(sample, follower, with_rate, &mut ahead[number]);
             };
-            next += advance_with_samples(
-                &mut simulation,
-                &mut followers,
-                stop,
-                &piece.inputs,
-                &times[next..],
-                &mut record,
-            )?;
+            let (inputs, ahead) = (&piece.inputs, &times[next..]);
+            match advance_with_samples(&mut simulation, &mut followers, stop, inputs, ahead, &mut record) {
+                Ok(sampled) => next += sampled,
+                Err(error) => return Some(Err(error)),
+            }
             if stop == piece.end {
                 run.ground.next_interval(&mut piece);
             }
@@ -119,7 +111,7 @@ pub fn course(
         next += 1;
     }
     let grazing = followers.iter().filter_map(Follower::grazing).map(|grazing| grazing.time).reduce(f64::min);
-    Ok(TimeSeries { points, grazing, ended: simulation.ending().map(|(_, time)| time) })
+    Some(Ok(TimeSeries { points, grazing, ended: simulation.ending().map(|(_, time)| time) }))
 }
 
 /// The measured quantity.
@@ -132,13 +124,12 @@ struct Quantity {
 }
 
 impl Quantity {
-    fn named(output: &str, run: &Run) -> Quantity {
-        let column = columns(&run.block).into_iter().find(|column| column.name == output);
-        let Some(column) = column else { unreachable!("{output} is checked before") };
+    fn named(output: &str, run: &Run) -> Option<Quantity> {
+        let column = columns(&run.block).into_iter().find(|column| column.name == output)?;
         let state = ["theta", "theta_dot"].iter().position(|name| *name == output);
         let simulation = run.begin();
         let row = run.row(&simulation, &run.ground.piece_from(simulation.time()).inputs);
-        Quantity { column, state, row }
+        Some(Quantity { column, state, row })
     }
 
     /// Returns the column of an observation with this slip.

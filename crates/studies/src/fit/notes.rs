@@ -69,7 +69,7 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     notes
 }
 
-/// Residuals that are far from the noise: by more than three standard deviations of χ², and by a tenth.
+/// Residuals that are far from the noise. They differ by more than three standard deviations of χ², and by a tenth.
 fn misfit(reduced: f64, fit: &Fit) -> Option<String> {
     let values: usize = fit.tests.iter().map(|test| test.times.len()).sum();
     let freedom = values.saturating_sub(fit.estimates.len()).max(1) as f64;
@@ -88,7 +88,7 @@ fn misfit(reduced: f64, fit: &Fit) -> Option<String> {
     }
 }
 
-/// Residuals that are not white: their correlation is beyond three standard deviations of that of white noise.
+/// Residuals that are not white. Their correlation is beyond three standard deviations of that of white noise.
 fn correlation(test: &TestFit) -> Option<String> {
     let correlation = test.autocorrelation;
     if correlation.abs() <= 3.0 / (test.residuals.len() as f64).sqrt() {

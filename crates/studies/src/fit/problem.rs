@@ -4,13 +4,13 @@ use crate::spec::fit::FitTable;
 use crate::spec::limits;
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{Block, BlockError, Common, Parameterization};
+use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
-use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
 use rocking_gradients::Parameters;
 
-use crate::run::Run;
 use crate::run::table::columns;
+use crate::run::{Run, is_moved};
 
 /// A free parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -234,11 +234,7 @@ impl Problem {
         let known: Vec<String> =
             columns(&block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
         let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());
-        let moves = !ground.is_empty()
-            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
-            || initial.theta != 0.0
-            || initial.theta_dot != 0.0
-            || initial.vertical.is_some();
+        let moves = is_moved(ground, pulse, initial);
         let fault = if !known.contains(output) {
             format!("there is no measured quantity {output}; expected one of {}", known.join(", "))
         } else if times.len() != values.len() {
@@ -264,7 +260,7 @@ impl Problem {
     }
 }
 
-/// Whether a column is a quantity that a test may measure: a motion, a reaction, or a height.
+/// Whether a test may measure a column. It may measure a motion, a reaction, or a height.
 fn is_measured(name: &str) -> bool {
     !matches!(name, "t" | "regime" | "a_gx" | "a_gz") && !name.starts_with("energy.")
 }

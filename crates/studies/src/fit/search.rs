@@ -68,7 +68,7 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     if found.is_empty() { Err(failure.unwrap_or(FitError::Starts)) } else { Ok(found) }
 }
 
-/// Returns the minima that the data distinguish, with sums of squares up to [`WORST`] times the least, the best first.
+/// Returns the minima that the data distinguish, the best first. Their sums of squares are up to [`WORST`] times the least.
 ///
 /// A search that has not converged counts if no minimum is better.
 fn distinct(mut minima: Vec<Minimum>) -> Vec<Minimum> {

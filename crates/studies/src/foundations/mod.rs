@@ -1,4 +1,4 @@
-//! Materials and sizes → friction, restitution, and the stiffness and damping of supports, each with its source.
+//! Materials and sizes → friction, restitution, stiffness and damping, each with its source.
 //!
 //! | module | in → out |
 //! | --- | --- |

@@ -1,20 +1,15 @@
-//! Rubber pads, or a footing on soil → stiffness and damping of the two supports of a block.
+//! Rubber pads, or a footing on soil → stiffness and damping of the supports.
 
 use std::f64::consts::PI;
 
-use serde::Serialize;
-
 /// One of the two supports of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     /// Stiffness K (N/m): half the vertical stiffness of the foundation.
-    #[serde(rename = "K")]
     pub stiffness: f64,
     /// Damping C (N.s/m): half the vertical damping of the foundation, if the source states it.
-    #[serde(rename = "C")]
     pub damping: Option<f64>,
     /// Support stiffness that would give the rocking stiffness of the foundation (N/m), if known.
-    #[serde(rename = "K_rocking")]
     pub rocking_stiffness: Option<f64>,
 }
 
@@ -125,8 +120,8 @@ mod tests {
 
     const SOIL: Soil = Soil { width: 2.0, length: 2.0, density: 1800.0, shear_wave_velocity: 200.0, poisson: 0.3 };
 
-    /// The paper's pads of the South Rangitikei Viaduct: G = 1 MPa, d = 2 m, M = 700 000 kg and p = 0.38 rad/s, with the
-    /// values that (36) gives for S = 5 and 10.
+    /// The paper's pads of the South Rangitikei Viaduct have the values of (36). They have G = 1 MPa, d = 2 m,
+    /// M = 700 000 kg and p = 0.38 rad/s, with S = 5 and 10.
     #[test]
     fn pads_are_those_of_the_paper() {
         for (shape_factor, stiffness, omega_v, eta) in [(5.0, 4710e6, 116.0, 305.0), (10.0, 37_700e6, 328.0, 863.0)] {
@@ -139,7 +134,7 @@ mod tests {
         }
     }
 
-    /// A very compressible layer is a column of that bulk modulus; a stiff one is the paper's.
+    /// A very compressible layer is a column of that bulk modulus. A stiff one is the paper's.
     #[test]
     fn compressible_pads_lie_between_both_limits() {
         let of = |bulk_modulus| {
@@ -153,7 +148,7 @@ mod tests {
         assert!((of(Some(2e9)) / springs - 1.0).abs() < 1e-12);
     }
 
-    /// A square footing is nearly a disc of the same area, or moment of inertia, on a half-space, whose stiffnesses are exact:
+    /// A square footing is nearly a disc of the same area, or moment of inertia. The stiffnesses of a disc on a half-space are exact:
     /// 4 G r/(1 − ν) and 8 G r³/(3 (1 − ν)).
     #[test]
     fn square_footings_are_nearly_discs() {

@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
     }
 
-    /// A block that overturns exceeds any slip; the number of its row is not asked for.
+    /// A block that overturns exceeds any slip. The number of its row is not asked for.
     #[test]
     fn rows_are_compared_with_a_slip() {
         let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\

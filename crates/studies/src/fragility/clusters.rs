@@ -68,7 +68,7 @@ impl std::fmt::Display for Independence {
 /// Greatest number of records for a jackknife with full refits. With more, one Newton step is as accurate.
 pub(super) const MAX_REFITS: usize = 100;
 
-/// Change of the coefficients when a record is left out; `None` if the others have no best fit.
+/// Change of the coefficients when a record is left out. It is `None` if the others have no best fit.
 fn without(data: &Data, fit: &CurveFit, records: &[usize], record: usize) -> Option<DVector<f64>> {
     let kept = data.observations().iter().zip(records).filter(|(_, of)| **of != record);
     let others = Data::new(kept.map(|(row, _)| row.clone()).collect()).ok()?.fit(fit.link).ok()?;
@@ -125,7 +125,7 @@ pub(super) fn of_shifts(
     Some(covariance * ((count - 1) as f64 / count as f64))
 }
 
-/// The deviate t with P(|T| > t) = `exceedance`, above 0 and below 1, of Student's t distribution.
+/// The deviate t of Student's t distribution with P(|T| > t) = `exceedance`. The exceedance is above 0 and below 1.
 fn student_quantile(exceedance: f64, freedom: f64) -> f64 {
     let excess = |t: f64| student_exceedance(t, freedom) - exceedance;
     let mut high = 1.0;
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
     use crate::fragility::{Link, Observation};
 
-    /// Compares with table 26.10 of Abramowitz and Stegun, and with closed forms for one and two degrees of freedom.
+    /// Compares with table 26.10 of Abramowitz and Stegun. One and two degrees of freedom have closed forms.
     #[test]
     fn student_deviates_match_the_tables() {
         for (freedom, exact) in [(1.0, 12.706), (2.0, 4.303), (5.0, 2.571), (20.0, 2.086), (120.0, 1.980)] {
@@ -201,7 +201,7 @@ mod tests {
         assert_eq!(Independence::of(&[4, 4, 4]), Independence::OneRecord);
     }
 
-    /// Ten copies of each row carry no more information than one: the covariance is the jackknife of the single rows.
+    /// Ten copies of each row carry no more information than one. The covariance is the jackknife of the single rows.
     #[test]
     fn copies_of_rows_add_no_information() {
         let once: Vec<Observation> =

@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// A count equals its single rows; a fraction has the same curve, but the standard errors of a single row.
+    /// A count equals its single rows. A fraction has the same curve, but the standard errors of a single row.
     #[test]
     fn counts_equal_their_single_rows() {
         let counts = [(1.0, 1), (1.5, 4), (2.2, 3), (3.0, 8)];

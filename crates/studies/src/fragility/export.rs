@@ -211,7 +211,7 @@ pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Ex
     Ok([csv + "\n", format!("{json:#}\n")])
 }
 
-/// Returns a fragility model of OpenQuake (NRML 0.5) of contents, with a limit state per limit.
+/// Returns a fragility model of OpenQuake (NRML 0.5) for contents. Each limit is a limit state.
 ///
 /// The format has mean and standard deviation of the measure itself, in g of `gravity` (m/s²) or cm/s. Below `noDamageLimit`, six
 /// dispersions under the least median, OpenQuake takes the probability as zero.

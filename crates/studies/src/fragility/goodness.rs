@@ -1,4 +1,4 @@
-//! Observations and a curve → groups of rows, and the deviance of the curve from their fractions.
+//! Observations and a curve → groups of rows, and the deviance of the curve.
 
 use std::collections::BTreeMap;
 
@@ -90,11 +90,11 @@ pub(super) struct Grouping {
     groups: Vec<Group>,
     last: f64,
     rows: usize,
-    /// Sums of the weight, and of the measure, the fraction, the probability and the variance of a row times the weight.
+    /// Weighted sums over the rows of a group. They are of the weight alone, the measure, the fraction, the probability and the variance.
     sums: [f64; 5],
     /// Sums of the residuals and of the weights of each record.
     records: BTreeMap<usize, [f64; 2]>,
-    /// Number, residuals and squares of the residuals of rows that share their motion with no other row.
+    /// Number, residuals and squared residuals of rows with a motion of their own.
     alone: [f64; 3],
 }
 

@@ -156,7 +156,7 @@ impl Ida {
         self.fractile_of_levels(fraction, |curve| curve.overturning().map(|[below, least]| 0.5 * (below + least)))
     }
 
-    /// Returns the fractile over all curves of the first level at which the peak is reached.
+    /// Returns the fractile over all curves of the first level that reaches the peak.
     pub fn reaching(&self, fraction: f64, peak: f64) -> Option<f64> {
         self.fractile_of_levels(fraction, |curve| curve.reaches(peak))
     }
@@ -173,7 +173,7 @@ fn rank(fraction: f64, length: usize) -> usize {
     ((fraction * length as f64).ceil() as usize).saturating_sub(1)
 }
 
-/// Returns the levels of all curves if they share them, and otherwise evenly spaced ones up to the greatest.
+/// Returns the levels that all curves share. Otherwise they are evenly spaced up to the greatest.
 fn levels(curves: &[IdaCurve]) -> Vec<f64> {
     /// Number of evenly spaced levels.
     const EVEN: u32 = 100;

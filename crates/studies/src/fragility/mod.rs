@@ -1,4 +1,4 @@
-//! The table of a sweep → fragility curves: the probability of overturning, or of exceeding a limit.
+//! The table of a sweep → probabilities of overturning, or of exceeding a limit.
 //!
 //! A curve is `P = F(a + b ln IM)` of an intensity measure IM > 0, a surface `F(a + b₁ ln IM₁ + b₂ ln IM₂)` of two. With the
 //! normal distribution for F (probit) it is the lognormal fragility curve of median `exp(−a/b)` and dispersion `β = 1/b`; with the

@@ -108,7 +108,7 @@ pub(super) fn observations(nodes: Vec<Node>) -> Vec<Observation> {
     nodes.into_iter().map(|node| node.observation).collect()
 }
 
-/// Returns up to [`NODES`] points and weights with the sums of polynomials of these points, in increasing order; the points increase.
+/// Returns up to [`NODES`] points and weights with the same sums of polynomials. Both lists of points increase.
 ///
 /// Stieltjes' procedure and the eigenvalues of the Jacobi matrix.
 fn quadrature(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
@@ -189,7 +189,7 @@ mod tests {
         assert!(error(16) > 1e-7, "{}", error(16));
     }
 
-    /// Data of 20,000 rows and their nodes have the same curve and the same likelihood; fractions count in both classes.
+    /// Data of 20,000 rows and their nodes have the same curve and likelihood. Fractions count in both classes.
     #[test]
     fn the_curve_of_nodes_is_that_of_the_rows() {
         let row = |i: u64| {

@@ -1,4 +1,4 @@
-//! The intensity measures and the outcome of a case → an observation; the reasons why a fit fails.
+//! The intensity measures and the outcome of a case → an observation. A fit that fails has its reason here.
 
 use smallvec::SmallVec;
 
@@ -103,7 +103,7 @@ pub enum CurveFitError {
         above: f64,
         /// Whether the lower class is the one that exceeds the limit.
         falls: bool,
-        /// Of the rows at a value of both classes: the exceedances and the rows, and whether there are rows above.
+        /// Exceedances and rows at a value of both classes, and whether rows lie above.
         shared: Option<(f64, usize, bool)>,
     },
     /// A line in the plane of both logarithms separates the classes.

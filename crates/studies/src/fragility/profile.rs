@@ -113,7 +113,8 @@ impl<'a> LikelihoodProfile<'a> {
         [self.fit.coefficients[0], self.fit.coefficients[1]]
     }
 
-    /// The likelihood ratio statistic of the predictor `offset + x c` with the best c, which is sought from `near` and left there.
+    /// The likelihood ratio statistic of the predictor `offset + x c` with the best c. The search begins at `near` and leaves the best c
+    /// there.
     ///
     /// `of` maps the logarithm of the measure to x and offset.
     fn statistic(&self, near: &mut f64, of: impl Fn(f64) -> (f64, f64)) -> f64 {
@@ -131,14 +132,14 @@ impl<'a> LikelihoodProfile<'a> {
         }
     }
 
-    /// The interval of a feature from its estimate and its gradient with respect to the coefficients. `other` is the coefficient that is
-    /// fitted again for each value of the feature.
+    /// The interval of a feature from its estimate and its gradient. The gradient is with respect to the coefficients. `other` is the
+    /// coefficient that is fitted again for each value of the feature.
     ///
     /// `of` gives x and offset of [`LikelihoodProfile::statistic`] for a value of the feature and a logarithm of the measure.
     fn interval(&self, estimate: f64, gradient: [f64; 2], other: f64, of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {
         /// An end farther than 2⁴⁰ standard deviations counts as unbounded.
         const DOUBLINGS: i32 = 40;
-        /// Part of the permitted deviation to which an end is found; the likelihood has little more digits.
+        /// Part of the permitted deviation to which an end is found. The likelihood has little more digits.
         const ACCURACY: f64 = 1e-12;
         let naive = variance(gradient, &self.fit.covariance);
         let clustered = self.covariance.as_ref().map_or(f64::INFINITY, |of| variance(gradient, of));
@@ -192,7 +193,7 @@ fn together(rows: &[Observation]) -> Vec<Observation> {
     sorted
 }
 
-/// A root of a function that has opposite signs at two points `(x, f(x))`, up to values of `accuracy`.
+/// A root between two points `(x, f(x))` with opposite signs. The value there is at most `accuracy`.
 ///
 /// The Illinois method: the secant through both points; a point that stays twice counts half (M. Dowell, P. Jarratt, A modified
 /// regula falsi method, BIT 11 (1971) 168–174).
@@ -229,7 +230,7 @@ mod tests {
     use super::*;
     use crate::fragility::likelihood::Link;
 
-    /// Rows at levels have the intervals of the same rows at measures that differ by round-off, which are not put together.
+    /// Rows at levels have the intervals of rows at measures that differ by round-off. The latter are not put together.
     #[test]
     fn rows_of_one_measure_count_as_each_of_them() {
         let row = |i: u64| {

@@ -104,7 +104,7 @@ pub(super) struct Scatter {
     /// Number of rows.
     pub rows: usize,
     means: [f64; 2],
-    /// Sums of the products of the deviations from the means: of the measure, of both, of the peak.
+    /// Sums of products of the deviations from the means. They are those of the measure, of both, and of the peak.
     products: [f64; 3],
 }
 
@@ -164,7 +164,7 @@ pub(super) fn p_value(
 mod tests {
     use super::*;
 
-    /// Counted by hand: of the 3·2 pairs (exceeded, not), five are in order and one is a tie.
+    /// Of the 3·2 pairs (exceeded, not), five are in order and one is a tie.
     #[test]
     fn auc_is_the_fraction_of_pairs_in_order() {
         let rows = [(1.0, false), (2.0, true), (2.0, false), (3.0, true), (4.0, true)];
@@ -188,7 +188,7 @@ mod tests {
         assert!((brier(&rows, &[0.2, 0.5, 0.8]) - exact).abs() < 1e-15);
     }
 
-    /// A power law with errors of 0.1 in the logarithm, alternating so that the regression line stays.
+    /// A power law with errors of 0.1 in the logarithm. They alternate so that the regression line stays.
     #[test]
     fn efficiency_is_the_scatter_about_a_power_law() {
         let x: Vec<f64> = (0..400).map(|i| (0.01 * f64::from(i)).exp()).collect();

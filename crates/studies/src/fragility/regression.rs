@@ -101,7 +101,7 @@ pub(super) trait Regression {
     /// Number of coefficients.
     fn columns(&self) -> usize;
 
-    /// Sums the terms of all rows, on all threads for many rows; the result does not depend on the number of threads.
+    /// Sums the terms of all rows, on all threads for many rows. The result does not depend on the number of threads.
     fn sums_of(
         &self,
         coefficients: &DVector<f64>,
@@ -132,7 +132,7 @@ impl Regression for Predictor<'_> {
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
     ) -> Result<Sums, CurveFitError> {
-        /// Rows of a chunk: the round-off of one long sum over 20,000 sorted rows hides the last steps to the maximum.
+        /// Number of rows of a chunk. The round-off of one long sum over 20,000 sorted rows hides the last steps to the maximum.
         const CHUNK: usize = 256;
         let columns = self.x.ncols();
         let chunk = |number: usize| {

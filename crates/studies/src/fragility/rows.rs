@@ -1,4 +1,4 @@
-//! Rows of a large table, in any order → the same rows sorted by their measures and counted, in little memory.
+//! Rows of a large table, in any order → the same rows sorted and counted. This takes little memory.
 //!
 //! Rows are sorted in runs, which fill a temporary file, and merged to another one. The result depends on the rows, not on their order.
 
@@ -302,7 +302,7 @@ mod tests {
         (all, found.file.is_some())
     }
 
-    /// Runs on disk have the rows that one sort in memory has, whatever their order; equal rows are counted.
+    /// Runs on disk have the rows that one sort in memory has. Their order does not matter, and equal rows are counted.
     #[test]
     fn rows_are_sorted_and_counted_in_runs() {
         let row = |i: u32| {

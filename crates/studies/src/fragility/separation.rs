@@ -106,8 +106,7 @@ impl Ends {
         (has_rows != [true; 2]).then_some(has_rows[1])
     }
 
-    /// Ends of the lower and the upper class, and whether the lower one exceeds the limit. They are its greatest and the other's least
-    /// measure.
+    /// Ends of both classes, and whether the lower one exceeds the limit. They are its greatest and the other's least measure.
     pub fn separating(&self) -> Option<(f64, f64, bool)> {
         let [[low_others, high_others], [low_exceeded, high_exceeded]] = self.0;
         let sides = [(high_others, low_exceeded, false), (high_exceeded, low_others, true)];

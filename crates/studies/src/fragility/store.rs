@@ -1,4 +1,4 @@
-//! Cases with their measures, batch by batch → a list of rows, or sorted rows if they are many.
+//! Cases in batches → a list of rows, or sorted rows if they are many.
 
 use crate::fragility::cases::{Case, Cases, Motions};
 use crate::fragility::many::{ManyRows, ManyRowsBuilder};
@@ -6,7 +6,7 @@ use crate::fragility::observation::CurveFitError;
 use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::run::limit::Limit;
 
-/// Most rows that are kept as a list, in the order of the table; more are sorted on disk.
+/// Most rows that are kept as a list. More are sorted on disk.
 const MAX_LIST: usize = 1 << 17;
 
 /// The cases of a table over one or two measures.
@@ -77,7 +77,7 @@ impl CaseStore {
         Ok(StoredRows::Few(self.list.into_iter().map(|(_, case, measures)| (case, measures)).collect(), records))
     }
 
-    /// The values of the measure in increasing order, with sums of fractions and numbers of rows.
+    /// The values of the measure in increasing order. Each has its sum of fractions and its number of rows.
     ///
     /// # Errors
     /// A row that a fit refuses, and those of temporary files.

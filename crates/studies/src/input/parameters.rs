@@ -38,7 +38,7 @@ impl Parameter {
         Ok(Parameter { metadata })
     }
 
-    /// The name in tables: `alpha`, without the group of the FMU where the name alone is clear.
+    /// The name in tables, such as `alpha`. It lacks the group of the FMU where the name alone is clear.
     pub fn name(&self) -> &'static str {
         short(self.metadata.name)
     }
@@ -170,7 +170,7 @@ pub fn is_same_word(one: &str, other: &str) -> bool {
     normalized(one) == normalized(other)
 }
 
-/// Turns the FMU's name of a choice into its word: `OneSine` into `one-sine`, `C1` into `c1`.
+/// Turns the FMU's name of a choice into its word. `OneSine` becomes `one-sine`, and `C1` becomes `c1`.
 fn word(item: &str) -> String {
     let mut word = String::new();
     for c in item.chars() {

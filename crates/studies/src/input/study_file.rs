@@ -1,4 +1,4 @@
-//! A TOML file → its tables, with known keys only and the line of each key and value.
+//! A TOML file → its tables, with the line of each key and value. Unknown keys are refused.
 
 use std::borrow::Cow;
 use std::ops::{Deref, Range};
@@ -53,7 +53,7 @@ impl<'a> StudyText<'a> {
         self.wrong(&range, format!("{key} = {}; expected {expected}", self.shown(&range)))
     }
 
-    /// Returns the values of a table that agrees with a schema; those with a schema by reference are read apart.
+    /// Returns the values of a table that agrees with a schema. Those with a schema by reference are read apart.
     fn table(
         &self,
         name: &str,
@@ -91,7 +91,7 @@ impl<'a> StudyText<'a> {
         entries.into_iter().map(entry).collect()
     }
 
-    /// Returns the value of a key that agrees with a schema; words are those of the schema, and `name` is that of its tables.
+    /// Returns the value of a key that agrees with a schema. Words are those of the schema, and `name` is that of its tables.
     fn value(&self, name: &str, key: &str, value: SpannedValue, schema: &Json) -> Result<Toml, StudyFileError> {
         let unexpected = || self.unexpected(key, value, &expected(schema));
         if let Some(forms) = schema["anyOf"].as_array() {
@@ -149,7 +149,7 @@ pub const THE_FILE: &str = "the file";
 /// A value and its range in the text.
 pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
 
-/// A table of the file: its values, and their places by paths such as `study.levels.im` or `tests.0.data`.
+/// A table of the file: its values and their places. The places are found by paths such as `study.levels.im` or `tests.0.data`.
 pub struct Section<'a, T> {
     /// The text.
     pub source: StudyText<'a>,
@@ -211,7 +211,7 @@ impl<'a, T> Section<'a, T> {
         }
     }
 
-    /// Returns an error at a path, or at the innermost table of it that is there.
+    /// Returns an error at a path, or at its innermost table in the file.
     pub fn refused(&self, path: &str, message: impl Into<String>) -> StudyFileError {
         let mut outwards = std::iter::successors(Some(path), |path| Some(path.rsplit_once('.')?.0));
         let place = outwards.find_map(|path| Some(self.get(path)?.span()));

@@ -89,7 +89,7 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
 /// State of the oscillator, `[u, u̇]`, and of the ground, `[a, ȧ]`.
 type Moment = [[f64; 2]; 2];
 
-/// The greater of a previous peak and the peak within a step; `value_at` gives the value and its rate at a moment.
+/// The greater of a previous peak and the peak within a step. `value_at` gives the value and its rate at a moment.
 fn higher(
     peak: f64,
     [start, end]: [Moment; 2],
@@ -107,7 +107,7 @@ fn higher(
     })
 }
 
-/// `ü + 2 ζ ω u̇ + ω² u = −a(t)` over a step in which a is linear.
+/// The step of `ü + 2 ζ ω u̇ + ω² u = −a(t)` with a linear a.
 pub(crate) struct OscillatorStep {
     omega: f64,
     /// Damping ratio ζ, less than 1.
@@ -162,8 +162,8 @@ mod tests {
         }
     }
 
-    /// Under `a = s t` from rest, `u = s/ω³ [2ζ − ω t + exp(−ζωt) ((1 − 2ζ²)/√(1−ζ²) sin ω_d t − 2ζ cos ω_d t)]`; the
-    /// recurrence meets it with any step.
+    /// The recurrence meets the closed form under `a = s t` with any step. From rest it is
+    /// `u = s/ω³ [2ζ − ω t + exp(−ζωt) ((1 − 2ζ²)/√(1−ζ²) sin ω_d t − 2ζ cos ω_d t)]`.
     #[test]
     fn a_ramp_gives_the_closed_form_with_any_step() {
         let (omega, slope, root) = (TAU / 0.7, 3.0, (1.0 - DAMPING * DAMPING).sqrt());
@@ -181,8 +181,8 @@ mod tests {
         }
     }
 
-    /// A stiff oscillator follows the ground acceleration; a soft one stays in place, so that its relative velocity is that of the
-    /// ground. Sa is proportional to the record.
+    /// A stiff oscillator follows the ground acceleration. A soft one stays in place, so that its relative velocity is that of the ground.
+    /// Sa is proportional to the record.
     #[test]
     fn stiff_and_soft_limits_are_ground_values() {
         let samples: Vec<f64> = (0..400).map(|i| (0.05 * f64::from(i)).sin() * (0.011 * f64::from(i)).cos()).collect();

@@ -11,9 +11,9 @@ const BAND: std::ops::RangeInclusive<f64> = 0.25..=20.0;
 /// Greatest spacing of the frequencies (Hz).
 const RESOLUTION: f64 = 0.05;
 
-/// Mean period T_m = Σ C²/f / Σ C² (s) of the Fourier amplitudes C of the samples. The frequencies f are those from 0.25 to 20 Hz, at most
-/// 0.05 Hz apart (E. M. Rathje, N. A. Abrahamson, J. D. Bray, J. Geotech. Geoenviron. Eng. 124 (1998) 150–159; E. M. Rathje, F. Faraj, S.
-/// Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119–144). `None` for a record without amplitudes in the band.
+/// Mean period T_m = Σ C²/f / Σ C² (s) of a record. C are the Fourier amplitudes of the samples. The frequencies f are those from 0.25 to
+/// 20 Hz, at most 0.05 Hz apart (E. M. Rathje, N. A. Abrahamson, J. D. Bray, J. Geotech. Geoenviron. Eng. 124 (1998) 150–159; E. M. Rathje,
+/// F. Faraj, S. Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119–144). `None` for a record without amplitudes in the band.
 ///
 /// Zeros are appended until the number of samples is a power of two and the frequency spacing is small enough.
 pub fn mean_period(record: &Record) -> Option<f64> {
@@ -41,7 +41,7 @@ mod tests {
     use crate::intensity::{near, record_of};
     use std::f64::consts::TAU;
 
-    /// A sine has its own period, two of equal amplitude the mean of theirs; frequencies outside the band are ignored.
+    /// A sine has its own period, two of equal amplitude the mean of theirs. Frequencies outside the band are ignored.
     #[test]
     fn sines_have_their_periods() {
         let of = |frequencies: &[f64]| {

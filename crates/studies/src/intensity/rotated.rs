@@ -1,10 +1,10 @@
-//! Two horizontal components at right angles → the component in any direction, and intensity measures over all directions.
+//! Two horizontal components → the component in any direction, and measures over all directions.
 
 use rocking_records::Record;
 
 use crate::intensity::Measure;
 
-/// Returns the component at `angle` (degrees) from `record` towards `transverse`: `a cos φ + a_t sin φ`.
+/// Returns the component at `angle` (degrees) from `record` towards `transverse`. It is `a cos φ + a_t sin φ`.
 ///
 /// Beyond its end the shorter component is zero.
 ///
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use crate::intensity::{near, record_of};
 
-    /// Of a motion along a line at β, the component at φ has |cos(φ − β)| of it; of a circular motion each has the same.
+    /// A motion along a line at β has a component |cos(φ − β)| at φ. A circular motion has the same in each direction.
     #[test]
     fn motions_along_a_line_and_in_a_circle_have_closed_forms() {
         let beta = 37.0_f64.to_radians();

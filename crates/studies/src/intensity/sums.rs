@@ -95,7 +95,7 @@ fn square([a, b]: [f64; 2], time: f64) -> f64 {
     time * (a * a + a * b + b * b) / 3.0
 }
 
-/// The real zeros of `c2 t² + c1 t + c0`, to round-off; missing zeros are not finite.
+/// The real zeros of `c2 t² + c1 t + c0`, to round-off. Missing zeros are not finite.
 fn zeros(c2: f64, c1: f64, c0: f64) -> [f64; 2] {
     let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
     let sum = -0.5 * (c1 + root.copysign(c1));
@@ -107,8 +107,8 @@ mod tests {
     use super::*;
     use crate::intensity::{near, record_of};
 
-    /// +1 m/s² for 1 s, then in 0.5 s through zero to −1 m/s²: v peaks at 1.125 m/s, at the zero; 2.5 s at −1 m/s² then lead to
-    /// −1.5 m/s.
+    /// The velocity peaks at a zero of the acceleration between samples. The acceleration is +1 m/s² for 1 s, then in 0.5 s −1 m/s²: v
+    /// peaks at 1.125 m/s, and 2.5 s at −1 m/s² then lead to −1.5 m/s.
     #[test]
     fn velocity_peaks_between_samples_too() {
         let mut samples = vec![1.0; 3];
@@ -119,8 +119,8 @@ mod tests {
         near(pga(&record_of(&[0.5, -2.0, 1.0], 0.5)), 2.0, 0.0);
     }
 
-    /// +1 m/s² for 1 s, then in 1 s to −2 m/s² for 1 s: the displacement has samples of 0.5, 1.5 and 1 m; the velocity, 0.5 m/s at
-    /// 2 s, is zero a quarter of a second later.
+    /// The displacement peaks at a zero of the velocity between samples. The acceleration is +1 m/s² for 1 s, then in 1 s −2 m/s² for 1 s:
+    /// the displacement has samples of 0.5, 1.5 and 1 m; the velocity, 0.5 m/s at 2 s, is zero a quarter of a second later.
     #[test]
     fn displacement_peaks_between_samples_too() {
         near(pgd(&record_of(&[1.0, 1.0, -2.0, -2.0], 1.0)), 1.5625, 1e-15);
@@ -131,7 +131,7 @@ mod tests {
         near(pgd(&record_of(&[1.0, 1.0, -7.0], 1.0)), 0.5 + t * (1.0 + t * (0.5 - t * 4.0 / 3.0)), 1e-14);
     }
 
-    /// Under `a = A sin ωt` over whole half-waves, I_A = πA²T/(4g) and CAV = 2AT/π; 100 samples per half-wave are accurate to 1e-3.
+    /// Whole half-waves of `a = A sin ωt` have I_A = πA²T/(4g) and CAV = 2AT/π. 100 samples per half-wave are accurate to 1e-3.
     #[test]
     fn a_sine_gives_the_closed_forms() {
         let samples: Vec<f64> = (0..=1000).map(|i| 3.0 * (PI * f64::from(i) / 100.0).sin()).collect();
@@ -140,8 +140,8 @@ mod tests {
         near(cumulative_absolute_velocity(&record), 2.0 * 3.0 * 4.0 / PI, 1e-4);
     }
 
-    /// Under a constant acceleration ∫a² grows linearly; under `a = t` over T as t³: T (0.95^⅓ − 0.05^⅓). From −1 to 1 in
-    /// one step, |a| is a triangle on each side.
+    /// ∫a² grows linearly under a constant acceleration, and as t³ under `a = t` over T. The latter gives T (0.95^⅓ − 0.05^⅓). From −1 to 1
+    /// in one step, |a| is a triangle on each side.
     #[test]
     fn linear_accelerations_are_exact() {
         near(significant_duration(&record_of(&[2.0, 2.0], 3.0)).unwrap(), 2.7, 1e-14);

@@ -4,7 +4,6 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use rocking_block::numerics::wide::VectorWidth;
-use serde::Serialize;
 
 use crate::output::csv::lines;
 use crate::output::runner::Study;
@@ -22,7 +21,7 @@ const LIMIT: Duration = Duration::from_secs(4);
 const MIN_TASKS: usize = 8;
 
 /// The expected cost of a study.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Number of rows.
     pub rows: u64,

@@ -1,4 +1,4 @@
-//! The name of an output → its target: a regular file, a device or pipe, or standard output.
+//! The name of an output → a regular file, a device or pipe, or standard output.
 
 use std::fs::{self, Metadata, OpenOptions};
 use std::io::{self, Write};
@@ -32,7 +32,7 @@ pub enum OutputTargetError {
 /// The target of an output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OutputTarget {
-    /// Standard output: `-`, another of its names such as `/dev/stdout`, or the file to which it is redirected.
+    /// Standard output by any of its names. These are `-`, another one such as `/dev/stdout`, and the file to which it is redirected.
     StandardOutput,
     /// A device, a pipe or an open file of another program, appended to.
     Stream(PathBuf),
@@ -125,7 +125,7 @@ pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The end of a chain of symbolic links, existing or not, or the first open file of a program in it.
+/// The end of a chain of symbolic links, existing or not. An open file of a program ends the chain.
 fn target(path: &Path) -> io::Result<PathBuf> {
     // The limit of Linux; the caller has checked that the chain ends.
     const LINKS: usize = 40;

@@ -359,7 +359,7 @@ mod tests {
         }
     }
 
-    /// The part is broken for the program that makes it, and its readers say what to do.
+    /// The part is broken for its program, and its readers name the remedy.
     #[test]
     fn a_damaged_part_is_named_with_its_remedy() {
         let folder = tempfile::tempdir().unwrap();

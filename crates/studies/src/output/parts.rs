@@ -15,7 +15,7 @@ use crate::output::reading::{TableReadError, is_parquet, parquet_description};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
 
-/// Blocks of rows in a part of a large study: enough that all parts cost about the same.
+/// Number of blocks of rows in a part of a large study. It is enough for all parts to cost about the same.
 const BLOCKS: u64 = 32;
 
 /// Most rows of a block: enough to fill the lanes of vectors.

@@ -225,7 +225,7 @@ impl<'a> TableReader<'a> {
         self.rows
     }
 
-    /// Checks the headings of a further file, or takes those of the first with columns of these kinds.
+    /// Checks the headings of a further file. The first gives the headings, with columns of these kinds.
     fn begin(
         &mut self,
         file: &str,

@@ -1,4 +1,4 @@
-//! Rows → a CSV file that an interrupted study can resume, or a file in CSV or Parquet that is complete or absent.
+//! Rows → a table that an interrupted study can resume, or that is written whole. The former is CSV, the latter CSV or Parquet.
 //!
 //! The file begins with lines that start with `# ` and describe the study, followed by the names of the columns and one line per
 //! row. An interrupted study leaves a prefix of the complete file.
@@ -372,7 +372,7 @@ fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
     }
 }
 
-/// Length (bytes) of the complete lines of a file begun by this study, the number of its rows, and the failed ones.
+/// Length (bytes) of the complete lines of a file begun by this study. The number of its rows and the failed ones follow.
 fn complete_rows(
     file: &File,
     name: &str,

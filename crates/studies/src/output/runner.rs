@@ -12,7 +12,7 @@ use crate::output::table::Table;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 
-/// Tasks per thread in progress or waiting for their turn; a task this many times longer than the others delays none.
+/// Tasks per thread in progress or waiting for their turn. A task this many times longer than the others delays none.
 const AHEAD: u64 = 32;
 
 /// Batches of rows per thread in progress or waiting for their turn.
@@ -21,7 +21,7 @@ const BATCHES_AHEAD: u64 = 4;
 /// Maximum number of runs per batch; a row is never split.
 pub(crate) const MAX_RUNS: u64 = 512;
 
-/// Maximum number of runs per batch without vectors: enough that passing on the rows takes little time.
+/// Maximum number of runs per batch without vectors. Passing on the rows of so many takes little time.
 const MAX_SINGLE_RUNS: u64 = 16;
 
 /// A study: a table of rows, each from one or several runs.

@@ -49,7 +49,7 @@ impl Display for Heading {
     }
 }
 
-/// The number that a field stands for: NaN if it is empty, `None` if it is no number.
+/// The number of a field. It is NaN for an empty field, and `None` for one that is no number.
 pub(super) fn number(field: &str) -> Option<f64> {
     if field.is_empty() { Some(f64::NAN) } else { field.parse().ok().filter(|number: &f64| !number.is_nan()) }
 }

@@ -7,7 +7,8 @@ use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_
 use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
 use crate::output::table::{Table, Values};
 
-/// The files of a table: the parts of a folder, all of one set, or others. Folders named `key=value` split it: each has a set of its own.
+/// The files of a table: the parts of a folder, or others. The parts are all of one set. Folders named `key=value` split it: each has a set
+/// of its own.
 pub struct TableFiles {
     folder: String,
     files: Vec<TableFile>,
@@ -200,7 +201,7 @@ impl TableFiles {
     }
 }
 
-/// The error of a file that is being read, or of the receiver of its rows.
+/// The error of reading a file, or that of the receiver of its rows.
 enum VisitError<E> {
     File(TableReadError),
     Receiver(E),
@@ -221,7 +222,7 @@ impl<E: From<PartsError>> VisitError<E> {
     }
 }
 
-/// The error of a part that cannot be read: it is damaged if its content is the reason.
+/// The error of a part that cannot be read. The part is damaged if its content is the reason.
 fn damaged_or(error: TableReadError, part: PartNumber) -> PartsError {
     use TableReadError::{Csv, Empty, Fields, Io, Joined, NoParquet, NoText, OtherColumns, Parquet};
     let message = error.to_string();
@@ -243,7 +244,7 @@ fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?', '['])
 }
 
-/// The keys in the names of a file's folders, such as `region=north`, as Dask, Spark and others write them.
+/// The keys in the names of a file's folders, such as `region=north`. Dask, Spark and others write them.
 fn keys(path: &Path) -> Vec<(String, String)> {
     let folders = path.parent().into_iter().flat_map(Path::components);
     let key = |name: std::path::Component| {

@@ -1,4 +1,4 @@
-//! A block → its moment over a slow rotation, and the loop of a cycle: static pushover with its landmarks.
+//! A block → its moment over a slow rotation with its landmarks, and a cycle.
 //!
 //! A lateral force F at the centre of mass turns the block about its foot: the standing corner, or the middle of the base. Supports, ties
 //! and dampers follow their laws at rest, so that dashpots do nothing.
@@ -148,13 +148,14 @@ pub struct Cycle {
     pub lost: [f64; restraints::MAX],
     /// That before the closed cycle (J).
     pub lost_before: [f64; restraints::MAX],
-    /// Equivalent viscous damping ratio ξ_eq of yielding alone (1): `E_D/(2π M_A A)`, with the energy E_D lost in a cycle of amplitude A and the
-    /// mean M_A of the moments at its two ends.
+    /// Equivalent viscous damping ratio ξ_eq of yielding alone (1): `E_D/(2π M_A A)`. E_D is the energy lost in a cycle of amplitude A, and
+    /// M_A the mean of the moments at its two ends.
     ///
     /// L. S. Jacobsen, "Steady forced vibration as influenced by damping", Transactions of the ASME 52 (1930) 169–181. Landings take
     /// energy beside it. NaN where the moments do not resist the rotation.
     pub equivalent_damping: f64,
-    /// Recentring ratio λ at the amplitude (1): moment of weight, supports and ties over the dampers'. Infinite without dampers.
+    /// Recentring ratio λ at the amplitude (1). It is the moment of weight, supports and ties over that of the dampers. Infinite without
+    /// dampers.
     ///
     /// With λ above 1 a lifted corner lands again; on supports a rotation in full contact may remain. NZS 3101:2006, appendix B, asks for at
     /// least the overstrength of the dampers, 1.15 or more.
@@ -240,7 +241,8 @@ impl Cycle {
     }
 }
 
-/// Returns the rotation (rad) at which the lateral force vanishes on the way from an amplitude on this side through the upright position.
+/// Returns the rotation (rad) at which the lateral force vanishes after an amplitude. The block comes from this side through the upright
+/// position.
 fn residual(rows: &[Equilibrium], side: f64) -> f64 {
     let crossing = rows.windows(2).find(|pair| pair[1].force * side <= 0.0);
     crossing.map_or(0.0, |pair| {

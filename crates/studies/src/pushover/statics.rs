@@ -1,4 +1,4 @@
-//! A rotation and the states of restraints → the block at rest under a lateral force at its centre of mass.
+//! A rotation and the states of restraints → the block at rest under a lateral force. The force acts at the centre of mass.
 
 use super::PushoverError;
 use rocking_block::block::restraints::{self, ObservedRestraint, States};
@@ -74,7 +74,7 @@ impl Stretch {
         Kinematics { sin_cos: [sin, cos], theta_dot: zero, center: [u, v], velocity: [zero; 2] }
     }
 
-    /// Returns the forces at a rotation and a height of the centre of mass; on a rigid base the reactions of a block at rest.
+    /// Returns the forces at a rotation and a height of the centre of mass. On a rigid base the reactions are those of a block at rest.
     fn forces<T: CombinesWith<f64>>(&self, block: &Block, theta: T, v: T) -> Forces<T> {
         let kinematics = self.kinematics(block, theta, v);
         let [sin, cos] = kinematics.sin_cos;
@@ -163,7 +163,7 @@ impl Stretch {
         })
     }
 
-    /// Returns the height of the centre of mass at which the supports balance weight and restraints, with its rate along the path.
+    /// Returns the height at which the supports balance weight and restraints. Its rate is that along the path.
     fn height_on_supports(
         &self,
         block: &Block,

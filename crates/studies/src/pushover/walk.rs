@@ -185,7 +185,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Returns the first function that falls within a step of this length (rad), and the rotation there.
+    /// Returns the first function that falls within a step, and the rotation there. The step has this length (rad).
     fn first_fall(&self, step: f64) -> Result<Option<(Watched, f64)>, PushoverError> {
         let (from, direction) = (self.at.theta, self.direction);
         let end = self.solve(from + step * direction)?;

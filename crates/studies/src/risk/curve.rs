@@ -1,4 +1,4 @@
-//! A fragility curve, a power law → the part of the rate from a range of the measure.
+//! A fragility curve and a power law → the rate from a range of the measure.
 
 use crate::fragility::{CurveFit, Link};
 use crate::risk::hazard::PowerLaw;
@@ -174,7 +174,7 @@ fn deviate(x: f64, median: f64, beta: f64) -> f64 {
     if distance == 0.0 { 0.0 } else { distance / beta }
 }
 
-/// `∫ H dΦ` over a power law: `H(x*) exp(−k²β²/2) (Φ(w₁) − Φ(w₀))` with w = z + kβ, which is zero at x*.
+/// `∫ H dΦ` over a power law. It is `H(x*) exp(−k²β²/2) (Φ(w₁) − Φ(w₀))` with w = z + kβ, which is zero at x*.
 ///
 /// Far from x* the factor overflows; there the difference is that of `H φ(z) Φ(−|w|)/φ(w)` at both ends.
 fn lognormal(law: &PowerLaw, mu: f64, beta: f64) -> f64 {
@@ -198,7 +198,7 @@ fn lognormal(law: &PowerLaw, mu: f64, beta: f64) -> f64 {
     }
 }
 
-/// `∫ H dP` over a power law for a probability that is linear in the logarithm between two levels.
+/// `∫ H dP` over a power law and a linear P. The probability P is linear in the logarithm between two levels.
 fn linear(law: &PowerLaw, levels: [f64; 2], probabilities: [f64; 2]) -> f64 {
     let [x0, x1] = levels.map(libm::log);
     let Some(part) = law.between(x0, x1) else { return 0.0 };

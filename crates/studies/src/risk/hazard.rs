@@ -83,7 +83,7 @@ impl HazardCurve {
         &self.rates
     }
 
-    /// Multiplies the levels by a factor above zero, as for another unit or a relative measure.
+    /// Multiplies the levels by a factor above zero. The factor may change the unit, or make the measure relative.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> HazardCurve {
         self.levels.iter_mut().for_each(|level| *level *= factor);
@@ -113,7 +113,7 @@ impl HazardCurve {
     }
 }
 
-/// A part of a hazard curve: `H = rate · exp(−slope (x − at))` for x = ln m between `from` and `to`.
+/// A part of a hazard curve: `H = rate · exp(−slope (x − at))`. It holds for x = ln m between `from` and `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PowerLaw {
     pub from: f64,

@@ -1,4 +1,4 @@
-//! A hazard curve and a fragility curve → the annual rate at which a limit is exceeded.
+//! A hazard curve and a fragility curve → the annual rate of exceeding a limit.
 //!
 //! The rate is `λ = ∫ P(m) |dH(m)|` (C. A. Cornell, F. Jalayer, R. O. Hamburger, D. A. Foutch, Probabilistic basis for 2000 SAC
 //! Federal Emergency Management Agency steel moment frame guidelines, J. Struct. Eng. 128 (2002) 526–533): H is the annual rate at

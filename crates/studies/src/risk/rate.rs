@@ -114,7 +114,7 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
 pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     /// Points of the band; between them the probability is linear in the logarithm.
     const POINTS: u32 = 240;
-    /// Upper end of the band below which it is left out, and the number of halvings of the measure to get there.
+    /// Upper end of the band below which it is left out. The number of halvings of the measure to get there follows.
     const NEGLIGIBLE: f64 = 1e-9;
     const HALVINGS: usize = 30;
     let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
@@ -180,7 +180,7 @@ mod tests {
         }
     }
 
-    /// The logistic curve has λ = k0 median^−k πkβ/sin(πkβ) (a beta function), infinite from kβ = 1 on.
+    /// The logistic curve has λ = k0 median^−k πkβ/sin(πkβ), a beta function. It is infinite from kβ = 1 on.
     #[test]
     fn a_power_law_and_a_logistic_curve_have_the_closed_form() {
         for (k, median, beta) in [(2.5, 0.6, 0.2), (1.0, 0.3, 0.05), (2.0, 3.0, 0.49)] {
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!((found.rate, found.quantile(0.5)), (f64::INFINITY, None));
     }
 
-    /// A step gives the hazard at its place: inside and outside of the levels, and on one of them.
+    /// A step gives the hazard at its place. It stands inside and outside of the levels, and on one of them.
     ///
     /// Between the levels the rates are power laws, here m⁻², constant, and m⁻³, which the first and the last continue.
     #[test]
@@ -214,7 +214,7 @@ mod tests {
         }
     }
 
-    /// A probability of p at all levels of a table gives p times the hazard at the least level, within the hazard's range.
+    /// A constant probability p gives p times the hazard at the least level. It holds within the hazard's range.
     #[test]
     fn a_constant_probability_gives_its_fraction_of_the_hazard() {
         let hazard = power_law(1e-4, 2.0, &levels());
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(found.below_hazard, 0.0);
     }
 
-    /// A lognormal curve tabulated every h = 0.004 β has its rate, within the h²/12 β² of linear interpolation.
+    /// A lognormal curve tabulated every h = 0.004 β has its rate. The error is within the h²/12 β² of linear interpolation.
     ///
     /// The table is integrated piece by piece, the curve in closed form, which the tests above compare with Cornell's.
     #[test]

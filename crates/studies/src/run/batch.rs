@@ -1,4 +1,4 @@
-//! Runs → their outcomes, several of them stepped at once in the lanes of the processor's vectors.
+//! Runs → their outcomes, several stepped at once in lanes of vectors.
 //!
 //! A batch has several times more active runs than lanes. Runs whose next step is of the same kind are stepped together, whatever
 //! their times and records. The bits of the outcomes are those of [`Run::outcome`].
@@ -9,7 +9,7 @@ use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 use rocking_block::simulation::lanes::{BatchKind, Lane, Next, step_group};
 
-/// Active runs per lane, enough for a full group of some kind at nearly every step.
+/// Active runs per lane. They fill a group of some kind at nearly every step.
 const RUNS_PER_LANE: usize = 8;
 
 /// Numbers of steps taken in lanes and alone.
@@ -110,7 +110,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         }
     }
 
-    /// Advances a run, or its successors once it has ended, until one waits for a group.
+    /// Advances a run until it waits for a group. Its successors follow once it has ended.
     fn advance(&mut self, mut lane: Box<Lane>) {
         loop {
             let continues = match lane.next_step(self.active[lane.tag].schedule.inputs()) {
@@ -161,7 +161,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         (self.ended)();
     }
 
-    /// Steps a group of the most frequent kind and leaves the continuing runs in `group`; returns false if none waited.
+    /// Steps a group of the most frequent kind; returns false if no run waited. The continuing runs are in `group`.
     #[expect(clippy::vec_box, reason = "as `waiting`")]
     fn step(&mut self, group: &mut Vec<Box<Lane>>) -> bool {
         let mut number = 0;

@@ -1,18 +1,19 @@
-//! A run, an amplitude → the half cycles of plastic elongations that reach it, a measure of low-cycle fatigue.
+//! A run and an amplitude → the half cycles of plastic elongations above it. They are a measure of low-cycle fatigue.
 
 use crate::output::table::TableColumn;
 use crate::run::Run;
+use crate::run::rows::RunRow;
 use rocking_block::block::restraints::MAX;
+use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
 /// The beginning of the column's name, before the amplitude.
 pub const COLUMN: &str = "half_cycles>";
 
-/// The column of the greatest number of half cycles of any tie or damper. It is over rows with this run; their amplitude exceeds the given
-/// one (m).
-pub fn column<'c, R>(amplitude: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
-    TableColumn::count(format!("{COLUMN}{amplitude}"), move |row| {
-        run(row).half_cycles(amplitude).into_iter().max().unwrap_or_default()
+/// The column of the greatest number of half cycles of any tie or damper. Their amplitude exceeds the given one (m).
+pub fn column<'c, I>(amplitude: f64) -> TableColumn<'c, RunRow<I>> {
+    TableColumn::count(format!("{COLUMN}{amplitude}"), move |row: &RunRow<I>| {
+        row.run.half_cycles(amplitude).into_iter().max().unwrap_or_default()
     })
 }
 
@@ -42,7 +43,7 @@ impl HalfCycles {
 }
 
 impl Run {
-    /// The half cycles of plastic elongations of ties and dampers above an amplitude (m), by number.
+    /// The half cycles of each tie and damper above an amplitude (m).
     ///
     /// The amplitude is half the range between two turning points; the first half cycle begins at zero. A failed run counts as far as it came.
     pub fn half_cycles(&self, amplitude: f64) -> [u32; MAX] {
@@ -53,23 +54,19 @@ impl Run {
             }
         };
         let mut simulation = self.begin();
-        let mut schedule = self.schedule(&simulation);
-        schedule.check(&simulation);
         sample(&simulation);
-        'stops: while let Some(stop) = schedule.next_stop(&simulation) {
+        let advance = |simulation: &mut Simulation, stop, inputs: &Inputs| {
             // Plastic elongations turn at events only.
             loop {
                 let now = simulation.time();
-                let Ok(progress) = simulation.advance_to_event(stop, now, schedule.inputs(), &mut |_| ()) else {
-                    break 'stops;
-                };
-                sample(&simulation);
-                if progress.is_some() {
-                    break;
+                let progress = simulation.advance_to_event(stop, now, inputs, &mut |_| ())?;
+                sample(simulation);
+                if let Some(progress) = progress {
+                    return Ok(progress);
                 }
             }
-            schedule.stopped(self, &simulation);
-        }
+        };
+        let _ = self.drive(&mut simulation, advance, |_, _, _| ());
         cycles.map(|cycles| cycles.ended(amplitude).count)
     }
 }

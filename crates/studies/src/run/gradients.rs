@@ -1,5 +1,6 @@
-//! A run and parameters of it → its history, with the derivatives of the columns, of the times of events and of the peaks.
+//! A run and parameters of it → its history with derivatives. They are those of the columns, of the times of events and of the peaks.
 
+use rocking_block::block::Block;
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Energies, Simulation, SimulationError};
@@ -29,6 +30,12 @@ pub struct Gradients {
     pub grazing: Option<Grazing>,
 }
 
+/// Returns a block varied with respect to a batch of the named `parameters`. `None` if they lack one.
+pub(crate) fn with_respect_to(parameters: &Parameters, block: &Block, names: &[String]) -> Option<Varied> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    Varied::with_respect_to(parameters, block, &names)
+}
+
 impl Run {
     /// Makes the run with its derivatives with respect to the named `parameters`. These are the parameters of this run; `None` if they lack
     /// one.
@@ -43,13 +50,8 @@ impl Run {
         names: &[String],
         mut progress: impl FnMut(f64),
     ) -> Option<Result<(History, Gradients), SimulationError>> {
-        let varied: Option<Vec<Varied>> = names
-            .chunks(BATCH)
-            .map(|names| {
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                Varied::with_respect_to(parameters, &self.block, &names)
-            })
-            .collect();
+        let varied: Option<Vec<Varied>> =
+            names.chunks(BATCH).map(|names| with_respect_to(parameters, &self.block, names)).collect();
         let mut simulation = self.begin();
         let mut schedule = self.schedule(&simulation);
         let mut followers: Vec<Follower> =

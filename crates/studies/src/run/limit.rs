@@ -9,7 +9,7 @@ use crate::run::outcome::End;
 pub enum Limit {
     /// Overturning.
     Overturned,
-    /// The balance of a side, the rotation |θ| with the centre of mass over the corner. A block that overturns exceeds it.
+    /// The balance of a side: |θ| with the centre of mass over the corner. A block that overturns exceeds it.
     Balance,
     /// A rotation |θ|/α (1); a block that overturns exceeds it.
     Rotation(f64),

@@ -8,6 +8,7 @@
 //! | [`sliding`] | a run, a coefficient of friction → the longest time for which the demand exceeds it |
 //! | [`fatigue`] | a run, an amplitude → the half cycles of plastic elongations above it |
 //! | [`batch`] | runs → their outcomes, several of them stepped at once |
+//! | [`rows`] | the inputs and the runs of rows → the rows with their outcomes |
 //! | [`gradients`] | a run, parameters → its history with derivatives |
 //! | [`table`] | a history → a CSV table |
 
@@ -16,6 +17,7 @@ pub mod fatigue;
 pub mod gradients;
 pub mod limit;
 pub mod outcome;
+pub mod rows;
 pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
@@ -52,6 +54,15 @@ pub struct Run {
     ///
     /// Infinite for rows at the start and the end only.
     pub output_step: f64,
+}
+
+/// Whether a record, a pulse or the initial state moves a block.
+pub fn is_moved(ground: &Ground, pulse: &Pulse, initial: &Initial) -> bool {
+    !ground.is_empty()
+        || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+        || initial.theta != 0.0
+        || initial.theta_dot != 0.0
+        || initial.vertical.is_some()
 }
 
 /// The state of the block at one time.
@@ -100,7 +111,7 @@ pub struct History {
 
 /// Greatest number of rows of a history, including those of its derivatives. They need some 10 GB of memory.
 pub const MAX_ROWS: f64 = 1e7;
-/// Memory for a row (bytes): two in a vector that doubles its capacity, and the numbers of the table.
+/// Memory for a row (bytes). It covers two rows in a vector that doubles its capacity, and the numbers of the table.
 const MEMORY_OF_ROW: f64 = 2.0 * size_of::<Row>() as f64 + 256.0;
 
 /// The reason why the history of a run does not fit into memory.
@@ -189,11 +200,13 @@ impl Run {
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
         let (mut rows, mut events) = (Vec::new(), Vec::new());
         let mut simulation = self.begin();
-        let (lean, driven) =
-            self.drive(&mut simulation, &mut |event| events.push(*event), |done, simulation, inputs| {
-                rows.push(self.row(simulation, inputs));
-                progress(done);
-            });
+        let advance = |simulation: &mut Simulation, stop, inputs: &Inputs| {
+            simulation.advance(stop, inputs, &mut |event| events.push(*event))
+        };
+        let (lean, driven) = self.drive(&mut simulation, advance, |done, simulation, inputs| {
+            rows.push(self.row(simulation, inputs));
+            progress(done);
+        });
         driven.map(|()| self.finished(&simulation, lean, rows, events))
     }
 
@@ -212,7 +225,10 @@ impl Run {
     pub fn outcome(&self) -> Outcome {
         let mut simulation = self.begin();
         let mut incidents = Incidents::begin(&simulation);
-        let (lean, driven) = self.drive(&mut simulation, &mut |event| incidents.count_event(event), |_, _, _| ());
+        let advance = |simulation: &mut Simulation, stop, inputs: &Inputs| {
+            simulation.advance(stop, inputs, &mut |event| incidents.count_event(event))
+        };
+        let (lean, driven) = self.drive(&mut simulation, advance, |_, _, _| ());
         self.outcome_of(&simulation, lean, incidents, driven.err())
     }
 
@@ -228,8 +244,8 @@ impl Run {
         let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
         let (peaks, counts, Incidents { flights, breaks }) = (simulation.peaks(), simulation.counts(), incidents);
         let lean = lean.at_end(simulation);
-        let Holds { ties, .. } = Holds::of(&self.block);
-        Outcome { end, end_time, peaks, counts, flights, lean, breaks, ties, failure }
+        let (alpha, Holds { ties, .. }) = (self.block.alpha, Holds::of(&self.block));
+        Outcome { end, end_time, peaks, counts, flights, lean, breaks, alpha, ties, failure }
     }
 
     /// The end of the run if it ends with this simulation, without a failure.
@@ -248,16 +264,12 @@ impl Run {
     /// The longest uninterrupted time (s) with |H|/(N_L + N_R) above a coefficient of friction (1).
     pub fn longest_above(&self, friction: f64) -> f64 {
         let mut sliding = Sliding::new(friction);
-        let mut simulation = self.begin();
-        let mut schedule = self.schedule(&simulation);
-        schedule.check(&simulation);
-        while let Some(stop) = schedule.next_stop(&simulation) {
-            sliding.follow(&simulation, stop, schedule.inputs());
-            if simulation.advance(stop, schedule.inputs(), &mut |_| ()).is_err() {
-                break;
-            }
-            schedule.stopped(self, &simulation);
-        }
+        let advance = |simulation: &mut Simulation, stop, inputs: &Inputs| {
+            sliding.follow(simulation, stop, inputs);
+            simulation.advance(stop, inputs, &mut |_| ())
+        };
+        // A failed run counts as far as it came.
+        let _ = self.drive(&mut self.begin(), advance, |_, _, _| ());
         sliding.longest
     }
 
@@ -290,20 +302,21 @@ impl Run {
         StoppingRule::new(self.ground_at_rest(), is_free)
     }
 
-    /// Makes the run; `row` receives the fraction done, the block and the inputs, at the start and at each row.
+    /// Makes the run: `advance` moves the simulation to each stop, under these inputs.
     ///
-    /// Returns how far the block leaned. An error leaves the simulation at the last good step.
-    fn drive(
+    /// `row` receives the fraction done, the block and the inputs, at the start and at each row. Returns how far the block leaned. An error
+    /// leaves the simulation at the last good step.
+    fn drive<T>(
         &self,
         simulation: &mut Simulation,
-        events: &mut dyn FnMut(&Event),
+        mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<T, SimulationError>,
         mut row: impl FnMut(f64, &Simulation, &Inputs),
     ) -> (Lean, Result<(), SimulationError>) {
         let mut schedule = self.schedule(simulation);
         row(0.0, simulation, schedule.inputs());
         schedule.check(simulation);
         while let Some(stop) = schedule.next_stop(simulation) {
-            if let Err(error) = simulation.advance(stop, schedule.inputs(), events) {
+            if let Err(error) = advance(simulation, stop, schedule.inputs()) {
                 return (schedule.lean, Err(error));
             }
             if let Some(done) = schedule.stopped(self, simulation) {
@@ -389,7 +402,7 @@ impl Schedule {
         &self.piece.inputs
     }
 
-    /// Whether the simulation has ended; a block that is held is shown for the given duration.
+    /// Whether the simulation has ended. A block that is held is shown for the given duration.
     fn is_over(&self, simulation: &Simulation) -> bool {
         simulation.ending().is_some() && !(simulation.is_frozen() && self.duration.is_some())
     }
@@ -412,7 +425,7 @@ impl Schedule {
         continues.then_some(self.stop)
     }
 
-    /// Finds the time of the next row; a row within rounding of the end is the last.
+    /// Finds the time of the next row. A row within rounding of the end is the last.
     fn find_next_row(&mut self) {
         let Schedule { start, end, output_step, rows, .. } = *self;
         let time = start + (rows + 1) as f64 * output_step;
@@ -438,7 +451,7 @@ impl Schedule {
     }
 }
 
-/// Returns the earlier of two times that are not NaN, in a third of the instructions of `f64::min`.
+/// Returns the earlier of two times that are not NaN. It takes a third of the instructions of `f64::min`.
 #[inline]
 fn earlier(first: f64, second: f64) -> f64 {
     if second < first { second } else { first }

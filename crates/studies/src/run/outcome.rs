@@ -24,6 +24,8 @@ pub struct Outcome {
     pub lean: Lean,
     /// Ties and dampers that broke.
     pub breaks: Breaks,
+    /// Slenderness α of the block (rad).
+    pub alpha: f64,
     /// Number of ties of the block, before whose dampers they are numbered.
     pub ties: usize,
     /// Reason of a failure.
@@ -147,23 +149,14 @@ impl Outcome {
     }
 }
 
-/// A row of a table with the outcome of a run.
-pub trait OutcomeRow {
-    /// The outcome.
-    fn outcome(&self) -> &Outcome;
-    /// Slenderness α of the block (rad).
-    fn alpha(&self) -> f64;
-}
-
 /// The columns of the outcomes of blocks. Those of friction, ties and dampers are there if a block has any.
 ///
-/// The time of the first separation is missing where there is none.
-pub fn columns<'c, R: OutcomeRow + 'c>(holds: Holds) -> Vec<TableColumn<'c, R>> {
-    let of = R::outcome;
+/// `of` takes the outcome from a row. The time of the first separation is missing where there is none.
+pub fn columns<'c, R: 'c>(holds: Holds, of: fn(&R) -> &Outcome) -> Vec<TableColumn<'c, R>> {
     let mut columns = vec![
         TableColumn::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
         TableColumn::real("end_time", "s", move |row| of(row).end_time),
-        TableColumn::real("peak.theta/alpha", "1", move |row| of(row).peaks.theta / row.alpha()),
+        TableColumn::real("peak.theta/alpha", "1", move |row| of(row).peaks.theta / of(row).alpha),
         TableColumn::real("peak.uplift", "m", move |row| of(row).peaks.uplift),
         TableColumn::real("peak.N", "N", move |row| of(row).peaks.reaction),
         TableColumn::real("peak.H", "N", move |row| of(row).peaks.horizontal),
@@ -189,7 +182,7 @@ pub fn columns<'c, R: OutcomeRow + 'c>(holds: Holds) -> Vec<TableColumn<'c, R>> 
         // Ties may hold a block beyond its balance.
         columns.extend([
             TableColumn::real("peak.theta/balance", "1", move |row| of(row).lean.over_balance),
-            TableColumn::real("end.theta/alpha", "1", move |row| of(row).lean.end / row.alpha()),
+            TableColumn::real("end.theta/alpha", "1", move |row| of(row).lean.end / of(row).alpha),
             TableColumn::count("ties.broken", move |row| of(row).breaks.count),
             TableColumn::optional("first_break", "s", move |row| of(row).breaks.first),
         ]);
@@ -263,7 +256,7 @@ pub struct Lean {
 }
 
 impl Lean {
-    /// Rotation at rest (α) from which a block is tilted rather than upright: the round-off of rest on supports is below.
+    /// Rotation at rest (α) from which a block is tilted rather than upright. The round-off of rest on supports is below.
     const TILTED: f64 = 0.01;
 
     /// Whether the block passed its balance.

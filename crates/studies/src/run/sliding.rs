@@ -1,19 +1,21 @@
-//! A run, a coefficient of friction → the longest time for which the friction demand exceeds it.
+//! A run and a coefficient of friction → the longest time of a greater demand.
 //!
 //! The peak of the friction demand |H|/(N_L + N_R) is unbounded where the reactions vanish for an instant, as in an impact. The
 //! time for which the demand exceeds the available friction indicates whether a block would slide.
 
 use crate::output::table::TableColumn;
-use crate::run::Run;
+use crate::run::rows::RunRow;
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
 /// Greatest time between two samples of the friction demand (s).
 const SAMPLING: f64 = 1e-3;
 
-/// The column of these times for a coefficient of friction (1). It is over rows with this run.
-pub fn column<'c, R>(friction: f64, run: impl Fn(&R) -> Run + Sync + 'c) -> TableColumn<'c, R> {
-    TableColumn::real(format!("friction_demand>{friction}"), "s", move |row| run(row).longest_above(friction))
+/// The column of these times for a coefficient of friction (1).
+pub fn column<'c, I>(friction: f64) -> TableColumn<'c, RunRow<I>> {
+    TableColumn::real(format!("friction_demand>{friction}"), "s", move |row: &RunRow<I>| {
+        row.run.longest_above(friction)
+    })
 }
 
 /// The longest uninterrupted time for which the friction demand exceeds μ.

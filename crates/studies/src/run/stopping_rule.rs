@@ -1,4 +1,4 @@
-//! A block after the ground has come to rest → the time at which its run is over.
+//! A block after the ground has come to rest → the end of its run.
 //!
 //! A run without a given duration ends once the ground is at rest and the block has come down: it has overturned (or
 //! separated, where that ends the run), is at rest, or will come to rest. A block with |θ| < α will come to rest if its
@@ -23,15 +23,15 @@ use rocking_block::simulation::Simulation;
 /// (docs/model.md).
 const BELOW_THE_BARRIER: f64 = 0.95;
 
-/// Longest time after the ground has come to rest, in 1/p, which blocks without energy loss reach.
+/// Longest time after the ground has come to rest, in 1/p. Blocks without energy loss reach it.
 ///
 /// Approaching the unstable equilibrium to 1e-10 α takes 24/p, and leaving it as long.
 const MAX_TIME: u64 = 100;
 
-/// Longest time in 1/p of blocks that lose energy, since slender ones rock for long, and of feet that may slide.
+/// Longest time in 1/p of blocks that lose energy, or whose feet may slide. Slender ones rock for long.
 const MAX_DECAY: u64 = 1000;
 
-/// Fraction of the lift-off energy below which a block on supports is at rest: 1 % of the lift-off rotation.
+/// Fraction of the lift-off energy below which a block on supports is at rest. It is that of 1 % of the lift-off rotation.
 const AT_REST: f64 = 1e-4;
 
 /// Barrier against overturning per unit mass (m²/s²): the lower one of both sides.
@@ -40,7 +40,7 @@ pub fn overturning_barrier(block: &Block) -> f64 {
     left.min(right)
 }
 
-/// Barrier against overturning about a corner I, per unit mass (m²/s²): the least potential energy at |θ| = α_I, relative to rest.
+/// Barrier against overturning about a corner I, per unit mass (m²/s²). It is the least potential energy at |θ| = α_I, relative to rest.
 ///
 /// On the rigid base `g R_I (1 − cos α_I)`; on supports less by `g δ_s/2`, since the support that carries all the weight sinks by a
 /// further δ_s. On supports so soft that both touch at |θ| = α_I, the energy of both springs and of the lowered weight.
@@ -126,7 +126,7 @@ pub fn tied_rocking_period(block: &Block, ties: &States, slip: f64, theta: f64, 
     2.0 * times.sum::<f64>()
 }
 
-/// θ̇² (rad²/s²) of a block that rocks on the rigid base with this energy per unit mass (m²/s²).
+/// θ̇² (rad²/s²) of a block on the rigid base with this energy. The energy is per unit mass (m²/s²).
 fn rate_squared(block: &Block, ties: &States, slip: f64, energy: f64, theta: f64) -> f64 {
     let corner = if theta < 0.0 { Corner::Left } else { Corner::Right };
     let (offset, h) = (block.offset(corner), block.h);
@@ -240,12 +240,12 @@ fn is_within_balance(block: &Block, theta: f64) -> bool {
     -block.alpha_of(Corner::Left) < theta && theta < block.alpha_of(Corner::Right)
 }
 
-/// Whether a block with ties is at rest, upright or leaning on one: it neither moves nor begins to, without excitation.
+/// Whether a block with ties is at rest, upright or leaning on one. Without excitation it neither moves nor begins to.
 fn is_held_by_ties(simulation: &Simulation) -> bool {
-    /// Kinetic energy of a block at rest, as a part of the barrier, and accelerations, as a part of g: on supports of η = 40 some 1 % of the
-    /// rotation of lift-off.
+    /// Kinetic energy of a block at rest, as a part of the barrier. The accelerations are a part of g. On supports of η = 40 this is some 1
+    /// % of the rotation of lift-off.
     const STILL: [f64; 2] = [1e-6, 1e-2];
-    /// [`STILL`] beyond the balance, where a tie has to hold the block, and a block that merely lingers is not at rest.
+    /// [`STILL`] beyond the balance. There a tie has to hold the block, and a block that merely lingers is not at rest.
     const STILL_BEYOND_BALANCE: [f64; 2] = [1e-12, 1e-6];
     let block = simulation.block();
     if block.ties().is_empty() {

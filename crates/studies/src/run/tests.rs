@@ -5,7 +5,7 @@ use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Common, Dimensionless, Ratios, Supports};
 use rocking_records::{ReadOptions, Record, Unit, parse};
 
-/// Times of the rows of a block at rest, and the number of stops; panics beyond `most` stops.
+/// Times of the rows of a block at rest, and the number of stops. Panics beyond `most` stops.
 fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f64>, usize) {
     let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports: Supports::HOUSNER };
     let common = Common::default();
@@ -29,7 +29,7 @@ fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f
     (rows, stops)
 }
 
-/// Returns the run at rest of a block with a damper under each corner, of this stiffness (M g/b), yield force (M g) and hardening.
+/// Returns the run at rest of a block with a damper under each corner. Its stiffness (M g/b), yield force (M g) and hardening are these.
 fn with_dampers(supports: Supports<Ratios>, [stiffness, yield_force, hardening]: [f64; 3]) -> Run {
     let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, supports };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
@@ -46,7 +46,7 @@ fn with_dampers(supports: Supports<Ratios>, [stiffness, yield_force, hardening]:
     Run::at_rest(block.with_ties(&links).unwrap(), Settings::default())
 }
 
-/// A free motion ends at rest, with the forces that dampers lock in, long before the greatest time of the stopping rule.
+/// A free motion ends at rest long before the greatest time of the stopping rule. Dampers lock in forces.
 #[test]
 fn a_block_whose_dampers_have_yielded_comes_to_rest() {
     for supports in [Supports::HOUSNER, Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 })] {
@@ -64,7 +64,7 @@ fn a_block_whose_dampers_have_yielded_comes_to_rest() {
     }
 }
 
-/// Half cycles counted at events are those between the turning points of a fine history, whatever the stops.
+/// Half cycles counted at events are those of a fine history. They lie between its turning points, whatever the stops.
 #[test]
 fn half_cycles_lie_between_the_turning_points_of_the_history() {
     let at_rest = with_dampers(Supports::Viscoelastic(Ratios { eta: 40.0, xi_v: 0.1 }), [20.0, 0.05, 0.05]);
@@ -143,7 +143,7 @@ fn invalid_steps_make_no_rows() {
     }
 }
 
-/// A pulse before, and one that begins before, the first sample of a record that is still has the outcome of the pulse alone.
+/// A pulse beside a still record has the outcome of the pulse alone. It ends before the first sample, or begins before it.
 #[test]
 fn a_pulse_before_a_record_counts() {
     let dimensionless = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };

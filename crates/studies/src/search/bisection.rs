@@ -1,4 +1,4 @@
-//! A scan and a function of a value → the changes of its result, bracketed by bisection.
+//! A scan and a function → the changes of its result, bracketed by bisection.
 //!
 //! Outcomes of rocking blocks are not monotonic: a block may survive a motion and overturn under a weaker one. A range is
 //! therefore scanned, and each change seen by the scan is bisected. A change back and forth between two neighbouring scanned
@@ -87,7 +87,7 @@ impl Threshold {
         }
     }
 
-    /// The kinds of bound in tables: `none` where the threshold is bracketed, else `upper` or `lower`.
+    /// The kinds of bound in tables. It is `none` where the threshold is bracketed, else `upper` or `lower`.
     pub const BOUNDS: [&'static str; 3] = ["none", "upper", "lower"];
 
     /// The position of its kind of bound in [`Threshold::BOUNDS`].
@@ -200,13 +200,13 @@ impl<K: PartialEq + Copy> OutcomeBoundary<K> {
         OutcomeBoundary { below: below.0, above: above.0, from: below.1, to: above.1 }
     }
 
-    /// The next value to evaluate; none once the bracket is as narrow as the resolution, or round-off.
+    /// The next value to evaluate. There is none once the bracket is as narrow as the resolution, or round-off.
     fn middle(&self, resolution: f64) -> Option<f64> {
         let middle = self.below + 0.5 * (self.above - self.below);
         (self.above - self.below > resolution && middle > self.below && middle < self.above).then_some(middle)
     }
 
-    /// The changes that remain for this outcome at the midpoint: two if it is a third outcome.
+    /// The changes that remain for this outcome at the midpoint. There are two if it is a third outcome.
     fn divided(&self, middle: f64, outcome: K) -> [Option<OutcomeBoundary<K>>; 2] {
         let halves = [
             OutcomeBoundary::new((self.below, self.from), (middle, outcome)),

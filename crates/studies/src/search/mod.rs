@@ -1,4 +1,4 @@
-//! A block, a parameter and its range → the values at which the outcome of a run changes.
+//! A block, a parameter, a range → the values at which the outcome changes.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -22,7 +22,7 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 
-/// Finds the changes of a run's end over a range, in parallel on the current rayon pool.
+/// Finds the changes of a run's end over a range, in parallel. The threads are those of the current rayon pool.
 ///
 /// Each thread steps several runs at once in vectors of this width; the result depends neither on the threads nor on the width.
 /// `progress` is called after each run with the number of runs done and the number known to be needed: first those of the scan,

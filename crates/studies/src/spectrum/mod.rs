@@ -1,4 +1,4 @@
-//! Blocks of all sizes on several foundations under several ground motions → a table of peak rotations.
+//! Blocks of all sizes on several foundations → a table of peak rotations. They stand under several ground motions.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
-use crate::output::table::{Table, TableColumn, headings};
+use crate::output::table::{TableColumn, headings};
 use crate::run::Run;
-use crate::run::batch::outcomes;
-use crate::run::outcome::{self, Holds, Outcome, OutcomeRow};
+use crate::run::outcome::{self, Holds};
+use crate::run::rows::RunRow;
 use crate::run::sliding;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::numerics::wide::VectorWidth;
@@ -119,7 +119,7 @@ impl InProportion {
     }
 }
 
-/// A tie whose numbers are made by `change` from their values and their units for this block.
+/// A tie whose numbers `change` makes from their values and their units. The units are those for this block.
 fn scaled(tie: &Tie, block: &Block, change: impl Fn(f64, f64) -> f64) -> Tie {
     let (length, force) = (block.r0, block.mass * block.gravity);
     Tie {
@@ -165,7 +165,9 @@ pub struct Spectrum {
 
 /// The ground motion, the foundation and the size of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowInputs {
+pub struct SpectrumInputs {
+    /// Number of the row.
+    pub row: u64,
     /// Number of the ground motion.
     pub motion: usize,
     /// Number of the foundation.
@@ -179,13 +181,13 @@ impl Spectrum {
     ///
     /// # Errors
     /// The first invalid block.
-    pub fn check(&self) -> Result<(), BlockError> {
+    pub fn checked(self) -> Result<CheckedSpectrum, BlockError> {
         for &base in &self.bases {
             for p in [self.sizes.greatest, self.sizes.least] {
                 self.block(base, p)?;
             }
         }
-        Ok(())
+        Ok(CheckedSpectrum(self))
     }
 
     /// ω_p/p of a block (1), if there is a pulse.
@@ -194,10 +196,10 @@ impl Spectrum {
     }
 
     /// The inputs of a row.
-    pub fn inputs(&self, row: u64) -> RowInputs {
+    pub fn inputs(&self, row: u64) -> SpectrumInputs {
         let curve = (row / self.sizes.count) as usize;
         let (motion, base) = (curve / self.bases.len(), curve % self.bases.len());
-        RowInputs { motion, base, p: self.sizes.p(row % self.sizes.count) }
+        SpectrumInputs { row, motion, base, p: self.sizes.p(row % self.sizes.count) }
     }
 
     /// The block of this size on a foundation.
@@ -208,26 +210,21 @@ impl Spectrum {
         let common = Common { epsilon: base.epsilon, ..self.common };
         self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, supports: base.supports }, &common)
     }
+}
 
-    /// The run of a row.
-    ///
-    /// # Errors
-    /// The first invalid parameter.
-    pub fn run(&self, row: u64) -> Result<Run, BlockError> {
-        let RowInputs { motion, base, p } = self.inputs(row);
-        let block = self.block(self.bases[base], p)?;
-        let ground = &self.motions[motion].1;
-        Ok(Run {
-            pulse: self.pulse,
-            ground: ground.clone(),
-            duration: self.duration,
-            output_step: self.step.unwrap_or(f64::INFINITY),
-            ..Run::at_rest(block, self.settings)
-        })
+/// A spectrum whose blocks are valid.
+#[derive(Clone, Debug)]
+pub struct CheckedSpectrum(Spectrum);
+
+impl std::ops::Deref for CheckedSpectrum {
+    type Target = Spectrum;
+
+    fn deref(&self) -> &Spectrum {
+        &self.0
     }
 }
 
-impl Study for Spectrum {
+impl Study for CheckedSpectrum {
     fn header(&self) -> TableHeader {
         let Common { mass, gamma, gravity, friction, .. } = self.common;
         let friction = if friction > 0.0 { format!(", friction = {friction}") } else { String::new() };
@@ -273,90 +270,48 @@ impl Study for Spectrum {
     }
 
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
-        let outcomes = outcomes(width, numbers.iter().map(|&number| self.valid_run(number)), || ());
-        let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
-        StudyRows { table: self.table(numbers.iter().copied(), &outcomes), failure }
+        let rows = numbers.iter().map(|&number| (self.inputs(number), self.run(number))).collect();
+        RunRow::table(&self.columns(), &RunRow::all(width, rows, |_| [], || ()))
     }
 }
 
-impl Spectrum {
-    /// The table of runs with these outcomes, in the rows with these numbers.
-    pub fn table(&self, numbers: impl IntoIterator<Item = u64>, outcomes: &[Outcome]) -> Table {
-        let row = |(number, outcome)| SpectrumRow { spectrum: self, inputs: self.inputs(number), number, outcome };
-        let rows: Vec<SpectrumRow> = numbers.into_iter().zip(outcomes).map(row).collect();
-        Table::of(&self.columns(), &rows)
-    }
-
-    /// Friction and ties of the blocks.
-    fn holds(&self) -> Holds {
-        Holds::of_parts(self.common.friction, &self.in_proportion.ties)
-    }
-
-    /// The run of a row of a spectrum that has passed [`Spectrum::check`].
-    fn valid_run(&self, number: u64) -> Run {
-        self.run(number).unwrap_or_else(|error| unreachable!("{error}"))
+impl CheckedSpectrum {
+    /// The run of a row.
+    pub fn run(&self, row: u64) -> Run {
+        let SpectrumInputs { motion, base, p, .. } = self.inputs(row);
+        Run {
+            pulse: self.pulse,
+            ground: self.motions[motion].1.clone(),
+            duration: self.duration,
+            output_step: self.step.unwrap_or(f64::INFINITY),
+            ..Run::at_rest(
+                self.block(self.bases[base], p).expect("blocks between two valid sizes are valid"),
+                self.settings,
+            )
+        }
     }
 
     /// The columns: of the block, of its run, and of the friction that it needs.
-    fn columns(&self) -> Vec<TableColumn<'_, SpectrumRow<'_>>> {
+    fn columns(&self) -> Vec<TableColumn<'_, RunRow<SpectrumInputs>>> {
         let motions = self.motions.iter().map(|(name, _)| name.clone());
-        type Of<'a> = TableColumn<'a, SpectrumRow<'a>>;
+        let base = |row: &RunRow<SpectrumInputs>| self.bases[row.inputs.base];
+        let ratios = move |row: &_| base(row).supports.viscoelastic();
+        type Of<'a> = TableColumn<'a, RunRow<SpectrumInputs>>;
         let mut columns = vec![
-            Of::row(|row| row.number),
+            Of::row(|row| row.inputs.row),
             Of::choice("motion", motions, |row| row.inputs.motion),
-            Of::choice("foundation", ["rigid", "viscoelastic"], |row| usize::from(!row.is_rigid())),
-            Of::optional("eta", "1", |row| row.supports().map(|ratios| ratios.eta)),
-            Of::optional("xi_v", "1", |row| row.supports().map(|ratios| ratios.xi_v)),
-            Of::real("epsilon", "1", |row| row.epsilon()),
-            Of::optional("restitution_factor", "1", |row| row.restitution_factor()),
+            Of::choice("foundation", ["rigid", "viscoelastic"], move |row| usize::from(ratios(row).is_some())),
+            Of::optional("eta", "1", move |row| ratios(row).map(|ratios| ratios.eta)),
+            Of::optional("xi_v", "1", move |row| ratios(row).map(|ratios| ratios.xi_v)),
+            Of::real("epsilon", "1", move |row| base(row).epsilon),
+            Of::optional("restitution_factor", "1", move |row| base(row).supports.restitution_factor()),
             Of::real("p", "rad/s", |row| row.inputs.p),
             Of::real("2pi/p", "s", |row| TAU / row.inputs.p),
             Of::optional("omega_p/p", "1", |row| self.pulse_ratio(row.inputs.p)),
         ];
-        columns.extend(outcome::columns(self.holds()));
-        let run = |row: &SpectrumRow| row.spectrum.valid_run(row.number);
-        columns.extend(self.friction_demand.map(|friction| sliding::column(friction, run)));
+        let holds = Holds::of_parts(self.common.friction, &self.in_proportion.ties);
+        columns.extend(outcome::columns(holds, |row: &RunRow<_>| &row.outcome));
+        columns.extend(self.friction_demand.map(sliding::column));
         columns
-    }
-}
-
-/// A row of the table.
-struct SpectrumRow<'a> {
-    spectrum: &'a Spectrum,
-    number: u64,
-    inputs: RowInputs,
-    outcome: &'a Outcome,
-}
-
-impl OutcomeRow for SpectrumRow<'_> {
-    fn outcome(&self) -> &Outcome {
-        self.outcome
-    }
-
-    fn alpha(&self) -> f64 {
-        self.spectrum.alpha
-    }
-}
-
-impl SpectrumRow<'_> {
-    fn base(&self) -> Base {
-        self.spectrum.bases[self.inputs.base]
-    }
-
-    fn is_rigid(&self) -> bool {
-        self.base().supports.foundation() == Foundation::Rigid
-    }
-
-    /// η and ξ_v of supports.
-    fn supports(&self) -> Option<Ratios> {
-        self.base().supports.viscoelastic()
-    }
-
-    fn epsilon(&self) -> f64 {
-        self.base().epsilon
-    }
-
-    fn restitution_factor(&self) -> Option<f64> {
-        self.base().supports.restitution_factor()
     }
 }

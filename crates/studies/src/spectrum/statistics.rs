@@ -10,15 +10,11 @@ use serde::Serialize;
 
 use crate::output::table::{Series, Table, TableColumn};
 use crate::run::outcome::End;
-use crate::spectrum::{RowInputs, Spectrum};
+use crate::spectrum::{Spectrum, SpectrumInputs};
 
-/// The outcomes of the blocks of one ground motion on one foundation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CurveSummary {
-    /// Name of the ground motion.
-    pub motion: String,
-    /// The foundation, as written in options.
-    pub foundation: String,
+/// Numbers of blocks by the ends of their runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct EndCounts {
     /// Blocks that stand.
     pub completed: u64,
     /// Blocks that overturned.
@@ -29,6 +25,35 @@ pub struct CurveSummary {
     pub undecided: u64,
     /// Blocks whose runs failed.
     pub failed: u64,
+}
+
+impl EndCounts {
+    fn add(&mut self, end: End) {
+        *match end {
+            End::Completed => &mut self.completed,
+            End::Overturned => &mut self.overturned,
+            End::Separated => &mut self.separated,
+            End::Undecided => &mut self.undecided,
+            End::Failed => &mut self.failed,
+        } += 1;
+    }
+
+    /// Number of all blocks.
+    pub fn all(&self) -> u64 {
+        self.completed + self.overturned + self.separated + self.undecided + self.failed
+    }
+}
+
+/// The outcomes of the blocks of one ground motion on one foundation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CurveSummary {
+    /// Name of the ground motion.
+    pub motion: String,
+    /// The foundation, as written in options.
+    pub foundation: String,
+    /// Its blocks by their ends.
+    #[serde(flatten)]
+    pub ends: EndCounts,
     /// Blocks that left the ground completely at some time, whatever their outcome.
     pub flew: u64,
     /// Total number of complete separations.
@@ -50,18 +75,10 @@ pub struct Greatest {
 /// The outcomes of the blocks of one size on one foundation under several ground motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SizeStatistics {
+    /// The blocks by their ends.
+    pub ends: EndCounts,
     /// Blocks that completed and rocked: those with a peak rotation above zero.
     pub rocked: u64,
-    /// Blocks that completed and stayed at rest.
-    pub at_rest: u64,
-    /// Blocks that overturned.
-    pub overturned: u64,
-    /// Blocks whose runs ended at complete separation.
-    pub separated: u64,
-    /// Blocks whose duration was over before their outcome was known.
-    pub undecided: u64,
-    /// Blocks whose runs failed.
-    pub failed: u64,
     /// Mean of ln(|θ|max/α) of those that rocked.
     mean: f64,
     /// Sum of the squared deviations from the mean.
@@ -70,25 +87,19 @@ pub struct SizeStatistics {
 
 impl SizeStatistics {
     fn add(&mut self, BlockOutcome { end, peak, .. }: BlockOutcome) {
-        match end {
-            End::Completed if peak > 0.0 => {
-                self.rocked += 1;
-                let logarithm = libm::log(peak);
-                let off = logarithm - self.mean;
-                self.mean += off / self.rocked as f64;
-                self.squares += off * (logarithm - self.mean);
-            }
-            End::Completed => self.at_rest += 1,
-            End::Overturned => self.overturned += 1,
-            End::Separated => self.separated += 1,
-            End::Undecided => self.undecided += 1,
-            End::Failed => self.failed += 1,
+        self.ends.add(end);
+        if end == End::Completed && peak > 0.0 {
+            self.rocked += 1;
+            let logarithm = libm::log(peak);
+            let off = logarithm - self.mean;
+            self.mean += off / self.rocked as f64;
+            self.squares += off * (logarithm - self.mean);
         }
     }
 
-    /// Number of ground motions.
-    pub fn motions(&self) -> u64 {
-        self.rocked + self.at_rest + self.overturned + self.separated + self.undecided + self.failed
+    /// Blocks that completed and stayed at rest.
+    pub fn at_rest(&self) -> u64 {
+        self.ends.completed - self.rocked
     }
 
     /// Geometric mean of |θ|max/α (1) of the blocks that rocked; nothing if none did.
@@ -186,17 +197,13 @@ impl Statistics {
     /// Includes the next rows.
     pub fn add(&mut self, spectrum: &Spectrum, outcomes: &[BlockOutcome]) {
         for &outcome in outcomes {
-            let RowInputs { motion, base, p } = spectrum.inputs(outcome.row);
+            let SpectrumInputs { motion, base, p, .. } = spectrum.inputs(outcome.row);
             let size = outcome.row % spectrum.sizes.count;
             if size == 0 {
                 self.curves.push(CurveSummary {
                     motion: spectrum.motions[motion].0.clone(),
                     foundation: spectrum.bases[base].to_string(),
-                    completed: 0,
-                    overturned: 0,
-                    separated: 0,
-                    undecided: 0,
-                    failed: 0,
+                    ends: EndCounts::default(),
                     flew: 0,
                     flights: 0,
                     greatest: None,
@@ -225,13 +232,13 @@ impl Statistics {
             Of::real("p", "rad/s", |row| row.p),
             Of::real("2pi/p", "s", |row| TAU / row.p),
             Of::optional("omega_p/p", "1", |row| spectrum.pulse_ratio(row.p)),
-            Of::count("records", |row| row.cell.motions()),
+            Of::count("records", |row| row.cell.ends.all()),
             Of::count("rocked", |row| row.cell.rocked),
-            Of::count("at_rest", |row| row.cell.at_rest),
-            Of::count("overturned", |row| row.cell.overturned),
-            Of::count("separated", |row| row.cell.separated),
-            Of::count("undecided", |row| row.cell.undecided),
-            Of::count("failed", |row| row.cell.failed),
+            Of::count("at_rest", |row| row.cell.at_rest()),
+            Of::count("overturned", |row| row.cell.ends.overturned),
+            Of::count("separated", |row| row.cell.ends.separated),
+            Of::count("undecided", |row| row.cell.ends.undecided),
+            Of::count("failed", |row| row.cell.ends.failed),
             Of::optional("geometric_mean.theta/alpha", "1", |row| row.cell.geometric_mean()),
             Of::optional("deviation_ln.theta/alpha", "1", |row| row.cell.deviation()),
         ];
@@ -247,50 +254,12 @@ struct StatisticsRow<'a> {
 }
 
 impl CurveSummary {
-    /// A text table of the summaries with a heading.
-    pub fn lines(curves: &[CurveSummary]) -> String {
-        let head =
-            ["foundation", "motion", "completed", "overturned", "separated", "undecided", "failed", "flew", "flights"];
-        let mut rows = vec![head.map(String::from).to_vec()];
-        rows[0].push("greatest |θ|/α of those that completed".into());
-        for curve in curves {
-            let CurveSummary { completed, overturned, separated, undecided, failed, flew, flights, .. } = curve;
-            let counts = [completed, overturned, separated, undecided, failed, flew, flights].map(ToString::to_string);
-            let greatest = curve.greatest.map(|Greatest { peak, p }| format!("{peak:.4} at p = {p:.4} rad/s"));
-            let mut row = vec![curve.foundation.clone(), curve.motion.clone()];
-            row.extend(counts);
-            row.push(greatest.unwrap_or_else(|| "none".into()));
-            rows.push(row);
-        }
-        if curves.is_empty() {
-            return String::new();
-        }
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..head.len()).map(width).collect();
-        let line = |row: &Vec<String>| {
-            let text = |(column, &width): (usize, &usize)| match column {
-                0 | 1 => format!("{:<width$}  ", row[column]),
-                _ => format!("{:>width$}  ", row[column]),
-            };
-            widths.iter().enumerate().map(text).collect::<String>() + &row[head.len()] + "\n"
-        };
-        rows.iter().map(line).collect()
-    }
-
     fn add(&mut self, BlockOutcome { end, peak, flights, .. }: BlockOutcome, p: f64) {
         self.flew += u64::from(flights > 0);
         self.flights += flights;
-        match end {
-            End::Completed => {
-                self.completed += 1;
-                if self.greatest.is_none_or(|greatest| peak > greatest.peak) {
-                    self.greatest = Some(Greatest { peak, p });
-                }
-            }
-            End::Overturned => self.overturned += 1,
-            End::Separated => self.separated += 1,
-            End::Undecided => self.undecided += 1,
-            End::Failed => self.failed += 1,
+        self.ends.add(end);
+        if end == End::Completed && self.greatest.is_none_or(|greatest| peak > greatest.peak) {
+            self.greatest = Some(Greatest { peak, p });
         }
     }
 }

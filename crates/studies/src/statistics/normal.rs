@@ -51,7 +51,7 @@ pub fn quantile(probability: f64) -> f64 {
     if probability < 0.5 { x } else { -x }
 }
 
-/// Below this deviate Φ(x) loses digits; five terms of its asymptotic series are exact to round-off.
+/// Deviate below which Φ(x) loses digits. Five terms of its asymptotic series are exact to round-off there.
 const FAR: f64 = -30.0;
 
 /// −x Φ(x)/φ(x) for x below [`FAR`] (M. Abramowitz, I. A. Stegun, Handbook of mathematical functions, 26.2.12).
@@ -64,7 +64,7 @@ fn tail(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Compares with tables 26.1 and 26.2 of Abramowitz and Stegun, and with mpmath in the far tail.
+    /// Compares with tables 26.1 and 26.2 of Abramowitz and Stegun. In the far tail it compares with mpmath.
     #[test]
     fn values_match_the_tables() {
         let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 3e-14, "{value}, exactly {exact}");
@@ -78,7 +78,7 @@ mod tests {
         assert!(quantile(0.5).abs() < 1e-15);
     }
 
-    /// Both sides of the switch to the series agree, and the Mills ratio is the derivative.
+    /// Both sides of the switch to the series agree. The Mills ratio is the derivative.
     #[test]
     fn the_tail_is_continuous() {
         for x in [-30.1_f64, -29.9, -5.0, 0.3, 8.0] {

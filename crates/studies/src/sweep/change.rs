@@ -7,7 +7,7 @@ use rocking_block::unit::links::LINKS;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 
-/// Slack of a tie over R0, as that of a strap that was tightened by hand.
+/// Slack of a tie over R0, that of a strap tightened by hand.
 const SLACK: f64 = 0.01;
 
 /// Stiffness of a damper over M g/R0.
@@ -138,7 +138,7 @@ pub(super) fn holds_of_variables(is_positive: impl Fn(Variable) -> bool) -> Hold
     }
 }
 
-/// The block with two more ties or dampers, with the parameters that `changes` give of them.
+/// The block with two more ties or dampers. `changes` may give their parameters.
 fn with_links(block: Block, added: [Tie; 2], changes: &[Change]) -> Result<Block, BlockError> {
     let mut ties = [block.ties(), &added].concat();
     for change in changes {
@@ -205,7 +205,7 @@ mod tests {
         near(sliding.p, 2.0);
     }
 
-    /// The ties of a tilted block pull it back: their moment about the corner grows with the stiffness.
+    /// The ties of a tilted block pull it back. Their moment about the corner grows with the stiffness.
     #[test]
     fn ties_join_those_of_the_block() {
         let once = Change::Tied(5.0).block(block(), &[]).unwrap();

@@ -1,4 +1,4 @@
-//! `ensemble` of a study file → the samples of each row, and how many of them exceed each limit.
+//! `ensemble` of a study file → samples of each row and the limits exceeded.
 //!
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
 //! (docs/fragility.md). A probability over small unknown variations can be predicted.
@@ -97,8 +97,8 @@ impl Ensemble {
     /// The columns of a row's samples: slenderness α (rad) and outcome of each.
     ///
     /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
-    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[(f64, Outcome)]) -> Vec<TableColumn<'c, R>> {
-        let ended = move |row: &R, end| samples(row).iter().filter(|(_, outcome)| outcome.end == end).count();
+    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[Outcome]) -> Vec<TableColumn<'c, R>> {
+        let ended = move |row: &R, end| samples(row).iter().filter(|outcome| outcome.end == end).count();
         let verdicts = move |row: &R, limit: Limit, found: Option<bool>| {
             samples(row).iter().filter(|sample| verdict(limit, sample) == found).count()
         };
@@ -126,14 +126,14 @@ impl Ensemble {
     }
 }
 
-/// Whether a sample, with the slenderness of its block (rad), exceeds a limit.
-fn verdict(limit: Limit, (alpha, outcome): &(f64, Outcome)) -> Option<bool> {
+/// Whether a sample exceeds a limit.
+fn verdict(limit: Limit, outcome: &Outcome) -> Option<bool> {
     let Peaks { theta, slip, plastic, .. } = outcome.peaks;
     let response = match limit {
         // Half cycles are counted in the run of the row only.
         Limit::Overturned | Limit::HalfCycles(_) => None,
         Limit::Balance => Some(outcome.lean.over_balance),
-        Limit::Rotation(_) => Some(theta / alpha),
+        Limit::Rotation(_) => Some(theta / outcome.alpha),
         Limit::Slip(_) => Some(slip),
         Limit::Plastic(_) => plastic.into_iter().reduce(f64::max),
     };
@@ -281,7 +281,7 @@ mod tests {
         }
     }
 
-    /// Each row has one sample per stratum; the order differs between rows and between all spreads but the first.
+    /// Each row has one sample per stratum. The order differs between rows and between all spreads but the first.
     #[test]
     fn samples_are_the_midpoints_of_strata() {
         let scale = spread(Distribution::Normal, SpreadWidth::Relative(0.1));

@@ -112,7 +112,7 @@ fn check_of_one_run(file: &Section<StudyFile>, strengths: &Strengths) -> Result<
     Ok(())
 }
 
-/// Checks that a building has records to shake it, and that a measure of floors has a building.
+/// Checks that a building has records to shake it. A measure of floors needs a building.
 fn check_building(
     file: &Section<StudyFile>,
     motions: &[GroundMotion],
@@ -130,7 +130,7 @@ fn check_building(
     }
 }
 
-/// Checks that an ensemble spreads only quantities of the study, and that each row has the runs for it.
+/// Checks that an ensemble spreads only quantities of the study. Each row must have the runs for it.
 fn check_ensemble(
     file: &Section<StudyFile>,
     ensemble: Option<&Ensemble>,
@@ -344,7 +344,7 @@ fn check(sweep: &Sweep, given: &[GivenParameter], file: &Section<StudyFile>) -> 
 mod tests {
     use super::*;
 
-    /// Reads a study of a block that starts tilted, with these lines in `[study]` and values of p.
+    /// Reads a study of a block that starts tilted, with these values of p. The lines stand in `[study]`.
     fn study(lines: &str, p: &str) -> Result<Sweep, String> {
         let text = format!("[study]\n{lines}\n[parameters]\ninitial.theta = 0.1\np = {p}\n");
         read("s.toml", &text, Path::new(".")).map_err(|error| error.to_string())

@@ -17,7 +17,7 @@ pub struct GroundMotion {
     pub ground: Ground,
     /// The floor on which the block stands, in a study with a building. The ground is 0.
     pub floor: Option<usize>,
-    /// Measures of the unscaled horizontal record, computed once for all blocks; `None` where it has no value.
+    /// Measures of the unscaled horizontal record, computed once for all blocks. `None` stands for a missing value.
     intensities: Vec<(Measure, Option<f64>)>,
     /// PGA of the unscaled vertical record (m/s²).
     vertical_pga: Option<f64>,
@@ -41,7 +41,7 @@ impl GroundMotion {
         on_floor
     }
 
-    /// A measure of the horizontal record times `scale`, relative to this block if it is relative.
+    /// A measure of the horizontal record times `scale`. A relative one is relative to this block.
     ///
     /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not compute it.
     pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! The runs of a block under a record so far → the level of the next one: incremental dynamic analysis by hunt and fill.
+//! The runs of a block under a record → the level of the next one. This is incremental dynamic analysis by hunt and fill.
 //!
 //! D. Vamvatsikos, C. A. Cornell, Applied incremental dynamic analysis, Earthquake Spectra 20 (2004) 523–553. The level rises by growing
 //! steps until the block overturns; then runs close in on the level at which it does, and the others fill the widest gaps below.

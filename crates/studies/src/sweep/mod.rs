@@ -28,12 +28,12 @@ use crate::intensity::Measure;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
 use crate::output::table::{Table, headings};
-use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::{End, Holds, Outcome, OutcomeRow};
+use crate::run::outcome::{End, Holds, Outcome};
+use crate::run::rows::RunRow;
+use crate::run::{Run, is_moved};
 use crate::search::{self, OutcomeMap, Scan};
 use crate::sweep::change::{Change, holds_of_variables, tie_field};
-use crate::sweep::columns::SweepRow;
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
@@ -41,7 +41,6 @@ use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError};
-use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
@@ -89,7 +88,7 @@ pub struct Sweep {
 const LARGEST_SCALE: f64 = 20.0;
 
 impl Sweep {
-    /// Names the records that a strength scales by more than usual, for the block in the middle of the study.
+    /// Names the records that a strength scales by more than usual. The block is that in the middle of the study.
     fn amplified(&self) -> Vec<String> {
         let Ok(block) = self.middle().block() else { return Vec::new() };
         let of = |motion: &GroundMotion| {
@@ -176,69 +175,42 @@ impl Sweep {
         self.motions.iter().any(|motion| motion.floor.is_some())
     }
 
-    /// The inputs of a row, at a `hunted` level of the measure if other rows decide it.
-    ///
-    /// Reading the study file has checked that all combinations are valid blocks.
-    fn inputs(&self, row: u64, hunted: Option<f64>) -> RowInputs<'_> {
+    /// The inputs and the run of a row. The measure has a `hunted` level if other rows decide it.
+    fn row(&self, row: u64, hunted: Option<f64>) -> (RowInputs<'_>, Run) {
         let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
         let motion_number = (row / strengths % motions) as usize;
         let motion = &self.motions[motion_number];
         let combination = self.combination(row / strengths / motions);
         let values = self.values(&combination);
-        let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
+        let block = valid(values.block());
+        let changed = if self.changes.is_empty() { block } else { valid(self.block(&values)) };
         let level = self.strengths.measure().zip(hunted).or(self.strengths.level(row % strengths));
         let scale = match level {
             Some((measure, value)) => motion.scale_to(measure, value, &block),
             None => self.strengths.scale(row % strengths, motion, &block),
         };
-        RowInputs { row, combination, values, block, motion_number, motion, scale, level }
+        let run = self.run_of(changed, &values, motion, scale);
+        (RowInputs { row, combination, values, block, motion_number, motion, scale, level }, run)
     }
 
     /// The run of a row, without the spread of an ensemble.
     pub fn run(&self, row: u64) -> Run {
-        let Strengths::Hunt(_, hunt) = &self.strengths else { return self.nominal_run(&self.inputs(row, None)) };
+        let Strengths::Hunt(_, hunt) = &self.strengths else { return self.row(row, None).1 };
         let (curve, before) = (row / hunt.runs, row % hunt.runs);
         let found = self.hunted(hunt, &[curve], before, None);
-        self.nominal_run(&self.inputs(row, found.first().map(|runs| next_level(hunt, runs))))
+        self.row(row, found.first().map(|runs| next_level(hunt, runs))).1
     }
 
     /// Makes the first runs of these curves, each of a block under a ground motion.
-    fn hunted(&self, hunt: &Hunt, curves: &[u64], count: u64, width: Option<VectorWidth>) -> Vec<Vec<HuntedRun<'_>>> {
-        let mut found: Vec<Vec<HuntedRun>> = curves.iter().map(|_| Vec::new()).collect();
+    fn hunted(&self, hunt: &Hunt, curves: &[u64], count: u64, width: Option<VectorWidth>) -> Vec<Vec<SweepRow<'_>>> {
+        let mut found: Vec<Vec<SweepRow>> = curves.iter().map(|_| Vec::new()).collect();
         for run in 0..count {
-            let next = curves.iter().zip(&found).map(|(curve, runs)| {
-                let level = next_level(hunt, runs);
-                let inputs = self.inputs(curve * hunt.runs + run, Some(level));
-                (level, self.nominal_run(&inputs), inputs)
-            });
-            let next: Vec<(f64, Run, RowInputs)> = next.collect();
-            let outcomes = outcomes(width, next.iter().map(|(_, run, _)| run.clone()), || ());
-            for ((runs, (level, run, inputs)), outcome) in found.iter_mut().zip(next).zip(outcomes) {
-                runs.push(HuntedRun { level, inputs, made: [(run.block.alpha, outcome)] });
-            }
+            let next = curves.iter().zip(&found);
+            let next = next.map(|(curve, rows)| self.row(curve * hunt.runs + run, Some(next_level(hunt, rows))));
+            let made = RunRow::all(width, next.collect(), |_| [], || ());
+            found.iter_mut().zip(made).for_each(|(rows, row)| rows.push(row));
         }
         found
-    }
-
-    /// The rows of runs whose levels depend on those before.
-    fn rows_of_hunts(&self, hunt: &Hunt, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
-        let mut curves: Vec<u64> = numbers.iter().map(|number| number / hunt.runs).collect();
-        curves.dedup();
-        let all: Vec<HuntedRun> = self.hunted(hunt, &curves, hunt.runs, width).into_iter().flatten().collect();
-        let wanted = all.iter().filter(|run| numbers.binary_search(&run.inputs.row).is_ok());
-        self.rows_of(wanted.map(|run| (&run.inputs, run.made.as_slice())))
-    }
-
-    /// The rows of runs, each followed by its samples, with the slenderness (rad) of each block.
-    fn rows_of<'a>(&'a self, made: impl Iterator<Item = (&'a RowInputs<'a>, &'a [(f64, Outcome)])>) -> StudyRows {
-        let row = |(inputs, made)| SweepRow { inputs, made, found: None };
-        let rows: Vec<SweepRow> = made.map(row).collect();
-        let failure = rows.iter().find_map(|row| row.outcome().failure.clone());
-        StudyRows { table: Table::of(&self.columns(), &rows), failure }
-    }
-
-    fn nominal_run(&self, RowInputs { values, motion, scale, .. }: &RowInputs) -> Run {
-        self.run_of(values, motion, *scale)
     }
 
     /// The sweep with changed blocks under its ground motions.
@@ -303,9 +275,10 @@ impl Sweep {
         self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block, &self.changes))
     }
 
-    fn run_of(&self, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
+    /// The run of a changed block with the other values.
+    fn run_of(&self, block: Block, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
         Run {
-            block: self.block(values).unwrap_or_else(|error| unreachable!("{error}")),
+            block,
             settings: values.settings(Some(self.tolerance)),
             initial: values.initial(),
             pulse: values.pulse(),
@@ -316,35 +289,24 @@ impl Sweep {
     }
 
     /// The runs of a row's samples.
-    fn samples<'a>(
-        &'a self,
-        ensemble: &'a Ensemble,
-        row: u64,
-        inputs: &'a RowInputs,
-    ) -> impl Iterator<Item = Run> + 'a {
-        ensemble.probabilities(row).into_iter().map(|probabilities| {
-            let (mut values, mut scale) = (inputs.values.clone(), inputs.scale);
-            for (spread, probability) in ensemble.spreads.iter().zip(probabilities) {
-                match &spread.target {
-                    SpreadTarget::Scale => scale = spread.value(scale, probability),
-                    SpreadTarget::Parameter(parameter) => {
-                        let variable = parameter.metadata.variable;
-                        values[variable] = spread.value(values[variable], probability);
+    fn samples<'a>(&'a self, inputs: &RowInputs<'a>) -> impl Iterator<Item = Run> + use<'a> {
+        let RowInputs { row, motion, scale: nominal, .. } = *inputs;
+        let sampled = self.ensemble.as_ref().map(|ensemble| (ensemble, inputs.values.clone()));
+        sampled.into_iter().flat_map(move |(ensemble, nominal_values)| {
+            ensemble.probabilities(row).into_iter().map(move |probabilities| {
+                let (mut values, mut scale) = (nominal_values.clone(), nominal);
+                for (spread, probability) in ensemble.spreads.iter().zip(probabilities) {
+                    match &spread.target {
+                        SpreadTarget::Scale => scale = spread.value(scale, probability),
+                        SpreadTarget::Parameter(parameter) => {
+                            let variable = parameter.metadata.variable;
+                            values[variable] = spread.value(values[variable], probability);
+                        }
                     }
                 }
-            }
-            self.run_of(&values, inputs.motion, scale)
+                self.run_of(valid(self.block(&values)), &values, motion, scale)
+            })
         })
-    }
-
-    fn samples_in_a_row(&self) -> usize {
-        self.ensemble.as_ref().map_or(0, |ensemble| ensemble.samples as usize)
-    }
-
-    /// The run of a row, followed by its samples.
-    fn runs(&self, row: u64, inputs: &RowInputs) -> Vec<Run> {
-        let samples = self.ensemble.iter().flat_map(|ensemble| self.samples(ensemble, row, inputs));
-        std::iter::once(self.nominal_run(inputs)).chain(samples).collect()
     }
 
     /// Searches, for each row, the values of a measure at which the block overturns.
@@ -352,12 +314,13 @@ impl Sweep {
         &self,
         measure: Measure,
         scan: &Scan,
-        rows: &[RowInputs],
+        rows: &[(RowInputs, Run)],
         width: Option<VectorWidth>,
     ) -> Vec<OutcomeMap<End>> {
         let run = |&(row, value): &(usize, f64)| {
-            let RowInputs { values, motion, block, .. } = &rows[row];
-            self.run_of(values, motion, motion.scale_to(measure, value, block))
+            let (RowInputs { motion, block, .. }, run) = &rows[row];
+            let ground = motion.ground.clone().scaled(motion.scale_to(measure, value, block));
+            Run { ground, ..run.clone() }
         };
         let end = |outcome: Outcome| match outcome.end {
             // The search looks for overturning only.
@@ -374,35 +337,33 @@ impl Sweep {
     /// Whether a record, a pulse or the initial state moves the block.
     pub fn moves(&self, combination: &[f64], motion: &GroundMotion) -> bool {
         let values = self.values(combination);
-        let (initial, pulse) = (values.initial(), values.pulse());
-        motion.has_record()
-            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
-            || initial.theta != 0.0
-            || initial.theta_dot != 0.0
-            || initial.vertical.is_some()
+        is_moved(&motion.ground, &values.pulse(), &values.initial())
     }
 }
 
-/// A run of a hunt.
-struct HuntedRun<'a> {
-    level: f64,
-    inputs: RowInputs<'a>,
-    /// Slenderness of the block (rad) and outcome.
-    made: [(f64, Outcome); 1],
+/// The block of values that reading the study has checked.
+fn valid(block: Result<Block, BlockError>) -> Block {
+    block.expect("all blocks of a study are valid")
 }
 
 /// Returns the level of the run after these.
-fn next_level(hunt: &Hunt, runs: &[HuntedRun]) -> f64 {
-    let runs =
-        runs.iter().map(|HuntedRun { level, made: [(_, outcome)], .. }| (*level, outcome.end == End::Overturned));
+fn next_level(hunt: &Hunt, rows: &[SweepRow]) -> f64 {
+    let runs = rows.iter().filter_map(|row| Some((row.inputs.level?.1, row.outcome.end == End::Overturned)));
     hunt.next(&runs.collect::<Vec<_>>())
 }
+
+/// A row with its run.
+type SweepRow<'a> = RunRow<RowInputs<'a>>;
+
+/// A row with the outcomes over the range of its search.
+type SearchRow<'a> = (RowInputs<'a>, OutcomeMap<End>);
 
 /// The inputs of a row.
 struct RowInputs<'a> {
     row: u64,
     combination: Vec<f64>,
     values: Values,
+    /// The block without the changes of the sweep.
     block: Block,
     motion_number: usize,
     motion: &'a GroundMotion,
@@ -426,7 +387,11 @@ impl Study for Sweep {
         study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
         study.extend(self.changes.iter().map(|change| format!("each block changed: {change:?}")));
         study.extend(self.described_motions());
-        TableHeader { study, columns: headings(&self.columns()) }
+        let columns = match self.strengths {
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => headings(&self.columns_of_runs()),
+            Strengths::Least(measure, _) => headings(&self.columns_of_searches(measure)),
+        };
+        TableHeader { study, columns }
     }
 
     fn rows(&self) -> u64 {
@@ -436,7 +401,9 @@ impl Study for Sweep {
     fn runs_in_a_row(&self) -> u64 {
         match &self.strengths {
             Strengths::Least(_, scan) => scan.points,
-            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => 1 + self.samples_in_a_row() as u64,
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => {
+                1 + self.ensemble.as_ref().map_or(0, |ensemble| u64::from(ensemble.samples))
+            }
         }
     }
 
@@ -449,19 +416,18 @@ impl Study for Sweep {
 
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
         if let Strengths::Hunt(_, hunt) = &self.strengths {
-            return self.rows_of_hunts(hunt, numbers, width);
+            let mut curves: Vec<u64> = numbers.iter().map(|number| number / hunt.runs).collect();
+            curves.dedup();
+            let mut rows: Vec<_> = self.hunted(hunt, &curves, hunt.runs, width).into_iter().flatten().collect();
+            rows.retain(|row| numbers.binary_search(&row.inputs.row).is_ok());
+            return RunRow::table(&self.columns_of_runs(), &rows);
         }
-        let inputs: Vec<RowInputs> = numbers.iter().map(|&number| self.inputs(number, None)).collect();
+        let rows: Vec<_> = numbers.iter().map(|&number| self.row(number, None)).collect();
         if let Strengths::Least(measure, scan) = &self.strengths {
-            let found = self.least(*measure, scan, &inputs, width);
-            let row = |(inputs, found)| SweepRow { inputs, made: &[], found: Some(found) };
-            let rows: Vec<SweepRow> = inputs.iter().zip(&found).map(row).collect();
-            return StudyRows { table: Table::of(&self.columns(), &rows), failure: None };
+            let found = self.least(*measure, scan, &rows, width);
+            let rows: Vec<SearchRow> = rows.into_iter().map(|(inputs, _)| inputs).zip(found).collect();
+            return StudyRows { table: Table::of(&self.columns_of_searches(*measure), &rows), failure: None };
         }
-        let mut alphas = Vec::new();
-        let runs = inputs.iter().flat_map(|inputs| self.runs(inputs.row, inputs));
-        let outcomes = outcomes(width, runs.inspect(|run| alphas.push(run.block.alpha)), || ());
-        let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
-        self.rows_of(inputs.iter().zip(made.chunks(1 + self.samples_in_a_row())))
+        RunRow::table(&self.columns_of_runs(), &RunRow::all(width, rows, |inputs| self.samples(inputs), || ()))
     }
 }

@@ -59,8 +59,8 @@ impl RecordFiles {
     }
 }
 
-/// Returns the names of the records of each ground motion: of the file, with the channel, the processing or the checksum if a file
-/// stands for several records in one direction.
+/// Returns the names of the records of each ground motion. A file that stands for several records in one direction has its channel, its
+/// processing or its checksum.
 fn distinct_names(motions: &[RecordFiles]) -> Vec<[String; 2]> {
     type Describe = fn(&RecordFiles, usize) -> Option<String>;
     const DESCRIPTIONS: [Describe; 3] = [
@@ -132,7 +132,7 @@ pub(crate) struct Files<'r, 'a, T> {
 }
 
 impl<T> Files<'_, '_, T> {
-    /// Reads the ground motions with the names of their files, those in g with this gravity (m/s²).
+    /// Reads the ground motions with the names of their files. Values in g are multiplied by this gravity (m/s²).
     pub fn read(&self, gravity: f64) -> Result<Vec<RecordFiles>, StudyFileError> {
         let options = self
             .table

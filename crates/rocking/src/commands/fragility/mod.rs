@@ -123,7 +123,8 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
         eprintln!("rocking: warning: {warning}");
     }
     let written = WrittenFiles::new(outputs);
-    options.report.print("fragility", &written, &warnings, &(result.text() + &written.lines()), &result)
+    let summary = result.summary();
+    options.report.print("fragility", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }
 
 /// The cases of a table for each measure and limit, and words on its blocks.
@@ -200,7 +201,7 @@ impl FragilityCommand {
         })
     }
 
-    /// Fits the curve of a measure, with its surface, its picture and its export as requested.
+    /// Fits the curve of a measure. Its surface, its picture and its export are made as requested.
     fn assess(
         &self,
         table: &mut TableCases,
@@ -243,7 +244,7 @@ impl FragilityCommand {
             };
         }
         let intervals = fit.uncertainty().words(found.independence);
-        Ok((MeasureReport::of(heading, &found, sufficiency), pictured, CurveWords { intervals, warnings }))
+        Ok((MeasureReport::of(heading, &found, &sufficiency), pictured, CurveWords { intervals, warnings }))
     }
 
     /// Returns the files of the export.
@@ -257,7 +258,7 @@ impl FragilityCommand {
         }
     }
 
-    /// Returns the curve of the measure with this heading, and those of the further limits, as a component of the export.
+    /// Returns the curve of the measure with this heading as a component of the export. The curves of the further limits are part of it.
     fn component(
         &self,
         table: &str,

@@ -1,14 +1,11 @@
-//! Fragility curves → a report, as text or JSON.
+//! Fragility curves → their summary.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
-use serde::Serialize;
-
-use rocking_studies::fragility::{Assessment, Goodness, Interval, RowCounts, Surface};
+use crate::output::summary::{Object, Summary, aligned};
+use rocking_studies::fragility::{Assessment, Interval, RowCounts, Surface};
 
 /// Report of all curves, in SI units.
-#[derive(Serialize)]
 pub struct FragilityReport {
     pub table: String,
     pub limit: String,
@@ -18,11 +15,10 @@ pub struct FragilityReport {
     pub intervals: String,
     pub rows: RowCounts,
     pub measures: Vec<MeasureReport>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceReport>,
 }
 
-/// Warns of rows and samples that a curve leaves out although they may exceed the limit.
+/// Warns of rows and samples left out although they may exceed the limit.
 pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
     let RowCounts { all, exceeded, exceeded_at_most, undecided, partly_known, .. } = *counts;
     let [least, most] = [exceeded, exceeded_at_most].map(|count| 100.0 * count / all as f64);
@@ -36,129 +32,97 @@ pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
         .then(|| format!("{}: it is exceeded in {least:.1} % to {most:.1} % of all rows", doubts.join("; ")))
 }
 
-/// Curve of a measure.
-#[derive(Serialize)]
+/// The curve of a measure.
 pub struct MeasureReport {
-    im: String,
-    rows: usize,
-    median: f64,
-    median_interval: [Option<f64>; 2],
-    beta: f64,
-    beta_interval: [Option<f64>; 2],
-    /// Coefficients of the natural logarithm of the measure.
-    intercept: f64,
-    slope: f64,
-    standard_errors: Vec<f64>,
-    log_likelihood: f64,
-    null_log_likelihood: f64,
-    #[serde(rename = "AUC")]
-    auc: f64,
-    #[serde(rename = "Brier")]
-    brier: f64,
-    /// Whether the curve fits groups of rows; missing for fewer than three groups.
-    goodness_of_fit: Option<Goodness>,
-    efficiency: Option<f64>,
-    /// Number of blocks behind the efficiency: those that lifted off and stand.
-    rocking: usize,
-    /// p-value of the hypothesis that the measure is sufficient, by the other column.
-    sufficiency: BTreeMap<String, f64>,
+    json: Object,
+    /// Fields of the printed table.
+    fields: Vec<String>,
+    /// Columns beside the measure whose sufficiency is tested.
+    beside: Vec<String>,
     /// Number of bootstrap samples without a curve.
-    #[serde(skip_serializing_if = "Option::is_none")]
     without_curve: Option<usize>,
 }
 
 impl MeasureReport {
     /// Reports the curve of the measure with this heading.
-    pub fn of(heading: &str, found: &Assessment, sufficiency: BTreeMap<String, f64>) -> MeasureReport {
-        let Assessment { rows, fit, median, dispersion, auc, brier, efficiency, rocking, .. } = found;
-        let ends = |Interval { low, high }: &Interval| [*low, *high];
-        MeasureReport {
-            im: heading.into(),
-            rows: *rows,
-            median: fit.median(),
-            median_interval: ends(median),
-            beta: fit.dispersion(),
-            beta_interval: ends(dispersion),
-            intercept: fit.coefficients[0],
-            slope: fit.coefficients[1],
-            standard_errors: found.standard_errors.clone(),
-            log_likelihood: fit.log_likelihood,
-            null_log_likelihood: fit.null_log_likelihood,
-            auc: *auc,
-            brier: *brier,
-            goodness_of_fit: found.goodness,
-            efficiency: *efficiency,
-            rocking: *rocking,
-            sufficiency,
-            without_curve: found.without_curve(),
-        }
-    }
-
-    /// Returns the fields of the measure in the printed table.
-    fn fields(&self) -> Vec<String> {
+    ///
+    /// `sufficiency` has the p-value of the hypothesis that the measure is sufficient, by the other column.
+    pub fn of(heading: &str, found: &Assessment, sufficiency: &BTreeMap<String, f64>) -> MeasureReport {
+        let Assessment { rows, fit, auc, brier, efficiency, rocking, goodness, .. } = found;
+        let (median, beta) = (fit.median(), fit.dispersion());
+        let [of_median, of_beta] = [found.median, found.dispersion].map(|Interval { low, high }| [low, high]);
+        let json = Object::default()
+            .with("im", heading)
+            .with("rows", rows)
+            .with("median", median)
+            .with("median_interval", of_median)
+            .with("beta", beta)
+            .with("beta_interval", of_beta)
+            // Coefficients of the natural logarithm of the measure.
+            .with("intercept", fit.coefficients[0])
+            .with("slope", fit.coefficients[1])
+            .with("standard_errors", &found.standard_errors)
+            .with("log_likelihood", fit.log_likelihood)
+            .with("null_log_likelihood", fit.null_log_likelihood)
+            .with("AUC", auc)
+            .with("Brier", brier)
+            // Whether the curve fits groups of rows; null for fewer than three groups.
+            .with("goodness_of_fit", goodness)
+            .with("efficiency", efficiency)
+            // Number of blocks behind the efficiency: those that lifted off and stand.
+            .with("rocking", rocking)
+            .with("sufficiency", sufficiency)
+            .with_some("without_curve", found.without_curve());
         let end = |end: Option<f64>| end.map_or("?".into(), |end| format!("{end:.4}"));
         let with = |value: f64, [low, high]: [Option<f64>; 2]| format!("{value:.4} ({} to {})", end(low), end(high));
         let mut fields = vec![
-            self.im.clone(),
-            with(self.median, self.median_interval),
-            with(self.beta, self.beta_interval),
-            format!("{:.3}", self.auc),
-            format!("{:.4}", self.brier),
-            self.goodness_of_fit.map_or("none".into(), |fit| format!("{:.3}", fit.p)),
-            self.efficiency.map_or("none".into(), |efficiency| format!("{efficiency:.3}")),
-            self.rocking.to_string(),
-            self.rows.to_string(),
+            heading.into(),
+            with(median, of_median),
+            with(beta, of_beta),
+            format!("{auc:.3}"),
+            format!("{brier:.4}"),
+            goodness.map_or("none".into(), |fit| format!("{:.3}", fit.p)),
+            efficiency.map_or("none".into(), |efficiency| format!("{efficiency:.3}")),
+            rocking.to_string(),
+            rows.to_string(),
         ];
-        fields.extend(self.sufficiency.values().map(|p| format!("{p:.2e}")));
-        fields
+        fields.extend(sufficiency.values().map(|p| format!("{p:.2e}")));
+        let beside = sufficiency.keys().cloned().collect();
+        MeasureReport { json, fields, beside, without_curve: found.without_curve() }
     }
 }
 
-/// Surface of two measures.
-#[derive(Serialize)]
+/// The surface of two measures, in numbers and in words.
 pub struct SurfaceReport {
-    im: [String; 2],
-    rows: usize,
-    intercept: f64,
-    /// Coefficients of the natural logarithms of the measures.
-    slopes: [f64; 2],
-    standard_errors: Vec<f64>,
-    log_likelihood: f64,
-    #[serde(rename = "AUC")]
-    auc: f64,
-    #[serde(rename = "Brier")]
-    brier: f64,
+    json: Object,
+    text: String,
 }
 
 impl SurfaceReport {
     /// Reports the surface of the measures with these headings.
     pub fn of(headings: [&str; 2], found: &Surface) -> SurfaceReport {
         let Surface { rows, fit, standard_errors, auc, brier, .. } = found;
-        SurfaceReport {
-            im: headings.map(String::from),
-            rows: *rows,
-            intercept: fit.coefficients[0],
-            slopes: [fit.coefficients[1], fit.coefficients[2]],
-            standard_errors: standard_errors.clone(),
-            log_likelihood: fit.log_likelihood,
-            auc: *auc,
-            brier: *brier,
-        }
-    }
-
-    fn text(&self) -> String {
-        let SurfaceReport { im: [one, other], rows, intercept, slopes: [b, c], standard_errors, auc, brier, .. } = self;
-        let [a, b, c] =
-            [(intercept, 0), (b, 1), (c, 2)].map(|(value, i)| format!("{value:.4} ± {:.4}", standard_errors[i]));
-        format!(
-            "surface       of {rows} rows: ({a}) + ({b}) ln {one} + ({c}) ln {other}; AUC {auc:.3}, Brier {brier:.4}\n"
-        )
+        let coefficients = &fit.coefficients;
+        let json = Object::default()
+            .with("im", headings)
+            .with("rows", rows)
+            .with("intercept", coefficients[0])
+            // Of the natural logarithms of the measures.
+            .with("slopes", [coefficients[1], coefficients[2]])
+            .with("standard_errors", standard_errors)
+            .with("log_likelihood", fit.log_likelihood)
+            .with("AUC", auc)
+            .with("Brier", brier);
+        let [a, b, c] = [0, 1, 2].map(|i| format!("{:.4} ± {:.4}", coefficients[i], standard_errors[i]));
+        let [one, other] = headings;
+        let text = format!("of {rows} rows: ({a}) + ({b}) ln {one} + ({c}) ln {other}; AUC {auc:.3}, Brier {brier:.4}");
+        SurfaceReport { json, text }
     }
 }
 
 impl FragilityReport {
-    /// Writes the report as text.
-    pub fn text(&self) -> String {
+    /// Summarizes the curves.
+    pub fn summary(&self) -> Summary {
         let RowCounts { all, decided, exceeded, exceeded_at_most, partly_known, failed, separated, undecided } =
             self.rows;
         let left_out = [
@@ -176,38 +140,29 @@ impl FragilityReport {
         } else {
             String::new()
         };
-        let mut text = format!(
-            "table         {}: {all} rows{left_out}\n\
-             limit         {}: exceeded in {exceeded} of {decided} rows{range}\n\
-             curve         {}, intervals of {} %: {}\n",
-            self.table,
-            self.limit,
-            self.link,
-            100.0 * self.confidence,
-            self.intervals
-        );
-        let mut rows = vec![
-            ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"]
-                .map(String::from)
-                .to_vec(),
-        ];
-        rows[0].extend(self.measures[0].sufficiency.keys().map(|other| format!("p beside {other}")));
-        rows.extend(self.measures.iter().map(MeasureReport::fields));
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-        for row in &rows {
-            let line: String = row.iter().zip(&widths).map(|(field, width)| format!("{field:<width$}  ")).collect();
-            // Writing to a String never fails.
-            let _ = writeln!(text, "{}", line.trim_end());
+        let FragilityReport { table, limit, link, confidence, intervals, measures, surface, .. } = self;
+        let mut summary = Summary::default();
+        summary.item("table", table, "table", format!("{table}: {all} rows{left_out}"));
+        summary.item("limit", limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
+        let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * confidence);
+        summary.item("link", link, "curve", text);
+        summary.entry("confidence", confidence);
+        summary.entry("intervals", intervals);
+        summary.entry("rows", self.rows);
+        let head = ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"];
+        let beside = measures[0].beside.iter().map(|other| format!("p beside {other}"));
+        let mut lines = vec![head.map(String::from).into_iter().chain(beside).collect()];
+        lines.extend(measures.iter().map(|measure| measure.fields.clone()));
+        summary.text += &aligned(&lines, 0..0);
+        summary.entry("measures", measures.iter().map(|measure| &measure.json).collect::<Vec<_>>());
+        if let Some(SurfaceReport { json, text }) = surface {
+            summary.item("surface", json, "surface", text);
         }
-        text.extend(self.surface.iter().map(SurfaceReport::text));
-        let without: usize = self.measures.iter().filter_map(|measure| measure.without_curve).sum();
+        let without: usize = measures.iter().filter_map(|measure| measure.without_curve).sum();
         if without > 0 {
-            let _ = writeln!(
-                text,
-                "bootstrap     {without} samples have no curve: their data are separable or of one class"
-            );
+            let text = format!("{without} samples have no curve: their data are separable or of one class");
+            summary.line("bootstrap", text);
         }
-        text
+        summary
     }
 }

@@ -1,4 +1,4 @@
-//! `rocking rate`: a hazard curve, a fragility curve → the annual rate at which a limit is exceeded.
+//! `rocking rate`: a hazard curve, a fragility curve → the annual rate of exceedance.
 
 mod report;
 
@@ -15,7 +15,7 @@ use crate::options::measure::BlockScales;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::{ReportOptions, WrittenFiles};
-use report::{CurveReport, HazardReport, RateReport};
+use report::{CurveReport, RateReport};
 use rocking_charts::fragility::probability_of;
 use rocking_studies::fragility::{Assessment, Collected, Interval, Limit, split_heading};
 use rocking_studies::intensity::Measure;
@@ -128,14 +128,10 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
     );
     let ends = fragility.assessment.as_ref().map(|assessment| interval(&hazard, assessment));
     let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
-    let report = RateReport::new(
-        HazardReport::new(file, heading.clone(), &hazard),
-        fragility.report,
-        &found,
-        ends.map(|ends| (fit.ci, ends)),
-        &options.years,
-        fragility.rows,
-    );
+    let (fragility_report, years, rows) = (fragility.report, &options.years[..], fragility.rows);
+    let ends = ends.map(|ends| (fit.ci, ends));
+    let report =
+        RateReport { file, im: heading.clone(), fragility: fragility_report, found: &found, ends, years, rows };
     let mut written = Vec::new();
     if let (Some(file), Some(format)) = (picture, format) {
         let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
@@ -152,7 +148,8 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
         eprintln!("rocking: warning: {warning}");
     }
     let written = WrittenFiles::new(outputs);
-    options.report.print("rate", &written, &warnings, &(report.text() + &written.lines()), &report)
+    let summary = report.summary();
+    options.report.print("rate", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }
 
 fn heading(hazard: &HazardCurve) -> String {
@@ -161,7 +158,7 @@ fn heading(hazard: &HazardCurve) -> String {
 }
 
 impl RateCommand {
-    /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
+    /// Reads the hazard curve of the measure of a fragility curve. It is relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
         let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();
         let measure = name.and_then(|name| name.parse::<Measure>().ok());
@@ -267,7 +264,7 @@ impl FragilityOptions {
             let (levels, fractions): (Vec<f64>, Vec<f64>) =
                 levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
             let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
-            let report = CurveReport::empirical(name.clone(), limit, levels.len());
+            let report = CurveReport::empirical(&name, &limit, levels.len());
             return Ok(Fragility { curve, heading, assessment: None, ordinate, rows, report });
         }
         let uncertainty = self.fit.uncertainty();
@@ -275,7 +272,7 @@ impl FragilityOptions {
         let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
         let intervals = uncertainty.words(assessment.independence);
-        let report = CurveReport::fitted(name, limit, &assessment.fit, intervals);
+        let report = CurveReport::fitted(&name, &limit, &assessment.fit, &intervals);
         Ok(Fragility { curve, heading, assessment: Some(assessment), ordinate, rows, report })
     }
 }

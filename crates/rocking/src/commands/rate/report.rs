@@ -1,304 +1,224 @@
-//! An annual rate → its text, JSON, table and warnings.
+//! An annual rate → its summary, table and warnings.
 
 use std::fmt::Write;
 
-use serde::Serialize;
-
+use crate::output::summary::{Object, Summary};
 use rocking_charts::rate::per_year;
 use rocking_studies::fragility::{CurveFit, Interval, split_heading};
-use rocking_studies::risk::{AnnualRate, HazardCurve, RatePart, probability_in};
+use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
 const NOTABLE: f64 = 0.01;
 
-/// Report of an annual rate, in SI units and years.
-#[derive(Serialize)]
-pub struct RateReport {
-    hazard: HazardReport,
-    fragility: CurveReport,
-    /// Annual rate.
-    rate: f64,
-    rate_interval: [Option<f64>; 2],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    confidence: Option<f64>,
-    /// Years.
-    return_period: f64,
-    return_period_interval: [Option<f64>; 2],
-    probabilities: Vec<Probability>,
-    /// Measures below which 5, 50 and 95 % of the rate arise.
-    quantiles: [Option<f64>; 3],
-    extrapolated: Extrapolated,
-    deaggregation: Vec<PartReport>,
+/// A report of an annual rate, in SI units and years.
+pub struct RateReport<'a> {
+    /// The file of the hazard curve.
+    pub file: String,
+    /// Heading of the measure.
+    pub im: String,
+    /// The fragility curve.
+    pub fragility: CurveReport,
+    /// The rate.
+    pub found: &'a AnnualRate,
+    /// The ends of its interval at a confidence level.
+    pub ends: Option<(f64, Interval)>,
+    /// Numbers of years for the probability of an exceedance.
+    pub years: &'a [f64],
+    /// The range of the rows of a table.
+    pub rows: Option<[f64; 2]>,
 }
 
-/// Probability in some years.
-#[derive(Serialize)]
-struct Probability {
-    years: f64,
-    probability: f64,
-    interval: [Option<f64>; 2],
-}
-
-/// Shares of the rate from beyond the data.
-#[derive(Serialize)]
-struct Extrapolated {
-    below_hazard: f64,
-    above_hazard: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    below_rows: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    above_rows: Option<f64>,
-    #[serde(skip)]
-    rows: Option<[f64; 2]>,
-}
-
-/// A part of the rate; the ends of the outermost parts are zero and, as null, infinity.
-#[derive(Serialize)]
-struct PartReport {
-    from: f64,
-    to: Option<f64>,
-    /// Annual rate at which the lower end is exceeded.
-    hazard: Option<f64>,
-    /// Probability of exceeding the limit at the lower end.
-    probability: f64,
-    rate: f64,
-    share: f64,
-}
-
-/// The hazard curve of a report.
-#[derive(Serialize)]
-pub struct HazardReport {
-    file: String,
-    im: String,
-    levels: usize,
-    range: [f64; 2],
-    remarks: Vec<String>,
-}
-
-impl HazardReport {
-    /// Describes a hazard curve in the unit of its heading.
-    pub fn new(file: String, im: String, hazard: &HazardCurve) -> HazardReport {
-        let levels = hazard.levels();
-        let range = [levels[0], levels[levels.len() - 1]];
-        HazardReport { file, im, levels: levels.len(), range, remarks: hazard.remarks.clone() }
-    }
-}
-
-/// The fragility curve of a report.
-#[derive(Serialize)]
+/// The fragility curve of a report, in words and in numbers.
 pub struct CurveReport {
-    curve: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    table: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    limit: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    median: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    beta: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    levels: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    intervals: Option<String>,
+    text: String,
+    json: Object,
 }
 
 impl CurveReport {
-    const NONE: CurveReport = CurveReport {
-        curve: String::new(),
-        table: None,
-        limit: None,
-        median: None,
-        beta: None,
-        levels: None,
-        intervals: None,
-    };
-
     /// Describes a curve of options.
     pub fn lognormal(median: f64, beta: f64) -> CurveReport {
-        CurveReport { curve: "lognormal".into(), median: Some(median), beta: Some(beta), ..CurveReport::NONE }
+        let json = Object::default().with("curve", "lognormal").with("median", median).with("beta", beta);
+        CurveReport { text: format!("lognormal, median {median:.4}, beta {beta:.4}"), json }
     }
 
     /// Describes a curve fitted to a table.
-    pub fn fitted(table: String, limit: String, fit: &CurveFit, intervals: String) -> CurveReport {
-        CurveReport {
-            curve: fit.link.to_string(),
-            table: Some(table),
-            limit: Some(limit),
-            median: Some(fit.median()),
-            beta: Some(fit.dispersion()),
-            intervals: Some(intervals),
-            ..CurveReport::NONE
-        }
+    pub fn fitted(table: &str, limit: &str, fit: &CurveFit, intervals: &str) -> CurveReport {
+        let (link, median, beta) = (fit.link, fit.median(), fit.dispersion());
+        let json = Object::from([("curve", link.to_string().as_str()), ("table", table), ("limit", limit)]);
+        let json = json.with("median", median).with("beta", beta).with("intervals", intervals);
+        CurveReport { text: format!("{link}, median {median:.4}, beta {beta:.4}; {limit} in {table}"), json }
     }
 
     /// Describes the fractions of a table.
-    pub fn empirical(table: String, limit: String, levels: usize) -> CurveReport {
-        CurveReport {
-            curve: "empirical".into(),
-            table: Some(table),
-            limit: Some(limit),
-            levels: Some(levels),
-            ..CurveReport::NONE
-        }
-    }
-
-    fn text(&self) -> String {
-        let CurveReport { curve, table, limit, median, beta, levels, .. } = self;
-        let mut text = curve.clone();
-        if let (Some(median), Some(beta)) = (median, beta) {
-            let _ = write!(text, ", median {median:.4}, beta {beta:.4}");
-        }
-        if let Some(levels) = levels {
-            let _ = write!(text, ", fractions at {levels} levels");
-        }
-        if let (Some(limit), Some(table)) = (limit, table) {
-            let _ = write!(text, "; {limit} in {table}");
-        }
-        text
+    pub fn empirical(table: &str, limit: &str, levels: usize) -> CurveReport {
+        let json = Object::from([("curve", "empirical"), ("table", table), ("limit", limit)]).with("levels", levels);
+        CurveReport { text: format!("empirical, fractions at {levels} levels; {limit} in {table}"), json }
     }
 }
 
-impl RateReport {
-    /// Reports a rate with the ends of its interval at a confidence level; `rows` is the range of the rows of a table.
-    pub fn new(
-        hazard: HazardReport,
-        fragility: CurveReport,
-        found: &AnnualRate,
-        ends: Option<(f64, Interval)>,
-        years: &[f64],
-        rows: Option<[f64; 2]>,
-    ) -> RateReport {
-        let rate = found.rate;
-        let rate_interval = ends.map_or([None, None], |(_, ends)| [ends.low, ends.high]);
-        let probability = |&years: &f64| Probability {
-            years,
-            probability: probability_in(years, rate),
-            interval: rate_interval.map(|end| end.map(|rate| probability_in(years, rate))),
-        };
-        let part = |RatePart { from, to, rate, fraction }: RatePart| PartReport {
-            from,
-            to: Some(to).filter(|to| to.is_finite()),
-            hazard: Some(from).filter(|from| *from > 0.0).map(|from| found.hazard().rate(from)),
-            probability: if from > 0.0 { found.curve().probability(from) } else { 0.0 },
-            rate,
-            share: fraction,
-        };
-        let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
-        RateReport {
-            rate,
-            rate_interval,
-            confidence: ends.map(|(confidence, _)| confidence),
-            return_period: 1.0 / rate,
-            return_period_interval: [rate_interval[1], rate_interval[0]].map(|end| end.map(|rate| 1.0 / rate)),
-            probabilities: years.iter().map(probability).collect(),
-            quantiles: [0.05, 0.5, 0.95].map(|fraction| found.quantile(fraction)),
-            extrapolated: Extrapolated {
-                below_hazard: fraction(found.below_hazard),
-                above_hazard: fraction(found.above_hazard),
-                below_rows: rows.map(|[least, _]| fraction(found.between(0.0, least))),
-                above_rows: rows.map(|[_, greatest]| fraction(found.between(greatest, f64::INFINITY))),
-                rows,
-            },
-            deaggregation: found.deaggregation().into_iter().map(part).collect(),
-            hazard,
-            fragility,
-        }
-    }
-
+impl RateReport<'_> {
     /// Returns the heading of the picture.
     pub fn lines(&self) -> Vec<String> {
-        let between =
-            self.confidence.map_or(String::new(), |_| format!(" ({})", self.between(self.rate_interval, per_year)));
-        let file = self.hazard.file.rsplit(['/', '\\']).next().unwrap_or_default();
+        let rate = self.found.rate;
+        let between = self.ends.map_or(String::new(), |_| format!(" ({})", between(self.interval(), per_year)));
+        let file = self.file.rsplit(['/', '\\']).next().unwrap_or_default();
         vec![
-            format!("{} per year{between}, once in {} years", per_year(self.rate), period(self.return_period)),
-            format!("hazard {file}; fragility {}", self.fragility.text()),
+            format!("{} per year{between}, once in {} years", per_year(rate), period(1.0 / rate)),
+            format!("hazard {file}; fragility {}", self.fragility.text),
         ]
     }
 
-    fn between(&self, ends: [Option<f64>; 2], format: impl Fn(f64) -> String) -> String {
-        let [low, high] = ends.map(|end| end.map_or("?".into(), &format));
-        format!("{low} to {high}")
+    /// The interval of the rate.
+    fn interval(&self) -> [Option<f64>; 2] {
+        self.ends.map_or([None, None], |(_, ends)| [ends.low, ends.high])
     }
 
-    /// Returns a warning for each curve that is extrapolated in a notable part of the rate.
+    /// Fractions of the rate from beyond the hazard curve and the rows. The first of each pair is from below, the second from above.
+    fn extrapolated(&self) -> ([f64; 2], Option<[f64; 2]>) {
+        let AnnualRate { rate, below_hazard, above_hazard, .. } = *self.found;
+        let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
+        let of_rows = self.rows.map(|[least, greatest]| {
+            [self.found.between(0.0, least), self.found.between(greatest, f64::INFINITY)].map(fraction)
+        });
+        ([below_hazard, above_hazard].map(fraction), of_rows)
+    }
+
+    /// Returns a warning for each curve with a notable extrapolated part of the rate.
     pub fn warnings(&self) -> Vec<String> {
-        let Extrapolated { below_hazard, above_hazard, below_rows, above_rows, rows } = self.extrapolated;
-        let HazardReport { im, range: [least, greatest], remarks, file, .. } = &self.hazard;
-        let [first, last] = rows.unwrap_or_default();
+        let ([below, above], of_rows) = self.extrapolated();
+        let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.rows.unwrap_or_default());
+        let [below_rows, above_rows] = of_rows.unwrap_or_default();
         let parts = [
-            (Some(below_hazard), format!("below {least:.4}, the least level of the hazard curve")),
-            (Some(above_hazard), format!("above {greatest:.4}, the greatest level of the hazard curve")),
+            (below, format!("below {least:.4}, the least level of the hazard curve")),
+            (above, format!("above {greatest:.4}, the greatest level of the hazard curve")),
             (below_rows, format!("below {first:.4}, the least value in the rows of the fragility curve")),
             (above_rows, format!("above {last:.4}, the greatest value in the rows of the fragility curve")),
         ];
-        let notable = parts
-            .into_iter()
-            .filter_map(|(fraction, place)| Some((fraction.filter(|fraction| *fraction >= NOTABLE)?, place)));
-        let notable =
-            notable.map(|(fraction, place)| format!("{} % of the rate comes from {im} {place}", percent(fraction)));
-        remarks.iter().map(|remark| format!("{file}: {remark}")).chain(notable).collect()
+        let notable = parts.into_iter().filter(|(fraction, _)| *fraction >= NOTABLE);
+        let notable = notable
+            .map(|(fraction, place)| format!("{} % of the rate comes from {} {place}", percent(fraction), self.im));
+        let remarks = self.found.hazard().remarks.iter().map(|remark| format!("{}: {remark}", self.file));
+        remarks.chain(notable).collect()
     }
 
-    /// Writes the report as text.
-    pub fn text(&self) -> String {
-        let HazardReport { file, im, levels, range: [least, greatest], .. } = &self.hazard;
-        let ends = |ends: [Option<f64>; 2], format: fn(f64) -> String| match self.confidence {
-            Some(confidence) => format!(" ({} % interval {})", 100.0 * confidence, self.between(ends, format)),
+    /// Summarizes the rate.
+    pub fn summary(&self) -> Summary {
+        let RateReport { file, im, fragility, found, .. } = self;
+        let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard().levels().len());
+        let ends = |ends: [Option<f64>; 2], format: fn(f64) -> String| match self.ends {
+            Some((confidence, _)) => format!(" ({} % interval {})", 100.0 * confidence, between(ends, format)),
             None => String::new(),
         };
-        let mut text = format!(
-            "hazard        {file}: {im}, {levels} levels from {least:.4} to {greatest:.4}\n\
-             fragility     {}\n\
-             rate          {} per year{}\n\
-             return period {} years{}\n",
-            self.fragility.text(),
-            per_year(self.rate),
-            ends(self.rate_interval, per_year),
-            period(self.return_period),
-            ends(self.return_period_interval, period),
+        let mut summary = Summary::default();
+        summary.item(
+            "hazard",
+            Object::from([("file", file), ("im", im)])
+                .with("levels", levels)
+                .with("range", [least, greatest])
+                .with("remarks", &found.hazard().remarks),
+            "hazard",
+            format!("{file}: {im}, {levels} levels from {least:.4} to {greatest:.4}"),
         );
-        for Probability { years, probability, interval } in &self.probabilities {
-            let interval = ends(*interval, |probability| format!("{} %", percent(probability)));
-            // Writing to a String never fails.
-            let _ = writeln!(
-                text,
-                "probability   {} % in {years} {}{interval}",
-                percent(*probability),
-                if *years == 1.0 { "year" } else { "years" }
-            );
+        summary.item("fragility", &fragility.json, "fragility", &fragility.text);
+        let interval = self.interval();
+        summary.item("rate", rate, "rate", format!("{} per year{}", per_year(rate), ends(interval, per_year)));
+        summary.entry("rate_interval", interval);
+        if let Some((confidence, _)) = self.ends {
+            summary.entry("confidence", confidence);
         }
-        if let [Some(low), Some(middle), Some(high)] = self.quantiles {
-            let _ = writeln!(text, "comes from    {im}: half below {middle:.4}, 90 % between {low:.4} and {high:.4}");
+        let (years, periods) = (1.0 / rate, [interval[1], interval[0]].map(|end| end.map(|rate| 1.0 / rate)));
+        let text = format!("{} years{}", period(years), ends(periods, period));
+        summary.item("return_period", years, "return period", text);
+        summary.entry("return_period_interval", periods);
+        let mut probabilities = Vec::new();
+        for &years in self.years {
+            let probability = probability_in(years, rate);
+            let interval = interval.map(|end| end.map(|rate| probability_in(years, rate)));
+            let words = ends(interval, |probability| format!("{} %", percent(probability)));
+            let unit = if years == 1.0 { "year" } else { "years" };
+            summary.line("probability", format!("{} % in {years} {unit}{words}", percent(probability)));
+            let numbers = Object::from([("years", years), ("probability", probability)]);
+            probabilities.push(numbers.with("interval", interval));
         }
-        let Extrapolated { below_hazard, above_hazard, below_rows, above_rows, .. } = self.extrapolated;
-        let _ = write!(
-            text,
-            "extrapolated  hazard: {} % below its levels, {} % above",
-            percent(below_hazard),
-            percent(above_hazard)
+        summary.entry("probabilities", probabilities);
+        self.add_parts(&mut summary);
+        summary
+    }
+
+    /// Adds the measures from which the rate comes.
+    fn add_parts(&self, summary: &mut Summary) {
+        let RateReport { im, found, .. } = self;
+        let quantiles = [0.05, 0.5, 0.95].map(|fraction| found.quantile(fraction));
+        summary.entry("quantiles", quantiles);
+        if let [Some(low), Some(middle), Some(high)] = quantiles {
+            let text = format!("{im}: half below {middle:.4}, 90 % between {low:.4} and {high:.4}");
+            summary.line("comes from", text);
+        }
+        let ([below, above], of_rows) = self.extrapolated();
+        let of_rows_text = of_rows.map(|[below, above]| {
+            format!("; fragility: {} % below its rows, {} % above", percent(below), percent(above))
+        });
+        summary.item(
+            "extrapolated",
+            Object::from([("below_hazard", below), ("above_hazard", above)])
+                .with_some("below_rows", of_rows.map(|[below, _]| below))
+                .with_some("above_rows", of_rows.map(|[_, above]| above)),
+            "extrapolated",
+            format!(
+                "hazard: {} % below its levels, {} % above{}",
+                percent(below),
+                percent(above),
+                of_rows_text.unwrap_or_default()
+            ),
         );
-        if let (Some(below), Some(above)) = (below_rows, above_rows) {
-            let _ = write!(text, "; fragility: {} % below its rows, {} % above", percent(below), percent(above));
-        }
-        text + "\n"
+        let part = |part: RatePart| {
+            let [to, hazard] = self.optional(&part);
+            Object::default()
+                .with("from", part.from)
+                .with("to", to)
+                .with("hazard", hazard)
+                .with("probability", self.probability(&part))
+                .with("rate", part.rate)
+                .with("share", part.fraction)
+        };
+        summary.entry("deaggregation", found.deaggregation().into_iter().map(part).collect::<Vec<_>>());
+    }
+
+    /// The upper end of a part, and the annual rate at its lower end. An infinite upper end and the rate at zero are missing.
+    fn optional(&self, part: &RatePart) -> [Option<f64>; 2] {
+        let from = Some(part.from).filter(|from| *from > 0.0);
+        [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard().rate(from))]
+    }
+
+    /// Probability of exceeding the limit at the lower end of a part.
+    fn probability(&self, part: &RatePart) -> f64 {
+        if part.from > 0.0 { self.found.curve().probability(part.from) } else { 0.0 }
     }
 
     /// Writes the deaggregation as CSV, in full precision.
     pub fn table(&self) -> String {
-        let unit = split_heading(&self.hazard.im).1.unwrap_or("1");
+        let unit = split_heading(&self.im).1.unwrap_or("1");
         let mut table = format!(
             "# rocking-block {} rate\n# {}\n",
             env!("CARGO_PKG_VERSION"),
-            self.text().trim_end().replace('\n', "\n# ")
+            self.summary().text.trim_end().replace('\n', "\n# ")
         );
+        // Writing to a String never fails.
         let _ = writeln!(table, "from [{unit}],to [{unit}],hazard [1/year],probability [1],rate [1/year],share [1]");
-        for PartReport { from, to, hazard, probability, rate, share } in &self.deaggregation {
-            let [to, hazard] = [to, hazard].map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
-            let _ = writeln!(table, "{from:?},{to},{hazard},{probability:?},{rate:?},{share:?}");
+        for part in self.found.deaggregation() {
+            let RatePart { from, rate, fraction, .. } = part;
+            let [to, hazard] =
+                self.optional(&part).map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
+            let _ = writeln!(table, "{from:?},{to},{hazard},{:?},{rate:?},{fraction:?}", self.probability(&part));
         }
         table
     }
+}
+
+/// Formats an interval.
+fn between(ends: [Option<f64>; 2], format: fn(f64) -> String) -> String {
+    let [low, high] = ends.map(|end| end.map_or("?".into(), format));
+    format!("{low} to {high}")
 }
 
 /// Formats a probability or another fraction in per cent with three digits.

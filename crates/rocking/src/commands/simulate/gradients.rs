@@ -1,7 +1,6 @@
-//! The parameters named by `--gradients` → the derivatives of a run, as text and as JSON.
+//! Parameters named by `--gradients` → the derivatives of a run in its summary.
 
-use serde::Serialize;
-
+use crate::output::summary::{Object, Summary};
 use rocking_gradients::{Grazing, Parameters, unit};
 use rocking_studies::run::gradients::{Derivatives, Gradients};
 
@@ -19,85 +18,53 @@ pub fn check(parameters: &Parameters, names: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Derivatives with respect to one parameter, in SI units.
-#[derive(Serialize)]
-pub struct GradientSummary<'a> {
-    parameter: &'a str,
-    unit: &'static str,
-    peak: PeakDerivatives,
-    /// Of the times of the events; null where one grazes, and after it.
-    event_times: &'a [f64],
-}
-
-#[derive(Serialize)]
-struct PeakDerivatives {
-    theta: f64,
-    uplift: f64,
-    #[serde(rename = "N")]
-    reaction: f64,
-    #[serde(rename = "H")]
-    horizontal: f64,
-    friction_demand: f64,
-    slip: f64,
-}
-
-/// An event from which on there are no derivatives.
-#[derive(Serialize)]
-pub struct GrazingSummary {
-    t: f64,
-    event: &'static str,
-    corner: Option<&'static str>,
-}
-
-impl GrazingSummary {
-    /// Returns the event.
-    pub fn of(&Grazing { time, kind }: &Grazing) -> GrazingSummary {
-        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.location()));
-        GrazingSummary { t: time, event, corner }
+/// Adds the derivatives for each parameter, and the event from which on there are none.
+pub fn add_entries(summary: &mut Summary, gradients: &Gradients) {
+    let of = |Derivatives { name, events, peaks, .. }: &Derivatives| {
+        let peak = Object::from([
+            ("theta", peaks.theta),
+            ("uplift", peaks.uplift),
+            ("N", peaks.reaction),
+            ("H", peaks.horizontal),
+            ("friction_demand", peaks.friction_demand),
+            ("slip", peaks.slip),
+        ]);
+        // Times are null where an event grazes, and after it.
+        Object::from([("parameter", name.as_str()), ("unit", unit(name))])
+            .with("peak", peak)
+            .with("event_times", events)
+    };
+    if !gradients.parameters.is_empty() {
+        summary.entry("gradients", gradients.parameters.iter().map(of).collect::<Vec<_>>());
+    }
+    if let Some(grazing) = &gradients.grazing {
+        let (event, corner) = kind(grazing);
+        summary.entry("grazing", Object::default().with("t", grazing.time).with("event", event).with("corner", corner));
     }
 }
 
-/// Returns the derivatives for each parameter.
-pub fn summaries(gradients: &Gradients) -> Vec<GradientSummary<'_>> {
-    gradients.parameters.iter().map(summary).collect()
-}
-
-fn summary(Derivatives { name, events, peaks, .. }: &Derivatives) -> GradientSummary<'_> {
-    GradientSummary {
-        parameter: name,
-        unit: unit(name),
-        peak: PeakDerivatives {
-            theta: peaks.theta,
-            uplift: peaks.uplift,
-            reaction: peaks.reaction,
-            horizontal: peaks.horizontal,
-            friction_demand: peaks.friction_demand,
-            slip: peaks.slip,
-        },
-        event_times: events,
-    }
-}
-
-/// Returns the lines of the summary.
-pub fn lines(gradients: &Gradients) -> String {
-    let mut text = String::new();
+/// Adds a line for each parameter.
+pub fn add_lines(summary: &mut Summary, gradients: &Gradients) {
     for Derivatives { name, peaks, .. } in &gradients.parameters {
         let per = match unit(name) {
             "1" => String::new(),
             unit => format!(" per {unit}"),
         };
-        text += &format!(
-            "{:13} peak |θ| {:.6e} rad, uplift {:.6e} m, N {:.6e} N, |H| {:.6e} N{per}\n",
-            format!("d/d({name})"),
-            peaks.theta,
-            peaks.uplift,
-            peaks.reaction,
-            peaks.horizontal
+        let text = format!(
+            "peak |θ| {:.6e} rad, uplift {:.6e} m, N {:.6e} N, |H| {:.6e} N{per}",
+            peaks.theta, peaks.uplift, peaks.reaction, peaks.horizontal
         );
+        summary.line(&format!("d/d({name})"), text);
     }
-    if let Some(GrazingSummary { t, event, corner }) = gradients.grazing.as_ref().map(GrazingSummary::of) {
+    if let Some(grazing) = &gradients.grazing {
+        let (event, corner) = kind(grazing);
         let corner = corner.map_or(String::new(), |corner| format!(" of {corner}"));
-        text += &format!("{:13} {event}{corner} at t = {t:.9} s: from there on there are no derivatives\n", "grazing");
+        let time = grazing.time;
+        summary.line("grazing", format!("{event}{corner} at t = {time:.9} s: from there on there are no derivatives"));
     }
-    text
+}
+
+/// The event that grazes, and its corner.
+fn kind(grazing: &Grazing) -> (&'static str, Option<&'static str>) {
+    grazing.kind.map_or(("held", None), |kind| (kind.word(), kind.location()))
 }

@@ -18,23 +18,18 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use rocking_block::block::restraints::TieState;
-use rocking_block::block::{Block, Foundation};
-use rocking_block::simulation::{Ending, Initial, OnSeparation};
-use rocking_charts::history::link_names;
+use rocking_block::block::Foundation;
+use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::loops;
 use rocking_charts::picture::PictureFormat;
 use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Record};
 use rocking_studies::run::gradients::Gradients;
-use rocking_studies::run::outcome::{Breaks, End, Holds};
-use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, RunSpec, SingleRunSpec, limits};
-use summary::Summary;
 
 /// Default record: U.S. Geological Survey, public domain.
 const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
@@ -140,13 +135,10 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     }
     let written = WrittenFiles::new(outputs);
     let demand = options.friction_demand.map(|demand| (demand, run.longest_above(demand)));
-    let text = summary(&run, &history, &excitation, demand, options.events)
-        + &gradients::lines(&derivatives)
-        + &written.lines();
     let warnings =
         is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
-    let json = Summary::new(&run, &history, &derivatives, &excitation, demand, options.events);
-    options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
+    let summary = summary::of(&run, &history, &derivatives, &excitation, demand, options.events);
+    options.report.print("simulate", &written, warnings.as_slice(), &(summary.text + &written.lines()), &summary.json)
 }
 
 impl SimulateCommand {
@@ -225,123 +217,4 @@ impl SimulateCommand {
 fn is_embedded(explicit: &ExplicitOptions) -> bool {
     const OPTIONS: [&str; 7] = ["record", "vertical", "pulse", "theta", "theta-dot", "v", "v-dot"];
     !OPTIONS.iter().any(|option| explicit.has(option))
-}
-
-/// Predicts the future of a block that neither overturned nor separated.
-fn prospect(run: &Run, history: &History) -> &'static str {
-    match (history.end, run.duration) {
-        (End::Completed, _) if history.ends_tilted(&run.block) => "the block is at rest, tilted",
-        (End::Completed, _) if history.is_at_rest => "the block is at rest",
-        (End::Completed, _) if loses_energy(&run.block) => "the block will come to rest",
-        (End::Completed, _) => "the block will not overturn",
-        (_, Some(_)) => "the duration is too short to tell whether the block overturns",
-        (_, None) => "the block may still overturn",
-    }
-}
-
-/// Says how far a block went past its balance, or how it leans at the end, if it does either.
-fn balance(block: &Block, history: &History) -> Option<String> {
-    let (tilted, rest) = (history.ends_tilted(block), history.lean.end / block.alpha);
-    if history.end != End::Overturned && history.lean.passed_balance() {
-        let (over, back) = (history.lean.over_balance, if tilted { " and ends tilted" } else { "" });
-        return Some(format!(
-            "the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"
-        ));
-    }
-    tilted.then(|| format!("the block ends tilted: θ/α = {rest:.4}"))
-}
-
-/// Writes the energies at the end.
-fn energy(block: &Block, history: &History) -> String {
-    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
-    let largest = history.greatest_energy();
-    let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
-    let mut taken = String::new();
-    if block.friction > 0.0 {
-        taken += &format!(", friction {:.1} J", energies.friction);
-    }
-    let Holds { ties, dampers, .. } = Holds::of(block);
-    if ties > 0 {
-        taken += &format!(", ties {:.1} J", energies.restraints.ties);
-    }
-    if dampers > 0 {
-        taken += &format!(", dampers {:.1} J", energies.restraints.dampers);
-    }
-    format!(
-        "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
-        energies.input, energies.dashpots, energies.impacts
-    )
-}
-
-/// Writes the summary as text.
-fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, f64)>, with_events: bool) -> String {
-    let block = &run.block;
-    let History { events, peaks, counts, ending, .. } = history;
-    let weight = block.mass * block.gravity;
-    let last = history.rows.last().map_or(0.0, |row| row.time);
-    let end = match ending {
-        Some((ending @ Ending::Separated, time)) => {
-            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
-        }
-        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
-        None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
-    };
-    let Holds { dampers, .. } = Holds::of(block);
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
-    line("excitation", excitation.into());
-    line("block", format!("{}, M = {} kg", rocking_charts::history::block_line(block), block.mass));
-    line("end", end);
-    line(
-        "peak",
-        format!(
-            "|θ|/α = {:.4}, uplift {:.1} mm, N = {:.3} M g, |H| = {:.3} M g",
-            peaks.theta / block.alpha,
-            1e3 * peaks.uplift,
-            peaks.reaction / weight,
-            peaks.horizontal / weight
-        ),
-    );
-    if let Some(balance) = balance(block, history) {
-        line("balance", balance);
-    }
-    if block.friction > 0.0 {
-        let (peak, slip) = (1e3 * peaks.slip, history.slip);
-        line(
-            "slip",
-            format!("{:.1} mm at the end, at most {peak:.1} mm, {:.1} mm in all", 1e3 * slip.now, 1e3 * slip.total),
-        );
-    }
-    for (number, (name, tie)) in link_names(block).iter().zip(block.ties()).enumerate() {
-        let (force, plastic) = (peaks.pull[number], 1e3 * peaks.plastic[number]);
-        let mut of_link = format!("{} of at most {force:.4e} N", tie.kind.force());
-        if tie.yields() {
-            let lost = history.yield_works[number];
-            of_link += &format!(", plastic elongation of at most {plastic:.2} mm, {lost:.1} J lost by yielding");
-        }
-        let broken = if history.ties[number] == TieState::Broken { "; it broke" } else { "" };
-        line(name, of_link + broken);
-    }
-    if let Breaks { count, first: Some(time) } = history.breaks() {
-        let [one, several] = if dampers == 0 { ["tie", "ties"] } else { ["tie or damper", "ties and dampers"] };
-        let broke = if count == 1 { format!("1 {one} broke,") } else { format!("{count} {several} broke, the first") };
-        line(if dampers == 0 { "ties" } else { "breaks" }, format!("{broke} at t = {time:.4} s"));
-    }
-    if let Some((demand, time)) = demand {
-        line("friction", format!("|H|/(N_L + N_R) exceeds {demand} for at most {time:.4} s at a time"));
-    }
-    let last_event = events.last().map(|event| format!(", the last at t = {:.4} s", event.time));
-    let so_far = if ending.is_some() || history.is_at_rest { "" } else { " so far" };
-    line(
-        "events",
-        format!("{} impacts, {} lift-offs{so_far}{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
-    );
-    line("energy", energy(block, history));
-    line("steps", format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations));
-    if with_events {
-        for event in events {
-            line("", event.to_string());
-        }
-    }
-    text
 }

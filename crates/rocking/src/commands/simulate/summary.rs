@@ -1,327 +1,277 @@
-//! A run → its summary as JSON.
+//! A run → its summary.
 
 use serde::Serialize;
 
-use super::gradients::{GradientSummary, GrazingSummary, summaries};
+use super::gradients;
+use crate::output::summary::{Object, Summary};
 
-use rocking_block::block::restraints::{LinkKind, Tie, TieState};
+use rocking_block::block::restraints::{LinkKind, TieState};
 use rocking_block::block::{Block, Corner, Foundation};
-use rocking_block::simulation::Energies;
+use rocking_block::simulation::{Ending, Energies};
 use rocking_block::system::events::Event;
+use rocking_charts::history::{block_line, link_names};
 use rocking_studies::run::gradients::Gradients;
-use rocking_studies::run::outcome::End;
+use rocking_studies::run::outcome::{Breaks, End, Holds};
+use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::words::Words;
 
-/// Summary of a run in SI units; names are those of the tables and of the FMU's variables.
-#[derive(Serialize)]
-pub struct Summary<'a> {
-    excitation: &'a str,
-    block: Parameters,
-    /// `completed`, `overturned`, `separated` or `undecided`.
-    outcome: &'static str,
-    end_time: f64,
-    /// Whether the block is at rest or bound to come to rest.
-    has_come_down: bool,
-    /// Whether the block is at rest.
-    is_at_rest: bool,
-    /// Whether |θ| exceeded the balance angle of its side.
-    passed_balance: bool,
-    /// Whether the block rests without standing upright.
-    ends_tilted: bool,
-    /// Rotation at the end.
-    #[serde(rename = "end.theta/alpha")]
-    end_theta_over_alpha: f64,
-    /// Only with `--tie`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ties_broken: Option<u32>,
-    /// Only if a tie broke.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first_break: Option<f64>,
-    peak: PeakValues,
-    /// Only with `--friction-demand`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    friction_demand: Option<FrictionDemand>,
-    /// Only with `--friction`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slip: Option<SlipSummary>,
-    /// Only with `--tie`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    ties: Vec<TieSummary>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    dampers: Vec<DamperSummary>,
-    /// Only with `--gradients`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    gradients: Vec<GradientSummary<'a>>,
-    /// Only with `--gradients`, where an event grazes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grazing: Option<GrazingSummary>,
-    events: Events,
-    /// At the end of the run.
-    energy: Energy,
-    steps: Steps,
+/// Summarizes a run; names are those of the tables and of the FMU's variables.
+///
+/// `demand` is a coefficient of friction with the longest time above it (s).
+pub fn of(
+    run: &Run,
+    history: &History,
+    gradients: &Gradients,
+    excitation: &str,
+    demand: Option<(f64, f64)>,
+    with_events: bool,
+) -> Summary {
+    let (block, counts) = (&run.block, &history.counts);
+    let mut summary = Summary::default();
+    summary.item("excitation", excitation, "excitation", excitation);
+    summary.item("block", parameters(block), "block", format!("{}, M = {} kg", block_line(block), block.mass));
+    add_end(&mut summary, run, history);
+    add_peaks(&mut summary, block, history);
+    if let Some((coefficient, time)) = demand {
+        summary.entry("friction_demand", Object::from([("coefficient", coefficient), ("longest_time_above", time)]));
+    }
+    add_holds(&mut summary, block, history);
+    if let Some((demand, time)) = demand {
+        summary.line("friction", format!("|H|/(N_L + N_R) exceeds {demand} for at most {time:.4} s at a time"));
+    }
+    gradients::add_entries(&mut summary, gradients);
+    add_events(&mut summary, history, with_events);
+    add_energy(&mut summary, block, history);
+    summary.item(
+        "steps",
+        Object::from([("accepted", counts.steps), ("rejected", counts.rejected), ("evaluations", counts.evaluations)]),
+        "steps",
+        format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations),
+    );
+    if with_events {
+        history.events.iter().for_each(|event| summary.line("", event));
+    }
+    gradients::add_lines(&mut summary, gradients);
+    summary
 }
 
-/// Parameters of a block.
-#[derive(Serialize)]
-pub struct Parameters {
-    foundation: &'static str,
-    alpha: f64,
-    p: f64,
-    /// Only supports have η and ξ_v; only a rigid base has e.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    eta: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    xi_v: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    e: Option<f64>,
-    epsilon: f64,
-    #[serde(rename = "R0")]
-    r0: f64,
-    width: f64,
-    height: f64,
-    mass: f64,
-    gamma: f64,
-    g: f64,
-    /// Only of uneven blocks.
-    #[serde(flatten)]
-    sides: Option<Sides>,
-    /// Only with a limit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    friction: Option<f64>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    ties: Vec<NamedTie>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    dampers: Vec<NamedTie>,
-}
-
-/// An eccentric centre of mass.
-#[derive(Serialize)]
-struct Sides {
-    eccentricity: f64,
-    #[serde(rename = "alpha_L")]
-    alpha_left: f64,
-    #[serde(rename = "alpha_R")]
-    alpha_right: f64,
-}
-
-/// A tie or a damper by the names of its numbers.
-struct NamedTie(Tie);
-
-impl Serialize for NamedTie {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+/// The parameters of a block that have a meaning for it.
+pub fn parameters(block: &Block) -> Object {
+    let on_supports = block.foundation == Foundation::Viscoelastic;
+    let is_uneven = block.eccentricity != 0.0;
+    let links = |kind| {
         // An elastic tie has no numbers of yielding.
-        let is_shown = |(name, _): &(&str, f64)| self.0.yields() || !matches!(*name, "yield_force" | "hardening");
-        serializer.collect_map(self.0.named().filter(is_shown))
+        let of_tie = block.ties().iter().filter(|tie| tie.kind == kind).map(|tie| {
+            let is_shown = |(name, _): &(&str, f64)| tie.yields() || !matches!(*name, "yield_force" | "hardening");
+            tie.named().filter(is_shown).collect()
+        });
+        let links: Vec<Object> = of_tie.collect();
+        (!links.is_empty()).then_some(links)
+    };
+    Object::default()
+        .with("foundation", block.foundation.word())
+        .with("alpha", block.alpha)
+        .with("p", block.p)
+        .with_some("eta", on_supports.then(|| block.eta()))
+        .with_some("xi_v", on_supports.then_some(block.xi_v))
+        .with_some("e", (!on_supports).then(|| block.restitution()))
+        .with("epsilon", block.epsilon)
+        .with("R0", block.r0)
+        .with("width", 2.0 * block.b)
+        .with("height", 2.0 * block.h)
+        .with("mass", block.mass)
+        .with("gamma", block.gamma)
+        .with("g", block.gravity)
+        .with_some("eccentricity", is_uneven.then_some(block.eccentricity))
+        .with_some("alpha_L", is_uneven.then(|| block.alpha_of(Corner::Left)))
+        .with_some("alpha_R", is_uneven.then(|| block.alpha_of(Corner::Right)))
+        .with_some("friction", (block.friction > 0.0).then_some(block.friction))
+        .with_some("ties", links(LinkKind::Tie))
+        .with_some("dampers", links(LinkKind::Damper))
+}
+
+/// Adds how the run ended.
+fn add_end(summary: &mut Summary, run: &Run, history: &History) {
+    let History { end, ending, is_at_rest, ref lean, .. } = *history;
+    let last = history.rows.last().map_or(0.0, |row| row.time);
+    let text = match ending {
+        Some((ending @ Ending::Separated, time)) => {
+            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
+        }
+        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
+        None => format!("{end} at t = {last:.4} s: {}", prospect(run, history)),
+    };
+    summary.item("outcome", end.word(), "end", text);
+    summary.entry("end_time", ending.map_or(last, |(_, time)| time));
+    // At rest, or bound to come to rest.
+    summary.entry("has_come_down", end == End::Completed);
+    summary.entry("is_at_rest", is_at_rest);
+    summary.entry("passed_balance", lean.passed_balance());
+    summary.entry("ends_tilted", history.ends_tilted(&run.block));
+    summary.entry("end.theta/alpha", lean.end / run.block.alpha);
+    let Breaks { count, first } = history.breaks();
+    if !run.block.ties().is_empty() {
+        summary.entry("ties_broken", count);
+    }
+    if let Some(first) = first {
+        summary.entry("first_break", first);
     }
 }
 
-#[derive(Serialize)]
-struct PeakValues {
-    theta: f64,
-    #[serde(rename = "theta/alpha")]
-    theta_over_alpha: f64,
-    #[serde(rename = "theta/balance")]
-    theta_over_balance: f64,
-    uplift: f64,
-    #[serde(rename = "N")]
-    reaction: f64,
-    #[serde(rename = "H")]
-    horizontal: f64,
-    friction_demand: f64,
+/// Predicts the future of a block that neither overturned nor separated.
+fn prospect(run: &Run, history: &History) -> &'static str {
+    match (history.end, run.duration) {
+        (End::Completed, _) if history.ends_tilted(&run.block) => "the block is at rest, tilted",
+        (End::Completed, _) if history.is_at_rest => "the block is at rest",
+        (End::Completed, _) if loses_energy(&run.block) => "the block will come to rest",
+        (End::Completed, _) => "the block will not overturn",
+        (_, Some(_)) => "the duration is too short to tell whether the block overturns",
+        (_, None) => "the block may still overturn",
+    }
+}
+
+/// Adds the greatest values, and the rotation past the balance or at the end.
+fn add_peaks(summary: &mut Summary, block: &Block, history: &History) {
+    let (peaks, weight) = (&history.peaks, block.mass * block.gravity);
+    summary.item(
+        "peak",
+        Object::from([
+            ("theta", peaks.theta),
+            ("theta/alpha", peaks.theta / block.alpha),
+            ("theta/balance", history.lean.over_balance),
+            ("uplift", peaks.uplift),
+            ("N", peaks.reaction),
+            ("H", peaks.horizontal),
+            ("friction_demand", peaks.friction_demand),
+        ]),
+        "peak",
+        format!(
+            "|θ|/α = {:.4}, uplift {:.1} mm, N = {:.3} M g, |H| = {:.3} M g",
+            peaks.theta / block.alpha,
+            1e3 * peaks.uplift,
+            peaks.reaction / weight,
+            peaks.horizontal / weight
+        ),
+    );
+    if let Some(balance) = balance(block, history) {
+        summary.line("balance", balance);
+    }
+}
+
+/// Describes a block beyond its balance or leaning at the end, if it does either.
+fn balance(block: &Block, history: &History) -> Option<String> {
+    let (tilted, rest) = (history.ends_tilted(block), history.lean.end / block.alpha);
+    if history.end != End::Overturned && history.lean.passed_balance() {
+        let (over, back) = (history.lean.over_balance, if tilted { " and ends tilted" } else { "" });
+        return Some(format!(
+            "the block passed its balance, |θ| = {over:.4} of that angle{back}; θ/α = {rest:.4} at the end"
+        ));
+    }
+    tilted.then(|| format!("the block ends tilted: θ/α = {rest:.4}"))
+}
+
+/// Adds the slip, and the ties and dampers with their breaks.
+fn add_holds(summary: &mut Summary, block: &Block, history: &History) {
+    let (peaks, slip) = (&history.peaks, &history.slip);
+    if block.friction > 0.0 {
+        let [now, peak, total] = [slip.now, peaks.slip, slip.total].map(|slip| 1e3 * slip);
+        summary.item(
+            "slip",
+            Object::from([("now", slip.now), ("total", slip.total), ("peak", peaks.slip)]),
+            "slip",
+            format!("{now:.1} mm at the end, at most {peak:.1} mm, {total:.1} mm in all"),
+        );
+    }
+    let mut of_kinds = [Vec::new(), Vec::new()];
+    for (number, (name, tie)) in link_names(block).iter().zip(block.ties()).enumerate() {
+        let (force, plastic, lost) = (peaks.pull[number], peaks.plastic[number], history.yield_works[number]);
+        let is_broken = history.ties[number] == TieState::Broken;
+        let is_damper = tie.kind == LinkKind::Damper;
+        let shows_yielding = tie.yields() || is_damper;
+        let of_link = Object::default()
+            .with(&format!("peak_{}", tie.kind.force()), force)
+            .with_some("peak_plastic", shows_yielding.then_some(plastic))
+            .with_some("yield_energy", shows_yielding.then_some(lost))
+            .with("broken", is_broken);
+        of_kinds[usize::from(is_damper)].push(of_link);
+        let yielding = if tie.yields() {
+            let plastic = 1e3 * plastic;
+            format!(", plastic elongation of at most {plastic:.2} mm, {lost:.1} J lost by yielding")
+        } else {
+            String::new()
+        };
+        let broken = if is_broken { "; it broke" } else { "" };
+        summary.line(name, format!("{} of at most {force:.4e} N{yielding}{broken}", tie.kind.force()));
+    }
+    for (key, links) in ["ties", "dampers"].into_iter().zip(of_kinds).filter(|(_, links)| !links.is_empty()) {
+        summary.entry(key, links);
+    }
+    if let Breaks { count, first: Some(time) } = history.breaks() {
+        let (name, [one, several]) = match Holds::of(block).dampers {
+            0 => ("ties", ["tie", "ties"]),
+            _ => ("breaks", ["tie or damper", "ties and dampers"]),
+        };
+        let broke = if count == 1 { format!("1 {one} broke,") } else { format!("{count} {several} broke, the first") };
+        summary.line(name, format!("{broke} at t = {time:.4} s"));
+    }
+}
+
+/// Adds the number of events, and their list in JSON.
+fn add_events(summary: &mut Summary, history: &History, with_list: bool) {
+    let History { events, counts, ending, is_at_rest, .. } = history;
+    let last = events.last().map(|event| event.time);
+    let event = |event: &Event| {
+        Object::default()
+            .with("t", event.time)
+            .with("event", event.kind.word())
+            .with("corner", event.kind.location())
+            .with("before", event.before.to_string())
+            .with("after", event.after.to_string())
+    };
+    let so_far = if ending.is_some() || *is_at_rest { "" } else { " so far" };
+    let at = last.map(|time| format!(", the last at t = {time:.4} s")).unwrap_or_default();
+    summary.item(
+        "events",
+        Object::from([("impacts", counts.impacts), ("liftoffs", counts.liftoffs)])
+            .with("last_time", last)
+            .with_some("list", with_list.then(|| events.iter().map(event).collect::<Vec<_>>())),
+        "events",
+        format!("{} impacts, {} lift-offs{so_far}{at}", counts.impacts, counts.liftoffs),
+    );
+}
+
+/// Adds the energies at the end, with the greatest values of the run.
+fn add_energy(summary: &mut Summary, block: &Block, history: &History) {
+    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
+    let (total, residual) = (history.greatest_energy(), history.greatest_residual());
+    let relative = if total > 0.0 { residual / total } else { 0.0 };
+    let mut taken = String::new();
+    if block.friction > 0.0 {
+        taken += &format!(", friction {:.1} J", energies.friction);
+    }
+    let Holds { ties, dampers, .. } = Holds::of(block);
+    if ties > 0 {
+        taken += &format!(", ties {:.1} J", energies.restraints.ties);
+    }
+    if dampers > 0 {
+        taken += &format!(", dampers {:.1} J", energies.restraints.dampers);
+    }
+    summary.item(
+        "energy",
+        EnergyEntries { energies, greatest_total: total, greatest_residual: residual },
+        "energy",
+        format!(
+            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {relative:.1e} of the largest",
+            energies.input, energies.dashpots, energies.impacts
+        ),
+    );
 }
 
 #[derive(Serialize)]
-struct FrictionDemand {
-    coefficient: f64,
-    longest_time_above: f64,
-}
-
-#[derive(Serialize)]
-struct SlipSummary {
-    /// At the end of the run.
-    now: f64,
-    total: f64,
-    peak: f64,
-}
-
-#[derive(Serialize)]
-struct TieSummary {
-    peak_tension: f64,
-    /// Only of a tie that yields.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    yielding: Option<YieldSummary>,
-    broken: bool,
-}
-
-#[derive(Serialize)]
-struct DamperSummary {
-    peak_force: f64,
-    #[serde(flatten)]
-    yielding: YieldSummary,
-    broken: bool,
-}
-
-#[derive(Serialize)]
-struct YieldSummary {
-    peak_plastic: f64,
-    /// Energy lost by yielding.
-    yield_energy: f64,
-}
-
-#[derive(Serialize)]
-struct Events {
-    impacts: u32,
-    liftoffs: u32,
-    last_time: Option<f64>,
-    /// Only with `--events`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    list: Option<Vec<EventSummary>>,
-}
-
-#[derive(Serialize)]
-struct EventSummary {
-    t: f64,
-    event: &'static str,
-    corner: Option<&'static str>,
-    before: String,
-    after: String,
-}
-
-#[derive(Serialize)]
-struct Energy {
+struct EnergyEntries {
     #[serde(flatten)]
     energies: Energies,
-    /// Greatest values of the run.
     greatest_total: f64,
     greatest_residual: f64,
-}
-
-#[derive(Serialize)]
-struct Steps {
-    accepted: u64,
-    rejected: u64,
-    evaluations: u64,
-}
-
-impl<'a> Summary<'a> {
-    /// Summarizes a run; `demand` is a coefficient of friction with the longest time above it (s).
-    pub fn new(
-        run: &Run,
-        history: &History,
-        gradients: &'a Gradients,
-        excitation: &'a str,
-        demand: Option<(f64, f64)>,
-        with_events: bool,
-    ) -> Summary<'a> {
-        let History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties, yield_works, lean } = history;
-        let breaks = history.breaks();
-        let last = rows.last();
-        let of_kind = |kind| {
-            let links = run.block.ties().iter().enumerate();
-            links.filter(move |(_, tie)| tie.kind == kind).map(|(number, tie)| (number, tie.yields()))
-        };
-        let yielding =
-            |number: usize| YieldSummary { peak_plastic: peaks.plastic[number], yield_energy: yield_works[number] };
-        let is_broken = |number: usize| ties[number] == TieState::Broken;
-        Summary {
-            excitation,
-            block: Parameters::of(&run.block),
-            outcome: end.word(),
-            end_time: ending.map_or(last.map_or(0.0, |row| row.time), |(_, time)| time),
-            has_come_down: *end == End::Completed,
-            is_at_rest: *is_at_rest,
-            passed_balance: lean.passed_balance(),
-            ends_tilted: history.ends_tilted(&run.block),
-            end_theta_over_alpha: lean.end / run.block.alpha,
-            ties_broken: (!run.block.ties().is_empty()).then_some(breaks.count),
-            first_break: breaks.first,
-            peak: PeakValues {
-                theta: peaks.theta,
-                theta_over_alpha: peaks.theta / run.block.alpha,
-                theta_over_balance: lean.over_balance,
-                uplift: peaks.uplift,
-                reaction: peaks.reaction,
-                horizontal: peaks.horizontal,
-                friction_demand: peaks.friction_demand,
-            },
-            friction_demand: demand
-                .map(|(coefficient, longest_time_above)| FrictionDemand { coefficient, longest_time_above }),
-            slip: (run.block.friction > 0.0).then_some(SlipSummary {
-                now: slip.now,
-                total: slip.total,
-                peak: peaks.slip,
-            }),
-            ties: of_kind(LinkKind::Tie)
-                .map(|(number, yields)| TieSummary {
-                    peak_tension: peaks.pull[number],
-                    yielding: yields.then(|| yielding(number)),
-                    broken: is_broken(number),
-                })
-                .collect(),
-            dampers: of_kind(LinkKind::Damper)
-                .map(|(number, _)| DamperSummary {
-                    peak_force: peaks.pull[number],
-                    yielding: yielding(number),
-                    broken: is_broken(number),
-                })
-                .collect(),
-            gradients: summaries(gradients),
-            grazing: gradients.grazing.as_ref().map(GrazingSummary::of),
-            events: Events {
-                impacts: counts.impacts,
-                liftoffs: counts.liftoffs,
-                last_time: events.last().map(|event| event.time),
-                list: with_events.then(|| events.iter().map(EventSummary::of).collect()),
-            },
-            energy: Energy {
-                energies: last.map(|row| row.energies).unwrap_or_default(),
-                greatest_total: history.greatest_energy(),
-                greatest_residual: history.greatest_residual(),
-            },
-            steps: Steps { accepted: counts.steps, rejected: counts.rejected, evaluations: counts.evaluations },
-        }
-    }
-}
-
-impl Parameters {
-    /// Returns the parameters of a block.
-    pub fn of(block: &Block) -> Parameters {
-        let (eta, xi_v, e) = match block.foundation {
-            Foundation::Viscoelastic => (Some(block.eta()), Some(block.xi_v), None),
-            Foundation::Rigid => (None, None, Some(block.restitution())),
-        };
-        let named = |kind| block.ties().iter().copied().filter(|tie| tie.kind == kind).map(NamedTie).collect();
-        Parameters {
-            foundation: block.foundation.word(),
-            alpha: block.alpha,
-            p: block.p,
-            eta,
-            xi_v,
-            e,
-            r0: block.r0,
-            width: 2.0 * block.b,
-            height: 2.0 * block.h,
-            epsilon: block.epsilon,
-            mass: block.mass,
-            gamma: block.gamma,
-            g: block.gravity,
-            sides: (block.eccentricity != 0.0).then(|| Sides {
-                eccentricity: block.eccentricity,
-                alpha_left: block.alpha_of(Corner::Left),
-                alpha_right: block.alpha_of(Corner::Right),
-            }),
-            friction: (block.friction > 0.0).then_some(block.friction),
-            ties: named(LinkKind::Tie),
-            dampers: named(LinkKind::Damper),
-        }
-    }
-}
-
-impl EventSummary {
-    fn of(event: &Event) -> EventSummary {
-        let (name, corner) = (event.kind.word(), event.kind.location());
-        let (before, after) = (event.before.to_string(), event.after.to_string());
-        EventSummary { t: event.time, event: name, corner, before, after }
-    }
 }

@@ -62,7 +62,7 @@ fn spectra_under_pulses_are_those_of_the_paper() {
     let sources = ground_motions::read(None).unwrap();
     for (number, shape) in [(10, PulseShape::OneSine), (11, PulseShape::OneCosine)] {
         assert_eq!(abscissa(number), Abscissa::PulseRatio);
-        let panels = panels(number, &SMALL, &sources);
+        let panels = panels(number, &SMALL, &sources).unwrap();
         assert_eq!(panels.len(), 8);
         for row in panels.chunks(2) {
             let [left, right] = [&row[0], &row[1]].map(|panel| panel.spectrum.as_ref().unwrap());
@@ -96,7 +96,7 @@ fn spectra_under_records_are_those_of_the_paper() {
     let sources = ground_motions::read(Some(folder.path())).unwrap();
     for (number, names) in [(12, ["pacoima", "erzincan"]), (13, ["sylmar", "rinaldi"])] {
         assert_eq!(abscissa(number), Abscissa::TwoPiOverP);
-        let panels = panels(number, &SMALL, &sources);
+        let panels = panels(number, &SMALL, &sources).unwrap();
         assert_eq!(panels.len(), 16);
         for (row, pair) in panels.chunks(2).enumerate() {
             let (name, [xi_v, epsilon]) = (names[row / 4], [[0.1, 0.0], [0.1, 0.4], [0.4, 0.0], [0.4, 0.4]][row % 4]);
@@ -121,7 +121,7 @@ fn spectra_under_records_are_those_of_the_paper() {
         }
     }
     // The table has the same 2π/p.
-    let spectrum = panels(12, &SMALL, &sources).swap_remove(0).spectrum.unwrap();
+    let spectrum = panels(12, &SMALL, &sources).unwrap().swap_remove(0).spectrum.unwrap();
     let rows = spectrum.make(&[0], None).table;
     assert_eq!(rows.column("2pi/p").unwrap().number(0), Some(TAU / spectrum.inputs(0).p));
 }

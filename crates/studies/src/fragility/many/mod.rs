@@ -1,4 +1,4 @@
-//! Rows of a large table → their curve or surface with intervals and quality, in passes over sorted rows.
+//! Rows of a large table → a curve or surface, in passes over sorted rows. Its intervals and its quality are found as well.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -272,7 +272,7 @@ impl ManyRows {
         Ok(of_motions.map(|of_motions| of_motions + of_own).filter(|sum| sum.iter().all(|value| value.is_finite())))
     }
 
-    /// The rows of each motion in few nodes, in the order of their measures, unless these are many after all.
+    /// The rows of each motion in few nodes, unless these are many after all. They are in the order of their measures.
     fn nodes_by_motion(&self, width: f64) -> Result<Option<Vec<Node>>, CurveFitError> {
         let mut nodes = reduced(Reducer::new(width, true), MAX_NODES, |each| self.each(each))?;
         let measure = |node: &Node| node.observation.measures[0];

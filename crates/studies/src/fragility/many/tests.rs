@@ -34,7 +34,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{found}, expected {expected}");
 }
 
-/// Passes over sorted rows give the results of the functions for lists, and the same bits for rows in another order.
+/// Passes over sorted rows give the results of the functions for lists. Rows in another order give the same bits.
 #[test]
 fn many_rows_have_the_curve_of_a_list() {
     let mut rows = cases(140_000, 30);

@@ -18,7 +18,7 @@ use crate::intensity::Measure;
 use crate::risk::hazard::{HazardCurve, HazardError};
 use crate::risk::units::si;
 
-/// Fewest levels of a curve in a file of all measures; a hazard map has columns of the same kind for a few probabilities.
+/// Fewest levels of a curve in a file of all measures. A hazard map has columns of the same kind for a few probabilities.
 const FEWEST_LEVELS: usize = 4;
 
 /// Information that a file of hazard curves may lack, and the choice among its curves.
@@ -238,7 +238,7 @@ fn measure_and_level(name: &str) -> Option<(String, f64)> {
     })
 }
 
-/// Returns the measures of a file with columns for each level of each measure, in their order.
+/// Returns the measures of a file in their order. It has a column for each level of each measure.
 fn measures_of_columns(header: &csv::StringRecord) -> Vec<String> {
     let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();
     measures.dedup();
