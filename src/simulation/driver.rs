@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use crate::block::{Block, Corner, Regime, restraints};
+use crate::block::{Block, Body, Corner, Regime, restraints};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::simulation::ending::{Ending, Progress, SimulationError};
@@ -209,7 +209,7 @@ impl Simulation {
     /// Returns the stop, or an earlier one if the clock would not resolve the motion up to it. No call reaches that one: by then the block
     /// rests, or the call has failed.
     fn within_reach(&self, stop: f64) -> f64 {
-        let Block { omega_v, p, .. } = *self.block();
+        let Body { omega_v, p, .. } = self.block().body;
         let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
@@ -253,7 +253,7 @@ impl Simulation {
         self.counts.liftoffs += liftoffs;
         self.counts.evaluations += evaluations + 1;
         self.sums.constraint += constraint;
-        let after = self.now(now.block, now.excitation);
+        let after = self.now(now.body, now.excitation);
         let lost = now.energy() - after.energy();
         self.sums.lose(event, lost);
         if now.regime == Regime::Separated && after.regime != Regime::Separated {

@@ -5,7 +5,7 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use crate::block::{Block, Foundation, Regime};
+use crate::block::{Body, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs};
 use crate::numerics::State;
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
@@ -177,21 +177,21 @@ pub struct Samples<'a, T> {
 /// Repeats a step of a run from `pose` in numbers with derivatives. Returns state and footing at `end` (s), and the block at the times of
 /// the samples.
 pub fn repeat_step(
-    block: &Block<Number>,
+    body: &Body<Number>,
     pose: &Pose<Number>,
     excitation: &Excitation<Number>,
     kind: &StepKind,
     end: f64,
     samples: Samples<Number>,
 ) -> (State<Number>, Footing<Number>) {
-    let mode = AnyMode::of(block, pose);
+    let mode = AnyMode::of(body, pose);
     if let (StepKind::Swing(swing), Some(corner)) = (kind, mode.regime().pivot()) {
         let [theta, theta_dot, ..] = pose.state.0;
         let mut series = NO_TANGENTS;
         let wanted = (!samples.times.is_empty()).then_some(&mut series);
         let fraction = |time: f64| (time - pose.time.re) / swing.size;
         let start = [pose.time, theta, theta_dot];
-        let last = swing.varied(block, corner, excitation, start, fraction(end), wanted);
+        let last = swing.varied(body, corner, excitation, start, fraction(end), wanted);
         let state = |[theta, theta_dot]: [Number; 2]| {
             let zero = Number::from(0.0);
             State::from([theta, theta_dot, zero, zero])
@@ -203,21 +203,21 @@ pub fn repeat_step(
         return (state(last), pose.footing);
     }
     match mode.extended() {
-        Some(_) => repeat_under::<EXTENDED>(&mode, block, pose, excitation, kind, end, samples),
-        None => dispatch_mode!(mode, mode => repeat_under::<4>(&mode, block, pose, excitation, kind, end, samples)),
+        Some(_) => repeat_under::<EXTENDED>(&mode, body, pose, excitation, kind, end, samples),
+        None => dispatch_mode!(mode, mode => repeat_under::<4>(&mode, body, pose, excitation, kind, end, samples)),
     }
 }
 
 fn repeat_under<const N: usize>(
     mode: &dyn Repeats<N>,
-    block: &Block<Number>,
+    body: &Body<Number>,
     pose: &Pose<Number>,
     excitation: &Excitation<Number>,
     kind: &StepKind,
     end: f64,
     Samples { times, seen }: Samples<Number>,
 ) -> (State<Number>, Footing<Number>) {
-    let motion = Motion::<_, N, _>::under(AnyMode::of(block, pose), block, pose, excitation);
+    let motion = Motion::<_, N, _>::under(AnyMode::of(body, pose), body, pose, excitation);
     let (state, start) = (motion.state_at(pose), pose.time.re);
     let mut inspect = |time: f64, state: State<Number, N>| {
         let (state, footing) = motion.place_at(time.into(), state);

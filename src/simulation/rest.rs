@@ -1,6 +1,6 @@
 //! A block at rest on the rigid base → its forces and peaks, until a corner lifts or the piece ends.
 
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Body, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
@@ -17,7 +17,7 @@ use crate::system::swing::ORDER;
 
 /// Whether both reactions of a block at rest are above their round-off.
 fn is_pressed_down(now: &Evaluation) -> bool {
-    let rounding = EventFunction::Reaction(Corner::Left).rounding(now.block);
+    let rounding = EventFunction::Reaction(Corner::Left).rounding(now.body);
     now.instant.reaction.iter().all(|&reaction| reaction > rounding)
 }
 
@@ -26,10 +26,10 @@ struct RestForceSeries([[f64; ORDER + 1]; 3]);
 
 impl RestForceSeries {
     /// They are linear in the excitation.
-    fn of(block: &Block, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> RestForceSeries {
+    fn of(body: &Body, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> RestForceSeries {
         let under = |forcing: Forcing<f64>| {
             let Instant { reaction: [left, right], horizontal, .. } =
-                instant(block, Regime::FullContact, [0.0; 4], footing, forcing);
+                instant(body, Regime::FullContact, [0.0; 4], footing, forcing);
             [left, right, horizontal]
         };
         let none = under(Forcing::default());

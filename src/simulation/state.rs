@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::{self, States};
-use crate::block::{Block, Regime};
+use crate::block::{Block, Body, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::numerics::dual::Dual64;
@@ -212,8 +212,8 @@ impl Simulation {
 
     /// The block now, under this excitation.
     #[inline]
-    pub(super) fn now<'a>(&self, block: &'a Block, excitation: &'a Excitation) -> Evaluation<'a> {
-        Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
+    pub(super) fn now<'a>(&self, body: &'a Body, excitation: &'a Excitation) -> Evaluation<'a> {
+        Motion::from_pose(body, &self.pose, excitation).at(self.pose.time, self.pose.state)
     }
 
     /// Whether the run has ended and the block is held, without motion or support.
@@ -304,7 +304,7 @@ impl Simulation {
             return Energies::default();
         }
         self.shown(inputs, |now| {
-            let block = now.block;
+            let block = now.body;
             let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
             let [kinetic, potential] = [kinetic.eps, potential.eps].map(|part| part * block.mass);
             Energies::changing(kinetic, potential, powers(now))

@@ -253,7 +253,7 @@ impl Simulation {
         end: f64,
         here: &mut Evaluation,
     ) -> Result<Finished, SimulationError> {
-        let (time, block, excitation) = (here.time, here.block, here.excitation);
+        let (time, block, excitation) = (here.time, here.body, here.excitation);
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let [theta, theta_dot] = swing.at(fraction);
         let state = State::from([theta, theta_dot, 0.0, 0.0]);

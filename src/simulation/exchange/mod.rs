@@ -9,7 +9,7 @@ pub(super) mod piece;
 
 use std::sync::Arc;
 
-use crate::block::{Block, Foundation};
+use crate::block::{Block, Body, Foundation};
 use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
 use crate::numerics::dual::Dual64;
@@ -291,15 +291,15 @@ impl Simulation {
     fn offsets(&self, now: &Evaluation) -> [f64; INDICATORS] {
         self.all_surfaces().map(|function| {
             let Some(function) = function else { return IDLE };
-            let rounding = match (function, now.block.foundation) {
+            let rounding = match (function, now.body.foundation) {
                 // Its gaps are zero at θ = 0 without rounding, and rocking that dies out has ever smaller ones.
-                (EventFunction::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.block.r0,
-                _ => 2.0 * function.rounding(now.block),
+                (EventFunction::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.body.r0,
+                _ => 2.0 * function.rounding(now.body),
             };
             let Sample { value, rate } = function.sample(now);
-            let rateless = rate.abs() <= NO_RATE * function.rounding(now.block) * now.block.p;
-            let jumps = (function, now.block.foundation) == (EventFunction::Slide, Foundation::Rigid);
-            let follows = function.follows_from_state(now.block.foundation) && !jumps;
+            let rateless = rate.abs() <= NO_RATE * function.rounding(now.body) * now.body.p;
+            let jumps = (function, now.body.foundation) == (EventFunction::Slide, Foundation::Rigid);
+            let follows = function.follows_from_state(now.body.foundation) && !jumps;
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
     }
@@ -312,7 +312,7 @@ fn with_works(motion: [f64; 6], works: [f64; WORKS]) -> ContinuousStates {
 
 /// Typical magnitudes of the states for error control, none of them zero.
 pub fn nominals(block: &Block) -> ContinuousStates {
-    let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *block;
+    let Block { alpha, body: Body { p, r0, mass, gravity, omega_v, foundation, .. }, .. } = *block;
     let (vertical, rate) = match foundation {
         Foundation::Viscoelastic => (block.static_deflection(), omega_v),
         Foundation::Rigid => (r0 * alpha * alpha, p),
@@ -327,10 +327,10 @@ pub fn nominals(block: &Block) -> ContinuousStates {
 /// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of
 /// the rate right, but may get that of the value wrong.
 fn indicator_of(function: EventFunction, now: &Evaluation, offset: f64) -> f64 {
-    let size = function.rounding(now.block) / ROUNDING;
+    let size = function.rounding(now.body) / ROUNDING;
     let sample = function.sample(now);
     let value = sample.value + offset;
     // Elsewhere the rate depends on those of the inputs, which are not known.
-    let has_rate = function.follows_from_state(now.block.foundation);
-    (if has_rate { value.max(sample.rate / now.block.p) } else { value }) / size
+    let has_rate = function.follows_from_state(now.body.foundation);
+    (if has_rate { value.max(sample.rate / now.body.p) } else { value }) / size
 }

@@ -1,7 +1,7 @@
 //! A swing of several runs on the rigid base, one in each lane: the operations of
 //! [`Simulation`](crate::simulation::Simulation) in their order.
 
-use crate::block::Block;
+use crate::block::Body;
 use crate::excitation::Excitation;
 use crate::numerics::Real;
 use crate::numerics::control::is_resolved;
@@ -56,8 +56,8 @@ impl LaneSwing {
 
     /// Adopts the excitation of a new piece.
     #[inline(always)]
-    pub fn begin_piece(&mut self, block: &Block, excitation: &Excitation) {
-        self.longest = longest_swing(block.p, excitation.frequency());
+    pub fn begin_piece(&mut self, body: &Body, excitation: &Excitation) {
+        self.longest = longest_swing(body.p, excitation.frequency());
         self.excitation.adopt(excitation);
     }
 }

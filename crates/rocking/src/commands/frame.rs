@@ -13,7 +13,7 @@ use crate::options::single_run;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use rocking_block::block::{Block, Common, Physical, Supports};
+use rocking_block::block::{Block, Body, Common, Physical, Supports};
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::history::block_line;
 use rocking_studies::doubts;
@@ -157,7 +157,7 @@ pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result
     if let Some(file) = file {
         Pending::write(vec![(file, with_headings(&frame.table(&history))?.into_bytes())])?;
     }
-    let Block { alpha, p, gamma, r0, mass, .. } = frame.block;
+    let Block { alpha, gamma, body: Body { p, r0, mass, .. }, .. } = frame.block;
     let e = frame.block.restitution();
     let last = history.rows.last().map_or(0.0, |row| row.time);
     let summary = Summary {

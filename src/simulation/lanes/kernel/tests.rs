@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::block::{Common, Dimensionless, Ratios, Supports};
+use crate::block::{Block, Common, Dimensionless, Ratios, Supports};
 use crate::block::{Contact, Contacts, Corner, Creep};
 use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
@@ -54,11 +54,11 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let lifted = task.lifted();
         let [start, stop] = task.ends(&group, [time, end_time]);
         let forcing_at = ForcingAt { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(forcing_at, state, task.support_heights(time, &lifted));
+        let here = motion.at(forcing_at, state, task.support_heights(time, &lifted, group.body.creep_rate));
         let there = motion.at(
             ForcingAt { excitation: &stop.0, time: end_time, forcing: stop.1 },
             end,
-            task.support_heights(end_time, &lifted),
+            task.support_heights(end_time, &lifted, group.body.creep_rate),
         );
         let [_, _, gap_rounding, _] = task.transposed(|lane| &lane.transposed.limits);
         let rounding = task.rounding(&group, gap_rounding);
@@ -187,7 +187,7 @@ prop_compose! {
         simulation.pose.state = instant::State::from(state(here));
         simulation.pose.contacts = Contacts::FULL;
         for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
-            let creep = Creep { depth: depth * free, since: time - depth / block.creep_rate() };
+            let creep = Creep { depth: depth * free, since: time - depth / block.creep_rate };
             simulation.pose.contacts.set(corner, Contact::Lifted(creep));
         }
         let mut lane = Lane::new(simulation, 0);
