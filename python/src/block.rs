@@ -34,9 +34,8 @@ impl PartialEq for Block {
 
 impl Hash for Block {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let engine::Block { alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, .. } =
-            self.block;
-        let engine::Block { eccentricity, friction, .. } = self.block;
+        let engine::Block { alpha, gamma, epsilon, restitution_factor, body, .. } = self.block;
+        let engine::Body { p, omega_v, xi_v, mass, gravity, eccentricity, friction, .. } = body;
         // Adding zero turns −0 into 0, so that equal blocks have equal hashes.
         [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, eccentricity, friction]
             .map(|value| (value + 0.0).to_bits())

@@ -96,7 +96,7 @@ pub fn search_damping<'py>(
         return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
     }
     finite("rate", rate, |_| true, "a finite number")?;
-    let engine::Block { alpha, p, .. } = block;
+    let (alpha, p) = (block.alpha, block.p);
     let block_with = move |xi_v| {
         let supports = Supports::Viscoelastic(Ratios { eta: block.eta(), xi_v });
         engine::Block::from_dimensionless(&Dimensionless { alpha, p, supports }, &block.common())?

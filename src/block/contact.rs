@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Creep, Foot};
+use crate::block::{Body, Corner, Creep, Foot};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::Elementary;
 
@@ -195,10 +195,10 @@ impl<T: Elementary> Contacts<T> {
 
     /// Returns the height of a support's top above rest (m), and its rate (m/s). Both are zero if the corner bears.
     #[inline]
-    pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
+    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Sample<T> {
         match self.of(corner) {
             Contact::Bearing => Sample::default(),
-            Contact::Held(creep, _) | Contact::Lifted(creep) => creep.top(corner, block, time),
+            Contact::Held(creep, _) | Contact::Lifted(creep) => creep.top(corner, body, time),
         }
     }
 

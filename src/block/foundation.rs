@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner};
+use crate::block::{Block, Body, Corner};
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::Elementary;
+use crate::numerics::scalar::{Elementary, Scalar};
 
 /// The ground under the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,6 +44,13 @@ pub struct Springs<T = f64> {
     pub stiffness: T,
     /// Damping C (N.s/m).
     pub damping: T,
+}
+
+impl<T: Scalar> Springs<T> {
+    /// Returns the rate K/C at which a lifted support creeps to its free height (1/s). Infinite without damping.
+    pub fn creep_rate(&self) -> T {
+        self.stiffness / self.damping
+    }
 }
 
 impl<V> Supports<V> {
@@ -116,21 +123,21 @@ pub(crate) const RECOVERED: f64 = 50.0;
 
 impl<T: Elementary> Creep<T> {
     /// Returns the height of the support's top above rest (m), and its rate (m/s).
-    pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
-        match block.foundation {
+    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Sample<T> {
+        match body.foundation {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
-                let rate = block.creep_rate();
+                let rate = body.creep_rate;
                 // Rounding of the clock may give a time before lift-off.
                 let elapsed = time - self.since;
                 let elapsed = T::select_less(0.0, elapsed.value(), elapsed, T::from(0.0));
                 let exponent = rate * elapsed;
                 // Without damping it recovers at once.
                 if self.depth.is_zero() || rate.value().is_infinite() || exponent.value() > RECOVERED {
-                    return Sample { value: block.free_height(corner), rate: T::from(0.0) };
+                    return Sample { value: body.free_height(corner), rate: T::from(0.0) };
                 }
                 let sunk = self.depth * (-exponent).exp();
-                Sample { value: block.free_height(corner) - sunk, rate: rate * sunk }
+                Sample { value: body.free_height(corner) - sunk, rate: rate * sunk }
             }
         }
     }
@@ -139,7 +146,7 @@ impl<T: Elementary> Creep<T> {
 impl Block {
     /// Returns a warning if supports are too soft to keep a block without restraints upright. They are if 2 K b² ≤ M g h.
     pub fn soft_supports(&self) -> Option<String> {
-        let Block { mass, gravity, b, h, stiffness, .. } = *self;
+        let Block { stiffness, body: Body { mass, gravity, b, h, .. }, .. } = *self;
         let (eta, least) = (self.eta(), mass * gravity * h / (2.0 * b * b));
         let is_soft = self.foundation == Foundation::Viscoelastic && self.restraints.is_empty() && stiffness <= least;
         is_soft.then(|| {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
+use crate::block::Body;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
 /// Position and motion of the block, from which its restraints follow.
@@ -94,7 +94,7 @@ impl<T> Lever<T> {
     }
 }
 
-impl<P: Scalar> Block<P> {
+impl<P: Scalar> Body<P> {
     /// Returns the horizontal position of the base's middle relative to a corner (m). It is b from L, and −b from R.
     #[inline(always)]
     pub fn half_base(&self, corner: Corner) -> P {

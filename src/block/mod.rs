@@ -3,11 +3,13 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`parameters`] | the two parameterizations of a block |
+//! | [`body`] | the part of a block that equations of motion, event functions and steps read |
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
 //! | [`contact`] | the contact of each corner → the regime |
 //! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, event functions |
 
+pub mod body;
 pub mod contact;
 pub mod foundation;
 pub mod geometry;
@@ -16,9 +18,10 @@ pub mod restraints;
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::scalar::{Elementary, Scalar};
+use crate::numerics::scalar::Elementary;
 use parameters::{check_common, not_negative, open_range, positive};
 
+pub use body::Body;
 pub use contact::{Contact, Contacts, Regime, StandingSlide};
 #[cfg(feature = "lanes")]
 pub(crate) use foundation::RECOVERED;
@@ -29,49 +32,41 @@ pub use restraints::Restraints;
 
 /// A block on its foundation, in both parameterizations. A `Block<f64>` from a checked constructor is valid.
 ///
-/// Lanes hold several blocks on foundations of the same kind.
+/// It dereferences to its body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block<T = f64> {
-    /// Mass M (kg).
-    pub mass: T,
-    /// Gravity g (m/s²).
-    pub gravity: T,
+    /// The numbers on which its motion between impacts depends.
+    pub body: Body<T>,
+    /// Slenderness angle α (rad).
+    pub alpha: T,
     /// Shape factor γ (1).
     pub gamma: T,
     /// Restitution ε (1).
     pub epsilon: T,
-    /// Supports or rigid base.
-    pub foundation: Foundation,
     /// Factor on Housner's e (1) of a rigid base; 1 on supports.
     pub restitution_factor: T,
-    /// Slenderness angle α (rad).
-    pub alpha: T,
-    /// Distance R0 from the centre of mass to each corner (m).
-    pub r0: T,
-    /// Half width b = R0 sin α (m).
-    pub b: T,
-    /// Height of the centre of mass h = R0 cos α (m).
-    pub h: T,
-    /// Frequency parameter p (rad/s), eq. (3).
-    pub p: T,
-    /// Vertical circular frequency ω_v in full contact on supports (rad/s). Like the next three, 0 on a rigid base.
-    pub omega_v: T,
-    /// Vertical damping ratio ξ_v (1).
-    pub xi_v: T,
-    /// Stiffness K of one support (N/m).
+    /// Stiffness K of one support (N/m). Like the next one, 0 on a rigid base.
     pub stiffness: T,
     /// Damping C of one support (N.s/m).
     pub damping: T,
-    /// I0/M (m²).
-    pub i0: T,
-    /// Distance e_x of the centre of mass from the middle (m), positive to the right.
-    pub eccentricity: T,
-    /// The fractions of the weight on L and R at rest (1), ½ without eccentricity.
-    pub share: [T; 2],
-    /// Coulomb's μ (1); 0 means no limit.
-    pub friction: T,
-    /// Its restraints.
-    pub restraints: Restraints<T>,
+}
+
+/// Lengths, frequency and inertia of a block.
+struct Shape<T> {
+    alpha: T,
+    r0: T,
+    b: T,
+    h: T,
+    p: T,
+    gamma: T,
+}
+
+/// Both supports in both parameterizations.
+#[derive(Clone, Copy)]
+struct SupportPair<T> {
+    omega_v: T,
+    xi_v: T,
+    springs: Springs<T>,
 }
 
 impl Block {
@@ -149,7 +144,7 @@ impl Block {
             return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
         }
         let eccentricity = self.eccentricity;
-        let inside = self.share.iter().all(|&share| share > 0.0);
+        let inside = self.weight_fraction.iter().all(|&fraction| fraction > 0.0);
         if !inside {
             return Err(BlockError::Eccentricity { eccentricity, half_width: self.b });
         }
@@ -172,74 +167,38 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether the block, unlike the paper's, is uneven, restrained, or has a limit of friction. Its horizontal position then has an
-    /// effect, and is kept when the foot changes.
-    pub fn is_extended(&self) -> bool {
-        self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.restraints.is_empty()
-    }
-}
-
-impl<T: Scalar> Block<T> {
-    /// Returns the rate K/C at which a lifted support creeps to its free height (1/s). Infinite without damping.
-    pub fn creep_rate(&self) -> T {
-        self.stiffness / self.damping
-    }
-}
-
-impl<T: Elementary> Block<T> {
     /// Makes a block with the paper's parameters, without checks.
     pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
-        let (sin, cos) = d.alpha.sin_cos();
-        let r0 = common.gamma / (common.gamma + 1.0) * common.gravity / (d.p * d.p);
-        let block = Block {
-            alpha: d.alpha,
-            b: r0 * sin,
-            h: r0 * cos,
-            p: d.p,
-            ..Block::unfinished(common, r0 * sin, r0, common.gamma)
-        };
-        match d.supports {
-            Supports::Viscoelastic(Ratios { eta, xi_v }) => {
-                let omega_v = eta * d.p;
-                Block {
-                    foundation: Foundation::Viscoelastic,
-                    omega_v,
-                    xi_v,
-                    stiffness: common.mass * 0.5 * omega_v * omega_v,
-                    damping: xi_v * common.mass * omega_v,
-                    ..block
-                }
-            }
-            Supports::Rigid { restitution_factor } => Block { restitution_factor, ..block },
-        }
+        let Dimensionless { alpha, p, supports } = *d;
+        let Common { mass, gamma, gravity, .. } = *common;
+        let (sin, cos) = alpha.sin_cos();
+        let r0 = gamma / (gamma + 1.0) * gravity / (p * p);
+        let supports = supports.map(
+            |Ratios { eta, xi_v }| {
+                let omega_v = eta * p;
+                let (stiffness, damping) = (mass * 0.5 * omega_v * omega_v, xi_v * mass * omega_v);
+                SupportPair { omega_v, xi_v, springs: Springs { stiffness, damping } }
+            },
+            |factor| factor,
+        );
+        Block::of_shape(Shape { alpha, r0, b: r0 * sin, h: r0 * cos, p, gamma }, supports, common)
     }
 
     /// Makes a block with these sizes, without checks.
     pub fn of_physical(physical: &Physical<T>, common: &Common<T>) -> Block<T> {
+        let Common { mass, gravity, .. } = *common;
         let (b, h) = (physical.width * 0.5, physical.height * 0.5);
         let r0 = b.hypot(h);
-        let gamma = physical.inertia.map_or(common.gamma, |inertia| common.mass * r0 * r0 / inertia);
-        let block = Block {
-            alpha: b.atan2(h),
-            b,
-            h,
-            p: (gamma / (gamma + 1.0) * common.gravity / r0).sqrt(),
-            ..Block::unfinished(common, b, r0, gamma)
-        };
-        match physical.supports {
-            Supports::Viscoelastic(Springs { stiffness, damping }) => {
-                let omega_v = (stiffness * 2.0 / common.mass).sqrt();
-                Block {
-                    foundation: Foundation::Viscoelastic,
-                    omega_v,
-                    xi_v: damping / (common.mass * omega_v),
-                    stiffness,
-                    damping,
-                    ..block
-                }
-            }
-            Supports::Rigid { restitution_factor } => Block { restitution_factor, ..block },
-        }
+        let gamma = physical.inertia.map_or(common.gamma, |inertia| mass * r0 * r0 / inertia);
+        let supports = physical.supports.map(
+            |springs| {
+                let omega_v = (springs.stiffness * 2.0 / mass).sqrt();
+                SupportPair { omega_v, xi_v: springs.damping / (mass * omega_v), springs }
+            },
+            |factor| factor,
+        );
+        let p = (gamma / (gamma + 1.0) * gravity / r0).sqrt();
+        Block::of_shape(Shape { alpha: b.atan2(h), r0, b, h, p, gamma }, supports, common)
     }
 
     /// Makes a block with these parameters, without checks.
@@ -250,31 +209,43 @@ impl<T: Elementary> Block<T> {
         }
     }
 
-    /// A block on Housner's rigid base, some of whose numbers are missing.
-    fn unfinished(common: &Common<T>, b: T, r0: T, gamma: T) -> Block<T> {
+    /// A block of this shape on these supports, without restraints.
+    fn of_shape(shape: Shape<T>, supports: Supports<SupportPair<T>, T>, common: &Common<T>) -> Block<T> {
+        let Shape { alpha, r0, b, h, p, gamma } = shape;
+        let Common { mass, gravity, epsilon, eccentricity, friction, .. } = *common;
         let (zero, half) = (T::from(0.0), T::from(0.5));
-        let uneven = common.eccentricity * 0.5 / b;
+        let uneven = eccentricity * 0.5 / b;
+        let foundation = supports.foundation();
+        let restitution_factor = supports.restitution_factor().unwrap_or(T::from(1.0));
+        let none = Springs { stiffness: zero, damping: zero };
+        let (SupportPair { omega_v, xi_v, springs }, creep_rate) = match supports {
+            Supports::Viscoelastic(pair) => (pair, pair.springs.creep_rate()),
+            Supports::Rigid { .. } => (SupportPair { omega_v: zero, xi_v: zero, springs: none }, zero),
+        };
         Block {
-            mass: common.mass,
-            gravity: common.gravity,
+            body: Body {
+                mass,
+                i0: r0 * r0 / gamma,
+                gravity,
+                r0,
+                b,
+                h,
+                eccentricity,
+                weight_fraction: [half - uneven, half + uneven],
+                p,
+                foundation,
+                omega_v,
+                xi_v,
+                creep_rate,
+                friction,
+                restraints: Restraints::none(),
+            },
+            alpha,
             gamma,
-            epsilon: common.epsilon,
-            foundation: Foundation::Rigid,
-            restitution_factor: T::from(1.0),
-            i0: r0 * r0 / gamma,
-            eccentricity: common.eccentricity,
-            share: [half - uneven, half + uneven],
-            friction: common.friction,
-            restraints: Restraints::none(),
-            r0,
-            alpha: zero,
-            b: zero,
-            h: zero,
-            p: zero,
-            omega_v: zero,
-            xi_v: zero,
-            stiffness: zero,
-            damping: zero,
+            epsilon,
+            restitution_factor,
+            stiffness: springs.stiffness,
+            damping: springs.damping,
         }
     }
 
@@ -317,16 +288,6 @@ impl<T: Elementary> Block<T> {
         self.omega_v / self.p
     }
 
-    /// Mean static deflection δ_s = M g/(2K) = g/ω_v² of the supports (m).
-    pub fn static_deflection(&self) -> T {
-        self.gravity / (self.omega_v * self.omega_v)
-    }
-
-    /// Static deflection of the support under a corner (m): its free height above rest.
-    pub fn free_height(&self, corner: Corner) -> T {
-        self.static_deflection() * (self.share[corner.index()] * 2.0)
-    }
-
     /// Slenderness angle of a corner (rad), `arctan((b ± e_x)/h)` with + on L. At this rotation the centre of mass is over the corner.
     pub fn alpha_of(&self, corner: Corner) -> T {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
@@ -352,7 +313,7 @@ impl<T: Elementary> Block<T> {
     ///
     /// For an eccentric centre of mass it follows from the conservation of angular momentum about that corner.
     pub fn housner_restitution(&self, corner: Corner) -> T {
-        let Block { gamma, epsilon, eccentricity, b, r0, .. } = *self;
+        let Block { gamma, epsilon, body: Body { eccentricity, b, r0, .. }, .. } = *self;
         let cos = (self.alpha * 2.0).cos();
         let square = eccentricity * eccentricity;
         let cross = b * eccentricity * (2.0 * corner.sign());

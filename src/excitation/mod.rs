@@ -9,7 +9,7 @@ use std::ops::Mul;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
+use crate::block::Body;
 use crate::block::restraints::States;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -347,8 +347,8 @@ impl<V: Simd> Excitation<Wide<V>> {
 impl Excitation {
     /// Returns the excitation of `block` from `time` (s) to the pulse's next kink.
     #[inline]
-    pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, block: &Block) -> Excitation {
-        Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
+    pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, body: &Body) -> Excitation {
+        Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), body.mass)
     }
 
     /// Copies another excitation number by number. A block copy would stall until the processor has stored all of them.

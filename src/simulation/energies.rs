@@ -117,8 +117,8 @@ impl Energies {
 
 /// The rates of [`EnergySums::works`] now (W).
 pub(super) fn powers(now: &Evaluation) -> [f64; WORKS] {
-    let powers = now.instant.powers(now.block, now.regime, now.forcing);
-    forces::joined::<_, 2, { forces::DISSIPATIVE }, WORKS>(powers, now.dissipated()).map(|power| power * now.block.mass)
+    let powers = now.instant.powers(now.body, now.regime, now.forcing);
+    forces::joined::<_, 2, { forces::DISSIPATIVE }, WORKS>(powers, now.dissipated()).map(|power| power * now.body.mass)
 }
 
 impl EnergySums {

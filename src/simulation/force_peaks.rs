@@ -248,7 +248,7 @@ impl<R: Real> ForcePeaks<R> {
 impl ForcePeaks<f64> {
     /// Includes the forces of an instant.
     pub(super) fn include_forces(&mut self, now: &Evaluation) {
-        self.include_strain(&strain(now.block, now.regime, &now.instant, [0.0; 2]));
+        self.include_strain(&strain(now.body, now.regime, &now.instant, [0.0; 2]));
     }
 
     /// Includes the forces of a block.

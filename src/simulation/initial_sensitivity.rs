@@ -81,7 +81,7 @@ fn lean(rest: &mut Evaluation<DirectionalDual>, &Initial { theta, theta_dot, .. 
     rest.regime = if lean < 0.0 { Regime::TiltingLeft } else { Regime::TiltingRight };
     let zero = DirectionalDual::from(0.0);
     let state = [theta, theta_dot, zero, zero];
-    let x = instant(rest.block, rest.regime, state, Footing::AT_START.map(DirectionalDual::from), rest.forcing);
+    let x = instant(rest.body, rest.regime, state, Footing::AT_START.map(DirectionalDual::from), rest.forcing);
     let Instant { u, u_dot, v, v_dot, corner, .. } = x;
     rest.instant = Instant { u, u_dot, v, v_dot, corner, ..rest.instant };
 }

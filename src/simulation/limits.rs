@@ -1,6 +1,6 @@
 //! A mode of motion and a tolerance → the errors that a step may make, and the longest step.
 
-use crate::block::{Block, Foundation, Regime, restraints};
+use crate::block::{Block, Body, Foundation, Regime, restraints};
 use crate::numerics::control::LONGEST;
 use crate::system::instant::State;
 use crate::system::motion_mode::MotionMode;
@@ -35,7 +35,8 @@ impl<const N: usize> Limits<N> {
     /// most a third of the shortest period, so that it has at most one extremum.
     #[inline(always)]
     pub(super) fn of(block: &Block, tolerance: f64, mode: impl MotionMode, pulse_frequency: f64) -> Limits<N> {
-        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = *block;
+        let alpha = block.alpha;
+        let Body { p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = block.body;
         const OF_WEIGHT: f64 = 10.0;
         // A block whose foot slides turns about its centre of mass, and friction adds to the moment.
         let arm = b + eccentricity.abs() + if mode.grips() { 0.0 } else { friction * h };

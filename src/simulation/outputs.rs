@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
 use crate::block::restraints::{self, ObservedRestraint};
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Body, Corner, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -64,15 +64,15 @@ pub struct Observation<T> {
 /// Returns the observation of an instant; `support_heights` are the heights of the supports.
 #[inline(always)]
 pub fn observe<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     regime: Regime,
     x: &Instant<T>,
     support_heights: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
-    let Strain { reaction, horizontal, uplift, friction_demand } = strain(block, regime, x, support_heights);
-    let power = x.powers(block, regime, forcing);
-    let [friction_power, restraint_power @ ..] = forces::dissipated(block, &forcing, x).map(|power| power * block.mass);
+    let Strain { reaction, horizontal, uplift, friction_demand } = strain(body, regime, x, support_heights);
+    let power = x.powers(body, regime, forcing);
+    let [friction_power, restraint_power @ ..] = forces::dissipated(body, &forcing, x).map(|power| power * body.mass);
     Observation {
         regime,
         theta: x.theta,
@@ -86,13 +86,13 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
         u_ddot: x.u_ddot,
         reaction,
         horizontal,
-        base_moment: (reaction[0] - reaction[1]) * block.b,
+        base_moment: (reaction[0] - reaction[1]) * body.b,
         corner: x.corner,
         uplift,
         friction_demand,
         slip_rate: x.slip_rate,
-        restraints: forces::observe_restraints(block, &forcing.restraints, x),
-        power: [power[0] * block.mass, power[1] * block.mass],
+        restraints: forces::observe_restraints(body, &forcing.restraints, x),
+        power: [power[0] * body.mass, power[1] * body.mass],
         friction_power,
         restraint_power: restraints::RestraintEnergies::from_array(restraint_power),
     }
@@ -113,20 +113,20 @@ pub struct Strain<T> {
 /// Returns these quantities; `support_heights` are the heights of the supports.
 #[inline(always)]
 pub fn strain<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     regime: Regime,
     x: &Instant<T>,
     support_heights: [T; 2],
 ) -> Strain<T> {
     let [left, right] = x.reaction;
-    let reaction = [left * block.mass, right * block.mass];
-    let horizontal = x.horizontal * block.mass;
+    let reaction = [left * body.mass, right * body.mass];
+    let horizontal = x.horizontal * body.mass;
     Strain {
         reaction,
         horizontal,
         // No closure: it would not be inlined into the lanes, and compiled without their vectors.
         uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
-        friction_demand: friction_demand(regime, T::from(block.friction), horizontal, reaction[0] + reaction[1]),
+        friction_demand: friction_demand(regime, T::from(body.friction), horizontal, reaction[0] + reaction[1]),
     }
 }
 
@@ -223,14 +223,14 @@ where
         let support_heights = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
         let rate = self.forcing_rate();
         let forcing = self.forcing.with_derivative(rate);
-        observe(self.block, self.regime, &self.with_rates(rate), support_heights, forcing)
+        observe(self.body, self.regime, &self.with_rates(rate), support_heights, forcing)
     }
 }
 
 impl Evaluation<'_> {
     /// The observed quantities.
     pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
+        observe(self.body, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
     }
 
     /// The observed quantities with exact derivatives in the dual parts. They are with respect to the forcing in a direction, and to
@@ -239,8 +239,8 @@ impl Evaluation<'_> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
         let forcing = self.forcing.with_derivative(direction);
-        let x = instant(self.block, self.regime, state, footing, forcing);
+        let x = instant(self.body, self.regime, state, footing, forcing);
         let support_heights = self.support_heights.map(|top| Dual64::new(top.value, time * top.rate));
-        observe(self.block, self.regime, &x, support_heights, forcing)
+        observe(self.body, self.regime, &x, support_heights, forcing)
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Foundation, restraints};
+use crate::block::{Body, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -136,10 +136,19 @@ impl Peaks {
         });
     }
 
+    /// Includes a rotation (rad) about a corner of the rigid base.
+    #[inline]
+    pub fn include_rotation(&mut self, theta: f64, body: &Body) {
+        if theta > self.theta {
+            self.theta = theta;
+            self.uplift = greater(self.uplift, libm::sin(theta) * (2.0 * body.b));
+        }
+    }
+
     /// Includes the pulls and the plastic elongations of the restraints at one instant.
     pub fn include_restraints(&mut self, now: &Evaluation) {
-        for number in now.block.restraints.numbers() {
-            self.include_pull(now.block, number, now.pull(number).value.abs());
+        for number in now.body.restraints.numbers() {
+            self.include_pull(now.body, number, now.pull(number).value.abs());
         }
         self.include_plastic(&now.plastic_elongations());
     }
@@ -158,23 +167,23 @@ impl Peaks {
         there: &Evaluation,
         mut inside: impl FnMut(f64) -> Evaluation<'a>,
     ) {
-        for number in here.block.restraints.numbers() {
+        for number in here.body.restraints.numbers() {
             let [start, end] = [here, there].map(|now| now.pull(number));
             let duration = there.time - here.time;
             let most = greatest(self.pull[number], start, end, duration, |elapsed| inside(elapsed).pull(number));
-            self.include_pull(here.block, number, most);
-            if here.block.restraints.pushes(number) {
+            self.include_pull(here.body, number, most);
+            if here.body.restraints.pushes(number) {
                 let [start, end] = [start, end].map(Sample::negated);
                 let pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
                 let most = greatest(self.pull[number], start, end, duration, pushed);
-                self.include_pull(here.block, number, most);
+                self.include_pull(here.body, number, most);
             }
         }
     }
 
     /// Includes a pull (N). An impact may leave a dashpot with more than the strength, at which the restraint breaks.
-    fn include_pull(&mut self, block: &Block, number: usize, pull: f64) {
-        let pull = restraints::strength(block, number).map_or(pull, |strength| pull.min(strength));
+    fn include_pull(&mut self, body: &Body, number: usize, pull: f64) {
+        let pull = restraints::strength(body, number).map_or(pull, |strength| pull.min(strength));
         self.pull[number] = greater(self.pull[number], pull);
     }
 
@@ -213,7 +222,7 @@ impl Peaks {
     /// `near`, and are zero elsewhere.
     #[inline(always)]
     pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
-        let Block { mass, foundation, .. } = *here.block;
+        let Body { mass, foundation, .. } = *here.body;
         let Peaks { reaction, horizontal, friction_demand, .. } = *self;
         let close = |now: &Evaluation| {
             let [left, right] = now.instant.reaction;
@@ -296,7 +305,7 @@ where
         let [left, right] = self.support_heights;
         let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         let x = self.with_rates(self.forcing_rate());
-        let Strain { reaction, horizontal, uplift, friction_demand } = strain(self.block, self.regime, &x, tops);
+        let Strain { reaction, horizontal, uplift, friction_demand } = strain(self.body, self.regime, &x, tops);
         Channels {
             theta: sample(x.theta),
             reaction: [sample(reaction[0]), sample(reaction[1])],
@@ -325,8 +334,8 @@ where
         if !self.regime.touches(corner) {
             return Sample::default();
         }
-        let Sample { value, rate } = lift_off::on_support(self.block, &self.instant, corner);
-        Sample { value: self.block.mass * value, rate: self.block.mass * rate }
+        let Sample { value, rate } = lift_off::on_support(self.body, &self.instant, corner);
+        Sample { value: self.body.mass * value, rate: self.body.mass * rate }
     }
 
     #[inline(always)]

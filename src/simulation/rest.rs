@@ -1,13 +1,14 @@
 //! A block at rest on the rigid base → its forces and peaks, until a corner lifts or the piece ends.
 
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Body, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
+use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
 use crate::simulation::outputs::strain;
+use crate::simulation::state::RunState;
 use crate::simulation::step::{StepsInput, StepsOutcome};
 use crate::simulation::swings::longest_swing;
-use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
@@ -17,7 +18,7 @@ use crate::system::swing::ORDER;
 
 /// Whether both reactions of a block at rest are above their round-off.
 fn is_pressed_down(now: &Evaluation) -> bool {
-    let rounding = EventFunction::Reaction(Corner::Left).rounding(now.block);
+    let rounding = EventFunction::Reaction(Corner::Left).rounding(now.body);
     now.instant.reaction.iter().all(|&reaction| reaction > rounding)
 }
 
@@ -26,10 +27,10 @@ struct RestForceSeries([[f64; ORDER + 1]; 3]);
 
 impl RestForceSeries {
     /// They are linear in the excitation.
-    fn of(block: &Block, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> RestForceSeries {
+    fn of(body: &Body, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> RestForceSeries {
         let under = |forcing: Forcing<f64>| {
             let Instant { reaction: [left, right], horizontal, .. } =
-                instant(block, Regime::FullContact, [0.0; 4], footing, forcing);
+                instant(body, Regime::FullContact, [0.0; 4], footing, forcing);
             [left, right, horizontal]
         };
         let none = under(Forcing::default());
@@ -103,7 +104,7 @@ impl<L: MotionMode> ForceSegment for RestSegment<'_, '_, L> {
     }
 }
 
-impl Simulation {
+impl RunState {
     /// Stays at rest while the excitation changes linearly, if no corner lifts before the end. Returns whether it did. Reactions are
     /// linear, too, and the friction demand, their quotient, has its peak at an end.
     #[inline(always)]
@@ -113,7 +114,7 @@ impl Simulation {
         input: &StepsInput,
         budget: &mut u64,
     ) -> Result<bool, SimulationError> {
-        let &StepsInput { block, excitation, stop, .. } = input;
+        let (block, &StepsInput { excitation, stop, .. }) = (input.block(), input);
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
         let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
@@ -157,7 +158,7 @@ impl Simulation {
         input: &StepsInput<'a>,
         budget: &mut u64,
     ) -> Result<Option<StepsOutcome<'a>>, SimulationError> {
-        let &StepsInput { block, excitation, stop, .. } = input;
+        let (block, &StepsInput { setup, excitation, stop, .. }) = (input.block(), input);
         let longest = longest_swing(block.p, excitation.frequency());
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let (upright, begin) = (State::zeros(), self.pose.time);
@@ -195,7 +196,7 @@ impl Simulation {
             self.stay(&here, &there);
             let reactions = if fraction == 1.0 { reactions } else { forces.reactions(fraction) };
             let each = UNITS.map(|unit| (&reactions, unit));
-            let numbers = [block.mass, visible(self.settings.tolerance)];
+            let numbers = [block.mass, visible(setup.settings.tolerance)];
             let segment = RestSegment { motion: &motion, span: [time, fraction, size] };
             self.peaks.raise_forces(|peaks| {
                 peaks.search(true, &segment, &each, &forces.resultant(fraction), numbers);

@@ -1,6 +1,6 @@
 //! A step → the motion between its ends, and the first event function that reaches zero.
 
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::{Body, Corner, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
 use crate::numerics::roots::{self, Sample};
@@ -42,10 +42,10 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
 /// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
 #[inline(always)]
-fn rounding(mode: impl MotionMode, function: EventFunction, block: &Block, [start, end]: [Sample; 2]) -> f64 {
+fn rounding(mode: impl MotionMode, function: EventFunction, body: &Body, [start, end]: [Sample; 2]) -> f64 {
     let tilts = mode.foundation() == Foundation::Rigid && mode.regime().pivot().is_some();
     let is_arc = start.value >= 0.0 && start.rate > 0.0 || start.value > 0.0 && end.value < 0.0;
-    if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(block) }
+    if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(body) }
 }
 
 /// Whether a function may fall through zero between the samples at both ends of a step. On supports their bounds decide.
@@ -64,7 +64,7 @@ pub(super) fn may_hold_event(mode: impl MotionMode, here: &Evaluation, there: &E
     let may_fall = |function: EventFunction| {
         let start = function.sample_on(mode.foundation(), here);
         let end = function.sample_on(mode.foundation(), there);
-        may_fall(mode, start, end, rounding(mode, function, here.block, [start, end]), there.time - here.time)
+        may_fall(mode, start, end, rounding(mode, function, here.body, [start, end]), there.time - here.time)
     };
     watched(mode).into_iter().flatten().any(may_fall)
         || (!mode.is_static() && may_hold_extended_event(mode, here, there))
@@ -72,9 +72,9 @@ pub(super) fn may_hold_event(mode: impl MotionMode, here: &Evaluation, there: &E
 
 #[inline(never)]
 fn may_hold_extended_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
-    extended_event_functions(mode, here.block).into_iter().flatten().any(|function| {
+    extended_event_functions(mode, here.body).into_iter().flatten().any(|function| {
         let (start, end) = (function.sample(here), function.sample(there));
-        roots::may_fall(start, end, function.rounding(here.block), there.time - here.time)
+        roots::may_fall(start, end, function.rounding(here.body), there.time - here.time)
     })
 }
 
@@ -107,7 +107,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
     let turns_far = turn_in_flight::<4, 4>(mode, &here.state, &there.state, duration) > SMALL_TURN;
     for function in watched(mode).into_iter().flatten() {
         let [start, end] = [here, there].map(|now| function.sample_on(mode.foundation(), now));
-        let rounding = rounding(mode, function, here.block, [start, end]);
+        let rounding = rounding(mode, function, here.body, [start, end]);
         let hidden = turns_far && matches!(function, EventFunction::Gap(_));
         if !hidden && !may_fall(mode, start, end, rounding, duration) {
             continue;
@@ -115,7 +115,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
         let mut sample = |elapsed| inside.sample(function, elapsed);
         // No corner leaves the rigid base with a rate, so a gap that falls from zero is that of a corner beside the pivot, which has come
         // down. A corner may leave a support with a rate, as the angular momentum is kept.
-        let on_base = here.block.foundation == Foundation::Rigid && matches!(function, EventFunction::Gap(_));
+        let on_base = here.body.foundation == Foundation::Rigid && matches!(function, EventFunction::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
         let fall =
             if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, pieces, bounded, sample) };
@@ -138,8 +138,8 @@ fn first_extended_event<L: MotionMode, const N: usize>(
     mut first: Option<EventCrossing>,
 ) -> Option<EventCrossing> {
     let duration = there.time - here.time;
-    for function in extended_event_functions(inside.motion.mode(), here.block).into_iter().flatten() {
-        let rounding = function.rounding(here.block);
+    for function in extended_event_functions(inside.motion.mode(), here.body).into_iter().flatten() {
+        let rounding = function.rounding(here.body);
         let (start, end) = (function.sample(here), function.sample(there));
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
@@ -238,7 +238,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     #[inline(never)]
     fn reaction(&mut self, corner: Corner, elapsed: f64) -> Sample {
         let now = self.at(elapsed);
-        lift_off::on_support(now.block, &now.instant, corner)
+        lift_off::on_support(now.body, &now.instant, corner)
     }
 
     #[inline(never)]

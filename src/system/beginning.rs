@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Foot, Foundation, Kinematics, Regime, restraints};
+use crate::block::{Block, Body, Foot, Foundation, Kinematics, Regime, restraints};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
@@ -146,12 +146,12 @@ fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
 }
 
 /// Returns the kinematics of a block at rest, and the compression of its supports (m). The middle of its base is at this height (m).
-fn kinematics_at<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (Kinematics<T>, [T; 2]) {
+fn kinematics_at<T: Elementary>(body: &Body<T>, [sin, cos]: [T; 2], middle: T) -> (Kinematics<T>, [T; 2]) {
     let zero = T::from(0.0);
-    let pushes = Corner::each(|corner| block.free_height(corner) - middle - block.half_base(corner) * sin);
+    let pushes = Corner::each(|corner| body.free_height(corner) - middle - body.half_base(corner) * sin);
     let touching = pushes.map(|push| push.value() > 0.0);
     let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
-    let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
-    let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
+    let (versine, offset) = (sin * sin / (cos + 1.0), body.offset_from(foot));
+    let center = [sin * body.h - versine * offset, middle - versine * body.h - sin * body.eccentricity];
     (Kinematics { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
 }

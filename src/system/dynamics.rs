@@ -7,7 +7,7 @@
 //! A gripping foot, a rigid base and a held corner are constraints: each adds the inertia of the centre of mass that it moves, or
 //! determines the rotation. Forces and energies are per unit of the block's mass.
 
-use crate::block::{Block, Corner, Foot, Foundation, Kinematics, Lever, Regime, StandingSlide};
+use crate::block::{Body, Corner, Foot, Foundation, Kinematics, Lever, Regime, StandingSlide};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -17,13 +17,13 @@ use crate::system::instant::{Footing, Held, Instant};
 /// Solves the equations of motion at one instant. See [`Forcing`] for signs.
 #[inline]
 pub fn instant<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     regime: Regime,
     state: [T; 4],
     footing: Footing<T>,
     forcing: Forcing<T>,
 ) -> Instant<T> {
-    instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
+    instant_of(body, body.foundation, regime, state, footing, forcing, |x| x)
 }
 
 /// Solves the equations of motion for the part of [`instant`] that `pick` takes.
@@ -32,7 +32,7 @@ pub fn instant<P: Scalar, T: CombinesWith<P>>(
 /// `foundation`, that of the block, and `regime` are constants.
 #[inline(always)]
 pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
-    block: &Block<P>,
+    body: &Body<P>,
     foundation: Foundation,
     regime: Regime,
     state: [T; 4],
@@ -40,7 +40,7 @@ pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
     forcing: Forcing<T>,
     pick: impl Fn(Instant<T>) -> R,
 ) -> R {
-    let posture = Posture::new(block, state, footing);
+    let posture = Posture::new(body, state, footing);
     match regime {
         Regime::FullContact => pick(posture.on(Foot::Middle, foundation, forcing)),
         Regime::TiltingLeft => pick(posture.on(Foot::Corner(Corner::Left), foundation, forcing)),
@@ -51,14 +51,14 @@ pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
 
 /// Solves the equations of motion of a block with a held corner. Its state is θ and θ̇ alone.
 pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     [theta, theta_dot]: [T; 2],
     held: Held<T>,
     footing: Footing<T>,
     forcing: Forcing<T>,
 ) -> Instant<T> {
     let zero = T::from(0.0);
-    Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
+    Posture::new(body, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
 /// Solves the equations of motion at an instant `x`, with exact rates in dual parts. The rates are those along the motion; `pick` takes a
@@ -67,7 +67,7 @@ pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
 /// The dual parts of the forcing are its rates.
 #[inline(always)]
 pub fn instant_with_rates<R: Scalar, T>(
-    block: &Block<R>,
+    body: &Body<R>,
     regime: Regime,
     [_, _, w, _]: [R; 4],
     footing: Footing<R>,
@@ -84,12 +84,12 @@ where
         Dual::new(w, x.w_dot),
         Dual::new(x.w_dot, x.w_ddot),
     ];
-    instant_of(block, block.foundation, regime, state, footing.with_rates(x), forcing, pick)
+    instant_of(body, body.foundation, regime, state, footing.with_rates(x), forcing, pick)
 }
 
 /// Solves [`instant_held`] at an instant `x`, with rates along the motion in the dual parts.
 pub fn instant_held_with_rates<R: Scalar>(
-    block: &Block<R>,
+    body: &Body<R>,
     held: &Held<R>,
     footing: Footing<R>,
     x: &Instant<R>,
@@ -99,13 +99,13 @@ where
     Dual<R>: CombinesWith<R>,
 {
     let state = [Dual::new(x.theta, x.theta_dot), Dual::new(x.theta_dot, x.theta_ddot)];
-    instant_held(block, state, held.with_rates(block), footing.with_rates(x), forcing)
+    instant_held(body, state, held.with_rates(body), footing.with_rates(x), forcing)
 }
 
 /// The state with its sine and cosine.
 #[derive(Clone, Copy)]
 struct Posture<'a, P, T> {
-    block: &'a Block<P>,
+    body: &'a Body<P>,
     theta: T,
     theta_dot: T,
     w: T,
@@ -117,34 +117,34 @@ struct Posture<'a, P, T> {
 
 impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     #[inline(always)]
-    fn new(block: &'a Block<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
+    fn new(body: &'a Body<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
         let (sin, cos) = theta.sin_cos();
-        Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
+        Posture { body, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
 
     /// Solves eqs. (7)–(13) on supports, or Housner's equation on a rigid base, for a block on a foot.
     #[inline(always)]
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
-        let lever = self.block.lever(foot, self.sin, self.cos);
+        let lever = self.body.lever(foot, self.sin, self.cos);
         let centripetal = lever.q * (self.theta_dot * self.theta_dot);
         let forcing = self.with_forces(Some(foot), forcing);
         match (foundation, foot) {
             (Foundation::Viscoelastic, _) => {
                 let (reaction, lift, mut moment) = self.supports(foot);
                 if let Footing::Slides { direction, .. } = self.footing {
-                    moment = moment - lever.q * friction::reaction(self.block, direction, lift);
+                    moment = moment - lever.q * friction::reaction(self.body, direction, lift);
                 }
                 let theta_ddot = self.theta_ddot(lever, moment, None, forcing);
-                let v_ddot = lift - self.block.gravity - forcing.z;
+                let v_ddot = lift - self.body.gravity - forcing.z;
                 let w_ddot = v_ddot + lever.x * theta_ddot + centripetal;
                 self.moving(foot, [theta_ddot, v_ddot, w_ddot], reaction, forcing)
             }
             // The height of the foot is constant: `v̈ = −X θ̈ − Q θ̇²`, and N follows.
             (Foundation::Rigid, Foot::Corner(corner)) => {
-                let weight = forcing.z + self.block.gravity;
+                let weight = forcing.z + self.body.gravity;
                 // The arm of N and of the friction proportional to it.
                 let arm = match self.footing {
-                    Footing::Slides { direction, .. } => lever.x - friction::reaction(self.block, direction, lever.q),
+                    Footing::Slides { direction, .. } => lever.x - friction::reaction(self.body, direction, lever.q),
                     Footing::Grips { .. } | Footing::Free { .. } => lever.x,
                 };
                 let theta_ddot = self.theta_ddot(lever, arm * (weight - centripetal), Some(arm), forcing);
@@ -174,8 +174,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// Returns the reaction under a corner, and its moment about the centre of mass.
     #[inline(always)]
     fn support(&self, corner: Corner, foot: Foot) -> (T, T) {
-        let reaction = support::reaction(self.block, corner, self.height(corner, foot), self.rate(corner, foot));
-        (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
+        let reaction = support::reaction(self.body, corner, self.height(corner, foot), self.rate(corner, foot));
+        (reaction, reaction * self.body.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
     /// Returns θ̈ from the moments about the centre of mass. They are those of the vertical reactions, of the loads, and of H, which acts Q
@@ -185,7 +185,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// arm of that N, and `vertical` the moment of other vertical reactions.
     #[inline(always)]
     fn theta_ddot(&self, Lever { x, q }: Lever<T>, vertical: T, rigid_arm: Option<T>, forcing: Forcing<T>) -> T {
-        let (mut moment, mut inertia) = (vertical, T::from(self.block.i0));
+        let (mut moment, mut inertia) = (vertical, T::from(self.body.i0));
         if let Some(arm) = rigid_arm {
             inertia = x * arm + inertia;
         }
@@ -200,26 +200,26 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// `|a_gx| > (g + a_gz) tan α`.
     #[inline(always)]
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
-        let block = self.block;
+        let body = self.body;
         let (zero, one) = (T::from(0.0), T::from(1.0));
         let upright = Posture { theta_dot: zero, w: zero, w_dot: zero, sin: zero, cos: one, ..*self };
-        let weight = forcing.z + block.gravity;
+        let weight = forcing.z + body.gravity;
         let x = upright.moving(Foot::Middle, [zero; 3], [weight, zero], forcing);
-        let couple = (x.horizontal * block.h - forcing.moment) * (P::from(0.5) / block.b);
+        let couple = (x.horizontal * body.h - forcing.moment) * (P::from(0.5) / body.b);
         // A corner bears the force that keeps the block from turning about the other one. Near zero its moment has the bits of that in
         // `theta_ddot`, so that a corner that cannot stay is never pressed back at once.
         let bears = |other: Corner| {
             let s = other.sign();
             let moment = match self.footing {
                 Footing::Slides { direction, .. } => {
-                    let arm = -friction::reaction(block, direction, T::from(block.h)) + block.offset(other);
+                    let arm = -friction::reaction(body, direction, T::from(body.h)) + body.offset(other);
                     arm * weight
                 }
-                Footing::Grips { .. } | Footing::Free { .. } => weight * block.offset(other) - x.horizontal * block.h,
+                Footing::Grips { .. } | Footing::Free { .. } => weight * body.offset(other) - x.horizontal * body.h,
             };
             let moment = (moment + forcing.moment) * s;
-            let share = block.share[other.other().index()];
-            let (n, exact) = (weight * share - couple * s, moment * (P::from(0.5) / block.b));
+            let fraction = body.weight_fraction[other.other().index()];
+            let (n, exact) = (weight * fraction - couple * s, moment * (P::from(0.5) / body.b));
             let n = T::select_less(n.value(), zero.value(), exact, n);
             T::select_less(moment.value(), zero.value(), exact, n)
         };
@@ -229,12 +229,12 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// Solves the equations of flight, where w = v.
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
+        let Posture { body, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let zero = T::from(0.0);
         let forcing = self.with_forces(None, forcing);
-        let theta_ddot = forcing.moment * T::from(P::from(1.0) / block.i0);
-        let v_ddot = -forcing.z - block.gravity;
-        let (h, e) = (block.h, block.eccentricity);
+        let theta_ddot = forcing.moment * T::from(P::from(1.0) / body.i0);
+        let v_ddot = -forcing.z - body.gravity;
+        let (h, e) = (body.h, body.eccentricity);
         let middle = [
             w + self.versine() * h + sin * e,
             w_dot + sin * theta_dot * h + cos * theta_dot * e,
@@ -254,23 +254,23 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// the standing corner, with H_f or −H_f there, such that the corner stays held.
     fn held(mut self, held: Held<T>, forcing: Forcing<T>) -> Instant<T> {
         let Held { corner, top: [top, top_dot, top_ddot], standing } = held;
-        let Posture { block, theta_dot, sin, cos, .. } = self;
-        let (offset, middle) = (block.half_base(corner), Foot::Middle);
+        let Posture { body, theta_dot, sin, cos, .. } = self;
+        let (offset, middle) = (body.half_base(corner), Foot::Middle);
         (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
         let forcing = self.with_forces(Some(middle), forcing);
         let other = corner.other();
-        let n = support::reaction(block, other, self.height(other, middle), self.rate(other, middle));
-        let v_ddot = n - block.gravity - forcing.z;
-        let lever = block.lever(Foot::Corner(corner), sin, cos);
+        let n = support::reaction(body, other, self.height(other, middle), self.rate(other, middle));
+        let v_ddot = n - body.gravity - forcing.z;
+        let lever = body.lever(Foot::Corner(corner), sin, cos);
         let theta_dot2 = theta_dot * theta_dot;
         let theta_ddot = (top_ddot - v_ddot - lever.q * theta_dot2) / lever.x;
-        let Lever { x, q } = block.lever(middle, sin, cos);
+        let Lever { x, q } = body.lever(middle, sin, cos);
         let w_ddot = v_ddot + x * theta_ddot + q * theta_dot2;
         let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], at_corner(other, n), forcing);
         if let Footing::Slides { .. } = self.footing {
-            let Lever { x: arm, q: height } = block.lever(Foot::Corner(other), sin, cos);
+            let Lever { x: arm, q: height } = body.lever(Foot::Corner(other), sin, cos);
             // The moment of H about the centre of mass, per mass, as the rotation needs it.
-            let moment = n * arm + forcing.moment - theta_ddot * block.i0;
+            let moment = n * arm + forcing.moment - theta_ddot * body.i0;
             match standing {
                 StandingSlide::Follows => {}
                 // `λ Q_m H_f − (1 − λ) Q_I H_f = moment` gives `H = (2 λ − 1) H_f`.
@@ -296,10 +296,10 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         reaction: [T; 2],
         forcing: Forcing<T>,
     ) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing } = *self;
-        let Lever { x, q } = block.lever(foot, sin, cos);
-        let (versine, offset) = (self.versine(), block.offset_from(foot));
-        let across = sin * block.h - versine * offset;
+        let Posture { body, theta, theta_dot, w, w_dot, sin, cos, footing } = *self;
+        let Lever { x, q } = body.lever(foot, sin, cos);
+        let (versine, offset) = (self.versine(), body.offset_from(foot));
+        let across = sin * body.h - versine * offset;
         let (u, u_dot, u_ddot, horizontal) = match footing {
             Footing::Grips { offset } => {
                 let u_ddot = q * theta_ddot - x * (theta_dot * theta_dot);
@@ -307,7 +307,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
             }
             Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, T::from(0.0)),
             Footing::Slides { u, u_dot, direction } => {
-                let horizontal = friction::reaction(block, direction, reaction[0] + reaction[1]);
+                let horizontal = friction::reaction(body, direction, reaction[0] + reaction[1]);
                 (u, u_dot, horizontal - forcing.x, horizontal)
             }
         };
@@ -321,7 +321,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
             u,
             u_dot,
             u_ddot,
-            v: w - versine * block.h - sin * offset,
+            v: w - versine * body.h - sin * offset,
             v_dot: w_dot - x * theta_dot,
             v_ddot,
             corner: [self.height(Corner::Left, foot), self.height(Corner::Right, foot)],
@@ -348,7 +348,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// Returns the height of a corner above its position at rest (m).
     #[inline(always)]
     fn height(&self, corner: Corner, foot: Foot) -> T {
-        match self.block.from_foot(corner, foot) {
+        match self.body.from_foot(corner, foot) {
             Some(distance) => self.w - self.sin * distance,
             None => self.w,
         }
@@ -357,7 +357,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// Returns the vertical velocity of a corner (m/s).
     #[inline(always)]
     fn rate(&self, corner: Corner, foot: Foot) -> T {
-        match self.block.from_foot(corner, foot) {
+        match self.body.from_foot(corner, foot) {
             Some(distance) => self.w_dot - self.cos * self.theta_dot * distance,
             None => self.w_dot,
         }
@@ -367,7 +367,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     #[inline(always)]
     fn acceleration(&self, corner: Corner, foot: Foot, w_ddot: T, theta_ddot: T) -> T {
         let Posture { theta_dot, sin, cos, .. } = *self;
-        match self.block.from_foot(corner, foot) {
+        match self.body.from_foot(corner, foot) {
             Some(distance) => w_ddot - (cos * theta_ddot - sin * theta_dot * theta_dot) * distance,
             None => w_ddot,
         }
@@ -387,20 +387,20 @@ fn pulled<P: Scalar, T: CombinesWith<P>>(
     foot: Option<Foot>,
     forcing: Forcing<T>,
 ) -> Forcing<T> {
-    let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = posture;
+    let Posture { body, theta_dot, w, w_dot, sin, cos, footing, .. } = posture;
     let foot_or_middle = foot.unwrap_or(Foot::Middle);
-    let Lever { x, q } = block.lever(foot_or_middle, sin, cos);
-    let (versine, offset) = (posture.versine(), block.offset_from(foot_or_middle));
+    let Lever { x, q } = body.lever(foot_or_middle, sin, cos);
+    let (versine, offset) = (posture.versine(), body.offset_from(foot_or_middle));
     let (u, u_dot) = match footing {
-        Footing::Grips { offset: slip } => (sin * block.h - versine * offset + slip, q * theta_dot),
+        Footing::Grips { offset: slip } => (sin * body.h - versine * offset + slip, q * theta_dot),
         Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => (u, u_dot),
     };
     let (v, v_dot) = match foot {
-        Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
+        Some(_) => (w - versine * body.h - sin * offset, w_dot - x * theta_dot),
         None => (w, w_dot),
     };
     let kinematics = Kinematics { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
-    forces::added_to(block, forcing, &kinematics)
+    forces::added_to(body, forcing, &kinematics)
 }
 
 /// Returns a force at one corner, and zero at the other.
@@ -414,12 +414,12 @@ fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
 
 /// Returns `[w, ẇ]` (m, m/s) from `[θ, θ̇, v, v̇]`. They are height and rate of the foot, in flight of the centre of mass, and zeros on the
 /// rigid base.
-pub fn foot_height<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
+pub fn foot_height<T: Scalar>(body: &Body, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
     let Some(foot) = regime.foot() else { return [v, v_dot] };
-    if block.foundation == Foundation::Rigid {
+    if body.foundation == Foundation::Rigid {
         return [T::from(0.0); 2];
     }
     let (sin, cos) = theta.sin_cos();
-    let offset = block.offset_from(foot);
-    [v + sin * sin / (cos + 1.0) * block.h + sin * offset, v_dot + sin * theta_dot * block.h + cos * theta_dot * offset]
+    let offset = body.offset_from(foot);
+    [v + sin * sin / (cos + 1.0) * body.h + sin * offset, v_dot + sin * theta_dot * body.h + cos * theta_dot * offset]
 }

@@ -6,7 +6,7 @@
 //! modes, or where each further copy would cost more code than time. Nothing else distinguishes the two.
 
 use crate::block::restraints::States;
-use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime};
+use crate::block::{Body, Contacts, Corner, Foot, Lever, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -21,7 +21,7 @@ use crate::system::motion_mode::{AnyMode, MotionMode};
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation<'a, R: Scalar = f64> {
     /// The block.
-    pub block: &'a Block<R>,
+    pub body: &'a Body<R>,
     /// Its excitation.
     pub excitation: &'a Excitation<R>,
     /// Time (s).
@@ -58,7 +58,7 @@ pub struct ForcingAt<'a, R = f64> {
 /// The motion from a pose on, while the block stands on the same corners.
 #[derive(Clone, Copy)]
 pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
-    block: &'a Block<T>,
+    body: &'a Body<T>,
     excitation: &'a Excitation<T>,
     mode: L,
     since: T,
@@ -77,8 +77,8 @@ pub const EXTENDED: usize = DAMPED - 1;
 impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
     /// Returns the motion of a block from a pose on.
     #[inline]
-    pub fn from_pose(block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
-        Motion::under(AnyMode::of(block, pose), block, pose, excitation)
+    pub fn from_pose(body: &'a Body<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
+        Motion::under(AnyMode::of(body, pose), body, pose, excitation)
     }
 
     /// Evaluates [`Motion::at`]: with derivatives, each inlined copy would take long to compile.
@@ -94,7 +94,7 @@ impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
     #[inline(always)]
     pub fn state_rate_under<T: CombinesWith<P>>(&self, mode: impl MotionMode, time: T, state: &State<T>) -> State<T> {
         let footing = Footing::Grips { offset: T::from(0.0) };
-        instant_of(self.block, mode.foundation(), mode.regime(), state.0, footing, self.excitation.at(time), |x| {
+        instant_of(self.body, mode.foundation(), mode.regime(), state.0, footing, self.excitation.at(time), |x| {
             State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot])
         })
     }
@@ -104,9 +104,9 @@ impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
 impl<const N: usize, T: Elementary> Motion<'_, AnyMode, N, T> {
     /// Returns the rate of a state by [`Motion::at_called`].
     pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
-        let Motion { block, excitation, mode, contacts, restraints, .. } = *self;
+        let Motion { body, excitation, mode, contacts, restraints, .. } = *self;
         let footing = self.footing_at(time, state);
-        let now = Motion::<_, 4, _> { block, excitation, mode, since: time, footing, contacts, restraints };
+        let now = Motion::<_, 4, _> { body, excitation, mode, since: time, footing, contacts, restraints };
         self.rate_of(&now.at_called(time, first_four(state))).state
     }
 }
@@ -114,9 +114,9 @@ impl<const N: usize, T: Elementary> Motion<'_, AnyMode, N, T> {
 impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the motion that begins with a pose in this mode.
     #[inline(always)]
-    pub fn under(mode: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
+    pub fn under(mode: L, body: &'a Body<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         let Pose { time, contacts, footing, restraints, .. } = *pose;
-        Motion { block, excitation, mode, since: time, footing, contacts, restraints }
+        Motion { body, excitation, mode, since: time, footing, contacts, restraints }
     }
 
     /// Returns the mode of the motion.
@@ -135,7 +135,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         let support_heights = self.support_heights(time);
         let forcing = self.mode.acting(self.excitation.at(time), self.restraints);
         let forcing_at = ForcingAt { excitation: self.excitation, time, forcing };
-        Evaluation::of(self.mode, self.block, forcing_at, footing, first_four(&state), support_heights)
+        Evaluation::of(self.mode, self.body, forcing_at, footing, first_four(&state), support_heights)
     }
 
     /// Returns the state of a pose.
@@ -183,8 +183,8 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the held corner with its support at a time, if any.
     #[inline(always)]
     fn held_at(&self, time: T) -> Option<Held<T>> {
-        let Motion { block, mode, contacts, .. } = self;
-        let held = |corner| Held::on(block, corner, contacts.top(corner, block, time), contacts.standing_slide());
+        let Motion { body, mode, contacts, .. } = self;
+        let held = |corner| Held::on(body, corner, contacts.top(corner, body, time), contacts.standing_slide());
         mode.held().map(held)
     }
 
@@ -198,10 +198,10 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         held: Held<T>,
     ) -> Evaluation<'a, T> {
         let forcing = self.mode.acting(self.excitation.at(time), self.restraints);
-        let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
+        let instant = instant_held(self.body, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
         Evaluation {
-            block: self.block,
+            body: self.body,
             excitation: self.excitation,
             time,
             regime: self.mode.regime(),
@@ -209,7 +209,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             footing,
             forcing,
             instant,
-            rate: rate_of(self.mode, self.block, &instant, forcing),
+            rate: rate_of(self.mode, self.body, &instant, forcing),
             support_heights: self.support_heights(time),
             held: Some(held),
         }
@@ -220,7 +220,7 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
         Corner::each(|corner| match self.mode.regime().touches(corner) {
             true => Sample::default(),
-            false => self.contacts.top(corner, self.block, time),
+            false => self.contacts.top(corner, self.body, time),
         })
     }
 
@@ -278,7 +278,7 @@ impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
         let footing = self.footing_at(time, state);
         let Rate { state, quadratures } = match self.held_at(time) {
             Some(held) => self.at_held(time, first_four(state), footing, held).rate,
-            None => rate(self.mode, self.block, self.excitation.at(time), footing, &first_four(state)),
+            None => rate(self.mode, self.body, self.excitation.at(time), footing, &first_four(state)),
         };
         Rate { state: State::first_of(state.0), quadratures }
     }
@@ -294,26 +294,24 @@ impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
 #[inline(always)]
 pub fn rate<R: Scalar>(
     mode: impl MotionMode,
-    block: &Block<R>,
+    body: &Body<R>,
     forcing: Forcing<R>,
     footing: Footing<R>,
     state: &State<R>,
 ) -> Rate<R> {
     // Blocks with restraints also integrate the horizontal motion.
     let forcing = Forcing { restraints: States::NONE, ..forcing };
-    instant_of(block, mode.foundation(), mode.regime(), state.0, footing, forcing, |x| {
-        rate_of(mode, block, &x, forcing)
-    })
+    instant_of(body, mode.foundation(), mode.regime(), state.0, footing, forcing, |x| rate_of(mode, body, &x, forcing))
 }
 
 #[inline(always)]
-fn rate_of<R: Scalar>(mode: impl MotionMode, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
+fn rate_of<R: Scalar>(mode: impl MotionMode, body: &Body<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
     // `Footing::free_work` is the horizontal part of the work on a free block.
     let closed = !mode.grips() && !mode.is_extended();
     let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
     Rate {
         state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
-        quadratures: x.powers::<R>(block, mode.regime(), integrated).into(),
+        quadratures: x.powers::<R>(body, mode.regime(), integrated).into(),
     }
 }
 
@@ -322,7 +320,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
     #[inline(always)]
     pub fn of(
         mode: impl MotionMode,
-        block: &'a Block<R>,
+        body: &'a Body<R>,
         ForcingAt { excitation, time, forcing }: ForcingAt<'a, R>,
         footing: Footing<R>,
         state: State<R>,
@@ -331,11 +329,11 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
         let (foundation, regime) = (mode.foundation(), mode.regime());
         let forcing = mode.acting(forcing, forcing.restraints);
         // The closure is short enough to be inlined; otherwise it would be compiled without the vectors of lanes.
-        let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
-            (instant, rate_of(mode, block, &instant, forcing))
+        let (instant, rate) = instant_of(body, foundation, regime, state.0, footing, forcing, |instant| {
+            (instant, rate_of(mode, body, &instant, forcing))
         });
         Evaluation {
-            block,
+            body,
             excitation,
             time,
             regime,
@@ -361,7 +359,7 @@ impl<R: Real> Evaluation<'_, R> {
     #[inline(always)]
     pub fn rest_residuals(&self) -> [R; 2] {
         let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
-        let Block { r0, omega_v, .. } = *self.block;
+        let Body { r0, omega_v, .. } = *self.body;
         let moves = r0 * (omega_v * theta_dot).abs() + (omega_v * w_dot).abs();
         [r0 * theta_ddot.abs() + w_ddot.abs(), moves]
     }
@@ -380,11 +378,11 @@ where
     /// Solves for the part of [`Evaluation::with_rates`] that `pick` takes.
     #[inline(always)]
     pub fn with_rates_of<T>(&self, forcing_rate: Forcing<R>, pick: impl Fn(Instant<Dual<R>>) -> T) -> T {
-        let Evaluation { block, regime, state, footing, instant: ref x, .. } = *self;
+        let Evaluation { body, regime, state, footing, instant: ref x, .. } = *self;
         let forcing = self.forcing.with_derivative(forcing_rate);
         match &self.held {
-            Some(held) => pick(instant_held_with_rates(block, held, footing, x, forcing)),
-            None => instant_with_rates(block, regime, state.0, footing, x, forcing, pick),
+            Some(held) => pick(instant_held_with_rates(body, held, footing, x, forcing)),
+            None => instant_with_rates(body, regime, state.0, footing, x, forcing, pick),
         }
     }
 }
@@ -403,26 +401,26 @@ where
 impl<T: Elementary> Evaluation<'_, T> {
     /// Returns the sum of kinetic and potential energy per unit mass (m²/s²).
     pub fn energy(&self) -> T {
-        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing, &self.instant);
+        let (kinetic, potential) = energy(self.body, self.regime, &self.forcing, &self.instant);
         kinetic + potential
     }
 
     /// Returns the acceleration of the foot (m/s²), positive to the right.
     pub fn foot_acceleration(&self) -> T {
         let (x, (sin, cos)) = (&self.instant, self.instant.theta.sin_cos());
-        let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
+        let Lever { x: across, q } = self.body.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
         x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
     }
 
     /// Returns the displacement of the foot since the start (m), positive to the right.
     pub fn foot_place(&self) -> T {
         let (sin, cos) = self.instant.theta.sin_cos();
-        let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
-        self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
+        let offset = self.body.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
+        self.instant.u - (sin * self.body.h - sin * sin / (cos + 1.0) * offset)
     }
 
     /// Returns the powers per mass (m²/s³) of the dissipative forces other than the supports.
     pub fn dissipated(&self) -> [T; forces::DISSIPATIVE] {
-        forces::dissipated(self.block, &self.forcing, &self.instant)
+        forces::dissipated(self.body, &self.forcing, &self.instant)
     }
 }

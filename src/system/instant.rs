@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::States;
-use crate::block::{Block, Contacts, Corner, Kinematics, StandingSlide};
+use crate::block::{Body, Contacts, Corner, Kinematics, Regime, StandingSlide};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -171,6 +171,11 @@ impl<T> Pose<T> {
 }
 
 impl Pose {
+    /// Whether the foot slides.
+    pub fn slides(&self) -> bool {
+        !self.footing.grips() && self.contacts.regime() != Regime::Separated
+    }
+
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let Pose { time, state, contacts, footing, restraints } = self;
@@ -192,20 +197,20 @@ pub struct Held<T> {
 
 impl<R: Scalar> Held<R> {
     /// Returns a corner held on a support of this height and rate. The support creeps by `C ÿ = −K ẏ`.
-    pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>, standing: StandingSlide) -> Held<R> {
-        Held { corner, top: [value, rate, creeping(block, rate)], standing }
+    pub fn on(body: &Body<R>, corner: Corner, Sample { value, rate }: Sample<R>, standing: StandingSlide) -> Held<R> {
+        Held { corner, top: [value, rate, creeping(body, rate)], standing }
     }
 
     /// Returns the held corner with its rates in the dual parts.
-    pub fn with_rates(&self, block: &Block<R>) -> Held<Dual<R>> {
+    pub fn with_rates(&self, body: &Body<R>) -> Held<Dual<R>> {
         let [value, rate, acceleration] = self.top;
-        let jerk = creeping(block, acceleration);
+        let jerk = creeping(body, acceleration);
         let top = [Dual::new(value, rate), Dual::new(rate, acceleration), Dual::new(acceleration, jerk)];
         Held { corner: self.corner, top, standing: self.standing }
     }
 }
 
 /// Returns the rate of change of a rate of a creeping support. Zero for one at rest, also without damping, where K/C is infinite.
-pub(super) fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
-    R::select_less(R::Real::from(0.0), rate.value().abs(), -(block.creep_rate() * rate), R::from(0.0))
+pub(super) fn creeping<R: Scalar>(body: &Body<R>, rate: R) -> R {
+    R::select_less(R::Real::from(0.0), rate.value().abs(), -(body.creep_rate * rate), R::from(0.0))
 }

@@ -1,7 +1,7 @@
 //! A pose → its mode: the equations of motion from there on.
 
 use crate::block::restraints::{Modes, States};
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::{Body, Corner, Foundation, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::Elementary;
 use crate::system::instant::{Footing, Pose};
@@ -91,16 +91,16 @@ pub struct AnyMode<const EXTENDED: bool = false> {
 impl AnyMode {
     /// The mode of a block in a pose.
     #[inline]
-    pub fn of<T: Elementary>(block: &Block<T>, pose: &Pose<T>) -> AnyMode {
+    pub fn of<T: Elementary>(body: &Body<T>, pose: &Pose<T>) -> AnyMode {
         let Pose { contacts, footing, restraints, .. } = pose;
         AnyMode {
             regime: contacts.regime(),
-            foundation: block.foundation,
+            foundation: body.foundation,
             grips: footing.grips(),
             held: contacts.held(),
-            has_friction: block.friction.value() > 0.0,
+            has_friction: body.friction.value() > 0.0,
             slides: matches!(footing, Footing::Slides { .. }),
-            restrained: !block.restraints.is_empty(),
+            restrained: !body.restraints.is_empty(),
             restraints: restraints.modes(),
         }
     }

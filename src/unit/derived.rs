@@ -31,7 +31,7 @@ pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
         Derived::DerivedC => OfSupports(|block| block.damping),
         Derived::DerivedEta => OfSupports(Block::eta),
         Derived::DerivedXiV => OfSupports(|block| block.xi_v),
-        Derived::DerivedDeltaS => OfSupports(Block::static_deflection),
+        Derived::DerivedDeltaS => OfSupports(|block| block.static_deflection()),
         Derived::DerivedE => OfBlock(Block::restitution),
         Derived::DerivedEMax => OfBlock(Block::max_restitution),
         Derived::DerivedThetaSeparation => OfSupports(Block::separation_angle),

@@ -9,7 +9,7 @@ use crate::unit::variables::GUID;
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
 /// Version of the content. Raise it with every change of [`Unit`]'s fields.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 #[derive(Serialize, Deserialize)]
 struct Header {

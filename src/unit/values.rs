@@ -112,10 +112,9 @@ impl Values {
     /// Makes the block with the parameters from `of`, such as numbers with derivatives, without checks.
     pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
         let (parameterization, common) = self.block_parameters(&of);
-        Block {
-            restraints: Restraints { ties: Ties::of(&self.ties(of)) },
-            ..Block::of_parameters(&parameterization, &common)
-        }
+        let mut block = Block::of_parameters(&parameterization, &common);
+        block.body.restraints = Restraints { ties: Ties::of(&self.ties(of)) };
+        block
     }
 
     /// Returns the ties up to the last one with a stiffness, with parameters from `of`.

@@ -3,7 +3,7 @@
 //! The trajectories have 13 digits, the event times 16; both were computed at a tolerance of 1e-12 (tests/reference/README.md).
 //! Neither printing nor reference limits a bound below, except that of `SENSITIVE`.
 
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Body, Foundation};
 
 use crate::common::{Case, Row};
 use crate::skipped::skip;
@@ -123,7 +123,7 @@ impl Comparison<'_> {
 
     /// Compares a row. No row is at the instant of an event, which would have two sides.
     pub fn row(&mut self, row: &Row, seen: &RecordedRow) {
-        let Block { alpha, p, r0, mass, gravity, foundation, .. } = self.block;
+        let Block { alpha, body: Body { p, r0, mass, gravity, foundation, .. }, .. } = self.block;
         let weight = mass * gravity;
         let velocity = alpha * p;
         let greatest_energy = self.greatest_energy;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use rocking_block::block::restraints::States;
 use rocking_block::block::{
-    Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Ratios, Regime, Supports,
+    Block, Body, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Ratios, Regime, Supports,
 };
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
@@ -161,7 +161,7 @@ impl Case {
             ),
         };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
-        let Block { alpha, p, gravity, omega_v, mass, b, .. } = block;
+        let Block { alpha, body: Body { p, gravity, omega_v, mass, b, .. }, .. } = block;
         let settings = settings(random);
         let initial = if random.chance(0.3) {
             Initial::default()

@@ -1,6 +1,6 @@
 //! Blocks that come to rest, and motions too violent for any step.
 
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Body, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, Settings, Simulation, SimulationError};
 
@@ -51,7 +51,7 @@ fn a_pushed_block_rests_where_the_supports_balance_it() {
     assert_eq!(simulation.counts().evaluations, evaluations + 1);
     let seen = simulation.observe(&inputs.moved_to(1e9));
     let (sin, cos) = seen.theta.sin_cos();
-    let Block { b, h, omega_v, gravity, .. } = block;
+    let Body { b, h, omega_v, gravity, .. } = block.body;
     let balance = omega_v * omega_v * b * b * sin * cos + h * cos * 0.3 - h * sin * gravity;
     assert!(balance.abs() < 1e-11 * gravity * h, "{balance} at θ = {}", seen.theta);
     assert!(seen.theta < -1e-4, "expected a lean away from the push: {}", seen.theta);

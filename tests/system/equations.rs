@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use rocking_block::block::restraints::States;
 use rocking_block::block::restraints::{Tie, TieState};
-use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime, StandingSlide};
+use rocking_block::block::{Block, Body, Common, Contact, Contacts, Corner, Creep, Foundation, Regime, StandingSlide};
 use rocking_block::excitation::{Excitation, Forcing, Pulse, PulseShape};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
@@ -71,7 +71,7 @@ fn situations() -> Vec<(Block, Pose)> {
 
 /// Returns [`blocks::uneven`] with its centre of mass beside the middle (m).
 fn eccentric(foundation: Foundation, xi_v: f64, eccentricity: f64) -> Block {
-    let Block { mass, gamma, epsilon, .. } = block(foundation, xi_v);
+    let Block { gamma, epsilon, body: Body { mass, .. }, .. } = block(foundation, xi_v);
     let common = Common { mass, gamma, epsilon, eccentricity, ..Common::default() };
     blocks::block_on(foundation, [0.42, 1.7, 11.0, xi_v], &common)
 }
@@ -103,7 +103,7 @@ fn free_height(block: &Block, corner: Corner) -> f64 {
 
 /// Returns an upper bound of the circular frequencies.
 fn fastest(block: &Block) -> f64 {
-    block.omega_v * (1.0 + 2.0 * block.xi_v) * 2.0 + if block.xi_v > 0.0 { block.creep_rate() } else { 0.0 } + TAU / 0.9
+    block.omega_v * (1.0 + 2.0 * block.xi_v) * 2.0 + if block.xi_v > 0.0 { block.creep_rate } else { 0.0 } + TAU / 0.9
 }
 
 /// Returns the block `elapsed` seconds after the pose, by one Runge–Kutta step of order 4.
@@ -328,7 +328,7 @@ fn event_functions_have_their_rates() {
                     let Contact::Lifted(creep) = pose.contacts.of(corner) else { unreachable!() };
                     let sunk = match block.foundation {
                         Foundation::Viscoelastic => {
-                            let depth = creep.depth * (-(TIME - creep.since) * block.creep_rate()).exp();
+                            let depth = creep.depth * (-(TIME - creep.since) * block.creep_rate).exp();
                             free_height(&block, corner) - if block.xi_v > 0.0 { depth } else { 0.0 }
                         }
                         Foundation::Rigid => 0.0,
@@ -398,7 +398,7 @@ fn gaps_open_with_the_predicted_acceleration() {
         // The corner bears no load: its support moves with it.
         let i = leaving.index();
         let depth = 0.2 * block.static_deflection();
-        let (height, rate) = (block.static_deflection() - depth, block.creep_rate() * depth);
+        let (height, rate) = (block.static_deflection() - depth, block.creep_rate * depth);
         let (theta_dot, tilt) = (0.4, leaving.sign() * block.b);
         let (w, w_dot) = match touching {
             [true, true] => (height - tilt * f64::sin(theta), rate - tilt * theta_dot * f64::cos(theta)),

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::restraints::States;
 use rocking_block::block::{
-    Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Ratios, Regime, StandingSlide, Supports,
+    Block, Body, Common, Contact, Contacts, Corner, Creep, Dimensionless, Ratios, Regime, StandingSlide, Supports,
 };
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
@@ -34,7 +34,7 @@ fn start(pulse: Pulse) -> Simulation {
 ///
 /// It is the acceleration of L with the block on R alone, minus that of the top of the recovering support.
 fn opening(block: &Block, seen: &Observation<f64>, a_gx: f64) -> f64 {
-    let Block { b, h, i0, mass, gravity, stiffness, damping, .. } = *block;
+    let Block { stiffness, damping, body: Body { b, h, i0, mass, gravity, .. }, .. } = *block;
     let (sin, cos) = seen.theta.sin_cos();
     let [left, right] = [-b, b].map(|x| [x * cos - h * sin, -x * sin - h * cos]);
     let rates = [left, right].map(|[x, _]| seen.v_dot - x * seen.theta_dot);
@@ -85,7 +85,7 @@ fn a_corner_that_would_be_pressed_back_is_held() {
             let (block, seen) = (simulation.block(), simulation.observe(&inputs));
             let free = block.static_deflection();
             let creeps = (seen.v_dot + corner_arm(block, seen.theta) * seen.theta_dot)
-                - block.creep_rate() * (free - seen.corner[0]);
+                - block.creep_rate * (free - seen.corner[0]);
             held.push((opening, creeps));
         }
     }
@@ -207,7 +207,7 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
         let block = squat(&Common { friction: if friction { 0.5 } else { 0.0 }, ..Common::default() });
         let system = System { block, flies, slowest: System::SLOWEST };
         let depth = 0.5 * block.static_deflection();
-        let (height, rate) = (block.static_deflection() - depth, block.creep_rate() * depth);
+        let (height, rate) = (block.static_deflection() - depth, block.creep_rate * depth);
         let mut contacts = Contacts::touching([both, true], 0.0);
         if held {
             contacts.set(Corner::Left, Contact::Held(Creep { depth, since: 0.0 }, StandingSlide::Follows));
@@ -328,7 +328,7 @@ fn friction_is_shared_where_a_corner_is_held_between_opposite_slides() {
 #[test]
 fn a_block_with_a_held_corner_moves_as_a_convex_combination_of_two_regimes() {
     let block = squat(&Common { friction: 0.6, ..Common::default() });
-    let Block { b, h, .. } = block;
+    let Body { b, h, .. } = block.body;
     let free = block.static_deflection();
     let creep = Creep { depth: 1.5 * free, since: 0.0 };
     // R is below L, or above it and pressed on.
@@ -355,7 +355,7 @@ fn a_block_with_a_held_corner_moves_as_a_convex_combination_of_two_regimes() {
                 instant(&block, Regime::TiltingRight, on_right, slides(against), forcing),
             ]
         };
-        let opens = |x: Instant<f64>| x.corner_ddot[0] + block.creep_rate() * left.rate;
+        let opens = |x: Instant<f64>| x.corner_ddot[0] + block.creep_rate * left.rate;
         for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
             let excitation = |m_y: f64| {
                 let inputs = Inputs { m_y: Ramp::held(m_y), a_gx: Ramp::held(0.7), ..Inputs::default() };

@@ -164,7 +164,8 @@ fn a_landing_of_a_guided_corner_takes_the_landing_loss() {
 /// A horizontal impulse that stops a corner sliding on the rigid base throws it up.
 #[test]
 fn a_grip_on_the_rigid_base_throws_the_corner_up() {
-    let block = Block { foundation: Foundation::Rigid, ..uneven(Foundation::Viscoelastic, 0.2) };
+    let mut block = uneven(Foundation::Viscoelastic, 0.2);
+    block.body.foundation = Foundation::Rigid;
     for on in Corner::BOTH {
         for theta in ANGLES {
             for before in BEFORE {
@@ -191,7 +192,8 @@ fn landings_with_friction() {
             for foot in [Foot::Middle, Foot::Corner(on)] {
                 for theta in ANGLES {
                     for before in BEFORE {
-                        let block = Block { friction, ..uneven(Foundation::Viscoelastic, 0.1) };
+                        let mut block = uneven(Foundation::Viscoelastic, 0.1);
+                        block.body.friction = friction;
                         let landing = arm(&block, theta, at * block.b);
                         let rate = velocity(before, landing)[1];
                         if rate >= 0.0 {

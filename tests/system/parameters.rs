@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use rocking_block::block::restraints::MAX_TIES;
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{
-    Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Ratios, Springs, Supports,
+    Block, BlockError, Body, Common, Corner, Dimensionless, Foundation, Physical, Ratios, Springs, Supports,
 };
 
 const PAPER: Dimensionless =
@@ -44,7 +44,15 @@ fn parameters_satisfy_the_relations_of_the_paper() {
     assert_eq!((paper.alpha, paper.p, paper.xi_v), (PAPER.alpha, PAPER.p, 0.15));
     assert_eq!((2.0 * sized.b, 2.0 * sized.h, sized.stiffness, sized.damping), (1.3, 3.1, 2.0e4, 150.0));
     for block in [paper, sized] {
-        let Block { mass, gravity, gamma, epsilon, alpha, r0, b, h, p, omega_v, xi_v, stiffness, damping, .. } = block;
+        let Block {
+            gamma,
+            epsilon,
+            alpha,
+            stiffness,
+            damping,
+            body: Body { mass, gravity, r0, b, h, p, omega_v, xi_v, .. },
+            ..
+        } = block;
         let cos = (2.0 * alpha).cos();
         for (name, found, exact) in [
             ("b", b, r0 * alpha.sin()),
@@ -55,7 +63,7 @@ fn parameters_satisfy_the_relations_of_the_paper() {
             ("C", damping, xi_v * mass * omega_v),
             ("eta", block.eta(), omega_v / p),
             ("delta_s", block.static_deflection(), mass * gravity / (2.0 * stiffness)),
-            ("K/C", block.creep_rate(), stiffness / damping),
+            ("K/C", block.creep_rate, stiffness / damping),
             ("e_max", block.max_restitution(), (1.0 + gamma * cos) / (1.0 + gamma)),
             ("e", block.restitution(), (1.0 + gamma * epsilon + (1.0 - epsilon) * gamma * cos) / (1.0 + gamma)),
             ("theta_sep", block.separation_angle().sin(), (1.0 + gamma) / (gamma * block.eta().powi(2) * alpha.sin())),
@@ -66,7 +74,7 @@ fn parameters_satisfy_the_relations_of_the_paper() {
     let soft = Block::from_dimensionless(&on(1.0, 0.15), &common()).unwrap();
     assert_eq!(soft.separation_angle(), FRAC_PI_2);
     let undamped = Block::from_dimensionless(&on(35.0, 0.0), &common()).unwrap();
-    assert_eq!(undamped.creep_rate(), f64::INFINITY);
+    assert_eq!(undamped.creep_rate, f64::INFINITY);
 }
 
 /// Only the rigid base uses the restitution factor.

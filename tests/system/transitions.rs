@@ -76,7 +76,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
     let block = block(&Common::default());
     let theta = -0.2;
     let slow = 1e-6;
-    let creep = Creep { depth: slow / block.creep_rate(), since: 0.0 };
+    let creep = Creep { depth: slow / block.creep_rate, since: 0.0 };
     let top = creep.top(Corner::Left, &block, 0.0);
     assert!((top.rate - slow).abs() < 1e-15, "{top:?}");
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));

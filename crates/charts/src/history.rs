@@ -9,7 +9,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
 use rocking_block::block::restraints::{MAX_TIES, tie};
-use rocking_block::block::{Block, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Body, Corner, Foundation, Regime};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
 
@@ -134,7 +134,7 @@ fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Ser
 
 /// Describes the parameters of a block in a line.
 pub fn block_line(block: &Block) -> String {
-    let Block { alpha, p, xi_v, epsilon, r0, b, h, .. } = *block;
+    let Block { alpha, epsilon, body: Body { p, xi_v, r0, b, h, .. }, .. } = *block;
     let foundation = match block.foundation {
         Foundation::Viscoelastic => {
             format!("η = {}, ξ_v = {}, ε = {}", short(block.eta()), short(xi_v), short(epsilon))

@@ -1,7 +1,9 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
 use rocking_block::block::restraints::{Tie, Ties, tie};
-use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Physical, Ratios, Springs, Supports};
+use rocking_block::block::{
+    Block, Body, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
+};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
@@ -203,7 +205,7 @@ impl Varied {
         let Parameters { parameterization, common, ties, initial, pulse, scale } = varied;
         let mut derived = Block::of_parameters(&parameterization, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
-        derived.restraints.ties = Ties::of(&ties);
+        derived.body.restraints.ties = Ties::of(&ties);
         let block = with_values(derived, block);
         Some(Varied { block, initial, pulse, ground })
     }
@@ -240,27 +242,35 @@ impl Varied {
 /// Returns these derivatives at exactly the values of a block.
 fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
     let at = |number: Number, re: f64| Number { re, ..number };
-    Block {
+    let (stiffness, damping) = (at(from.stiffness, block.stiffness), at(from.damping, block.damping));
+    let body = Body {
         mass: at(from.mass, block.mass),
+        i0: at(from.i0, block.i0),
         gravity: at(from.gravity, block.gravity),
-        gamma: at(from.gamma, block.gamma),
-        epsilon: at(from.epsilon, block.epsilon),
-        foundation: block.foundation,
-        restitution_factor: at(from.restitution_factor, block.restitution_factor),
-        alpha: at(from.alpha, block.alpha),
         r0: at(from.r0, block.r0),
         b: at(from.b, block.b),
         h: at(from.h, block.h),
+        eccentricity: at(from.eccentricity, block.eccentricity),
+        weight_fraction: std::array::from_fn(|i| at(from.weight_fraction[i], block.weight_fraction[i])),
         p: at(from.p, block.p),
+        foundation: block.foundation,
         omega_v: at(from.omega_v, block.omega_v),
         xi_v: at(from.xi_v, block.xi_v),
-        stiffness: at(from.stiffness, block.stiffness),
-        damping: at(from.damping, block.damping),
-        i0: at(from.i0, block.i0),
-        eccentricity: at(from.eccentricity, block.eccentricity),
-        share: std::array::from_fn(|i| at(from.share[i], block.share[i])),
+        creep_rate: match block.foundation {
+            Foundation::Viscoelastic => Springs { stiffness, damping }.creep_rate(),
+            Foundation::Rigid => from.creep_rate,
+        },
         friction: at(from.friction, block.friction),
         restraints: from.restraints,
+    };
+    Block {
+        body,
+        alpha: at(from.alpha, block.alpha),
+        gamma: at(from.gamma, block.gamma),
+        epsilon: at(from.epsilon, block.epsilon),
+        restitution_factor: at(from.restitution_factor, block.restitution_factor),
+        stiffness,
+        damping,
     }
 }
 

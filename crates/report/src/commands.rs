@@ -1,6 +1,6 @@
 //! A plan → the commands that give the same numbers.
 
-use rocking_block::block::{Block, Common, Foundation};
+use rocking_block::block::{Block, Body, Common, Foundation};
 use rocking_studies::assess::{Hazard, Plan, Results};
 use rocking_studies::risk::HazardOptions;
 use rocking_studies::spec::words::Words;
@@ -38,7 +38,7 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
 
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
-    let Block { alpha, p, gamma, gravity, epsilon, restitution_factor, xi_v, .. } = plan.block;
+    let Block { alpha, gamma, epsilon, restitution_factor, body: Body { p, gravity, xi_v, .. }, .. } = plan.block;
     // No command passes a pulse through a building.
     if plan.block.is_extended() || plan.sweep.has_building() {
         return None;

@@ -12,7 +12,7 @@ pub mod tie;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Kinematics};
+use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -148,9 +148,9 @@ impl<T: Copy> States<T> {
     }
 
     /// Returns the tie with this index.
-    fn link<'a, P>(&self, block: &'a Block<P>, tie: u8) -> tie::Link<'a, P, T> {
+    fn link<'a, P>(&self, body: &'a Body<P>, tie: u8) -> tie::Link<'a, P, T> {
         let i = usize::from(tie);
-        tie::Link { tie: &block.ties()[i], state: self.ties[i], plastic: self.plastic.map(|all| all[i]) }
+        tie::Link { tie: &body.ties()[i], state: self.ties[i], plastic: self.plastic.map(|all| all[i]) }
     }
 }
 
@@ -227,13 +227,13 @@ impl RestraintEnergies {
 
 /// Adds the pull of the restraints to a forcing `[x, z, moment]` per mass.
 pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     kinematics: &Kinematics<T>,
     forcing: [T; 3],
 ) -> [T; 3] {
     let States { ties, plastic } = states;
-    tie::pull::add_pull(block, ties, plastic, kinematics, forcing)
+    tie::pull::add_pull(body, ties, plastic, kinematics, forcing)
 }
 
 /// A restraint at one instant.
@@ -267,74 +267,74 @@ impl<T> ObservedRestraint<T> {
 
 /// Returns the restraints at one instant, by their numbers.
 pub fn observe<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     kinematics: &Kinematics<T>,
 ) -> [ObservedRestraint<T>; MAX] {
     let States { ties, plastic } = states;
-    tie::pull::observe(block, ties, plastic, kinematics)
+    tie::pull::observe(body, ties, plastic, kinematics)
 }
 
 /// Returns the plastic elongations of all restraints (m), also while they yield. Positive for longer ones.
 pub fn plastic_elongations<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     kinematics: &Kinematics<T>,
 ) -> [T; MAX] {
     match states.plastic {
         None => [T::from(0.0); MAX],
-        Some(_) => observe(block, states, kinematics).map(|restraint| restraint.plastic),
+        Some(_) => observe(body, states, kinematics).map(|restraint| restraint.plastic),
     }
 }
 
 /// Returns the strength (N) of the restraint with this number, if it can break.
-pub fn strength<T: Elementary>(block: &Block<T>, number: usize) -> Option<T> {
-    let strength = block.ties().get(number)?.strength;
+pub fn strength<T: Elementary>(body: &Body<T>, number: usize) -> Option<T> {
+    let strength = body.ties().get(number)?.strength;
     (strength.value() > 0.0).then_some(strength)
 }
 
 /// Returns the force (N) at which a restraint yields first; 0 if it does not yield.
-pub fn yield_force<T: Elementary>(block: &Block<T>, number: usize) -> T {
-    block.ties().get(number).map_or_else(|| T::from(0.0), |tie| tie.yield_force)
+pub fn yield_force<T: Elementary>(body: &Body<T>, number: usize) -> T {
+    body.ties().get(number).map_or_else(|| T::from(0.0), |tie| tie.yield_force)
 }
 
 /// Returns a vertical force at rest less the pull of the restraints (N, positive up).
-pub fn less_static_pull<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, force: T) -> T {
-    let Restraints { ties } = &block.restraints;
-    tie::pull::less_static_pull(block, ties, kinematics, force)
+pub fn less_static_pull<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>, force: T) -> T {
+    let Restraints { ties } = &body.restraints;
+    tie::pull::less_static_pull(body, ties, kinematics, force)
 }
 
 /// Returns the vertical stiffness (N/m) of the restraints at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>) -> f64 {
-    let Restraints { ties } = &block.restraints;
-    tie::pull::static_stiffness(block, ties, kinematics)
+pub fn static_stiffness<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>) -> f64 {
+    let Restraints { ties } = &body.restraints;
+    tie::pull::static_stiffness(body, ties, kinematics)
 }
 
 /// Returns a bound on the circular frequencies and decay rates that restraints add (rad/s).
-pub fn fastest(block: &Block) -> f64 {
-    let Restraints { ties } = &block.restraints;
-    let [stiffness, damping] = tie::pull::stiffest(block, ties);
+pub fn fastest(body: &Body) -> f64 {
+    let Restraints { ties } = &body.restraints;
+    let [stiffness, damping] = tie::pull::stiffest(body, ties);
     stiffness.sqrt().max(damping)
 }
 
 /// Returns the energy stored in the restraints per mass (m²/s²).
 pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<S>,
     kinematics: &Kinematics<T>,
 ) -> T {
     let States { ties, plastic } = states;
-    tie::pull::energy(block, ties, plastic, kinematics)
+    tie::pull::energy(body, ties, plastic, kinematics)
 }
 
 /// Returns the powers per mass (m²/s³) dissipated by the restraints.
 pub fn powers<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     kinematics: &Kinematics<T>,
 ) -> RestraintEnergies<T> {
     let States { ties, plastic } = states;
-    let power = |kind| tie::pull::power(block, ties, plastic, kinematics, kind);
+    let power = |kind| tie::pull::power(body, ties, plastic, kinematics, kind);
     RestraintEnergies { ties: power(LinkKind::Tie), dampers: power(LinkKind::Damper) }
 }
 
@@ -349,10 +349,10 @@ pub enum RestraintFunction {
 pub const WATCHED: usize = tie::switching::WATCHED * MAX_TIES;
 
 /// Returns the watched functions of restraints in these modes.
-pub fn watched(block: &Block, modes: &Modes) -> [Option<RestraintFunction>; WATCHED] {
+pub fn watched(body: &Body, modes: &Modes) -> [Option<RestraintFunction>; WATCHED] {
     let (Modes { ties }, mut watched) = (modes, [None; WATCHED]);
     let (slots, _) = watched.as_chunks_mut::<{ tie::switching::WATCHED }>();
-    let links = tie::links::<_, f64>(block, ties, &None).zip(slots).enumerate();
+    let links = tie::links::<_, f64>(body, ties, &None).zip(slots).enumerate();
     for (i, (link, slots)) in links.filter(|(_, (link, _))| link.tie.stiffness > 0.0) {
         *slots = tie::switching::watched(link)
             .map(|function| function.map(|function| RestraintFunction::Tie(i as u8, function)));
@@ -367,7 +367,7 @@ impl RestraintFunction {
     /// Returns value and rate; `rates` has the rates of `kinematics` in the dual parts.
     pub fn sample<T: Elementary>(
         self,
-        block: &Block<T>,
+        body: &Body<T>,
         states: &States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
@@ -376,21 +376,21 @@ impl RestraintFunction {
         Dual<T>: CombinesWith<T>,
     {
         match self {
-            RestraintFunction::Tie(tie, function) => function.sample(block, states.link(block, tie), kinematics, rates),
+            RestraintFunction::Tie(tie, function) => function.sample(body, states.link(body, tie), kinematics, rates),
         }
     }
 
     /// Returns the value.
-    pub fn value<T: Elementary>(self, block: &Block<T>, states: &States<T>, kinematics: &Kinematics<T>) -> T {
+    pub fn value<T: Elementary>(self, body: &Body<T>, states: &States<T>, kinematics: &Kinematics<T>) -> T {
         match self {
-            RestraintFunction::Tie(tie, function) => function.value(block, states.link(block, tie), kinematics),
+            RestraintFunction::Tie(tie, function) => function.value(body, states.link(body, tie), kinematics),
         }
     }
 
     /// Returns the size of its terms.
-    pub fn size<T: Elementary>(self, block: &Block<T>) -> f64 {
+    pub fn size<T: Elementary>(self, body: &Body<T>) -> f64 {
         match self {
-            RestraintFunction::Tie(tie, function) => function.size(block, &block.ties()[usize::from(tie)]),
+            RestraintFunction::Tie(tie, function) => function.size(body, &body.ties()[usize::from(tie)]),
         }
     }
 
@@ -402,29 +402,29 @@ impl RestraintFunction {
     }
 
     /// Whether the block has the restraint.
-    pub fn is_of(self, block: &Block) -> bool {
+    pub fn is_of(self, body: &Body) -> bool {
         match self {
-            RestraintFunction::Tie(tie, _) => usize::from(tie) < block.ties().len(),
+            RestraintFunction::Tie(tie, _) => usize::from(tie) < body.ties().len(),
         }
     }
 
     /// Changes the state of the restraint after this function has fallen through zero.
     pub fn switch<T: Elementary>(
         self,
-        block: &Block<T>,
+        body: &Body<T>,
         states: &mut States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
     ) -> Option<RestraintEvent> {
         match self {
             RestraintFunction::Tie(tie, function) => {
-                let (i, link) = (usize::from(tie), states.link(block, tie));
-                let (state, event) = function.switched(block, link, &kinematics);
+                let (i, link) = (usize::from(tie), states.link(body, tie));
+                let (state, event) = function.switched(body, link, &kinematics);
                 if let Some(plastic) = &mut states.plastic {
-                    plastic[i] = tie::pull::plastic(link, tie::pull::stretch(block, link.tie, &kinematics()).length);
+                    plastic[i] = tie::pull::plastic(link, tie::pull::stretch(body, link.tie, &kinematics()).length);
                 }
                 states.ties[i] = state;
                 let kind = link.tie.kind;
-                let number = block.ties()[..i].iter().filter(|tie| tie.kind == kind).count() as u8;
+                let number = body.ties()[..i].iter().filter(|tie| tie.kind == kind).count() as u8;
                 event.map(|event| RestraintEvent::Tie(kind, number, event))
             }
         }
@@ -432,9 +432,9 @@ impl RestraintFunction {
 }
 
 /// Returns the states at the beginning of a run. `rounding` is the round-off of a zero over its largest term.
-pub fn at_beginning<T: Elementary>(block: &Block<T>, kinematics: &Kinematics<T>, rounding: f64) -> States<T> {
-    let Restraints { ties } = &block.restraints;
-    let (ties, plastic) = tie::switching::at_beginning(block, ties, kinematics, rounding);
+pub fn at_beginning<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>, rounding: f64) -> States<T> {
+    let Restraints { ties } = &body.restraints;
+    let (ties, plastic) = tie::switching::at_beginning(body, ties, kinematics, rounding);
     States { ties, plastic }
 }
 

@@ -1,23 +1,25 @@
 //! A run on supports → the numbers that its steps in lanes read.
 
-use crate::block::{Block, Contact, Corner, Creep};
+use crate::block::{Body, Contact, Corner, Creep};
 use crate::excitation::Ramp;
 use crate::numerics::wide::Four;
 use crate::simulation::Simulation;
 use crate::simulation::lanes::regime_index;
 use crate::simulation::limits::Limits;
+use crate::simulation::state::RunState;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
 /// The numbers of a run that steps on supports read, in fours, so that a few transpositions make vectors of several runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TransposedInputs {
-    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), shares of both corners (1), and the
-    /// displacement of the foot (m).
-    pub block: [Four; 3],
-    /// Of a short step in this regime: weight of the works, share of the error; round-off of the zero of a gap (m); nothing.
+    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), fractions of the weight on
+    /// both corners (1), and the displacement of the foot (m).
+    pub body: [Four; 3],
+    /// Weight of the works and fraction of the error of a short step in this regime; round-off of the zero of a gap (m); p (rad/s).
     pub limits: Four,
-    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m).
+    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m). Zeros stand for a creep
+    /// that has ended.
     pub lifted: Four,
     /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
     pub sums: Four,
@@ -34,17 +36,18 @@ pub struct TransposedInputs {
 impl TransposedInputs {
     /// Reads the numbers that only events and steps of single runs change.
     pub fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
-        let Simulation { pose, sums, peaks, .. } = simulation;
+        let RunState { pose, sums, peaks, .. } = &simulation.run;
         let block = simulation.block();
-        let Block { mass, gravity, r0, b, h, omega_v, xi_v, i0, eccentricity, share, .. } = *block;
+        let Body { mass, gravity, r0, b, h, p, omega_v, xi_v, i0, eccentricity, weight_fraction, .. } = block.body;
         let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =
             pose.footing;
-        self.block = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, share[0], share[1], offset]];
+        let [left, right] = weight_fraction;
+        self.body = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, left, right, offset]];
         let Limits { work_weight, short_fraction, .. } = limits[regime_index(pose.contacts.regime()).unwrap_or(0)];
-        self.limits = [work_weight, short_fraction, EventFunction::Gap(Corner::Left).rounding(block), 0.0];
+        self.limits = [work_weight, short_fraction, EventFunction::Gap(Corner::Left).rounding(block), p];
         // The support under a corner that touches is not read.
         let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
-        let (rate, free_height) = (block.creep_rate(), block.free_height(corner));
+        let (rate, free_height) = (block.creep_rate, block.free_height(corner));
         self.lifted = match pose.contacts.of(corner) {
             Contact::Lifted(Creep { depth, since }) if depth != 0.0 && rate.is_finite() => {
                 [depth, since, rate, free_height]

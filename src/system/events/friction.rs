@@ -1,6 +1,6 @@
 //! Coulomb's limit `|H| ≤ μ N`: a gripping foot slides when it is reached, and a sliding foot grips when it stops.
 
-use crate::block::{Block, Corner, Foot, Foundation, Regime, StandingSlide};
+use crate::block::{Body, Corner, Foot, Foundation, Regime, StandingSlide};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -18,14 +18,14 @@ pub(super) fn margin<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<
 where
     Dual<T>: CombinesWith<T>,
 {
-    let Dual { re, eps } = distance(at.block, &at.rates(), push);
+    let Dual { re, eps } = distance(at.body, &at.rates(), push);
     Sample { value: re, rate: eps }
 }
 
 /// Returns the [`margin`] at an instant.
-pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, x: &Instant<T>, push: Corner) -> T {
+pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, x: &Instant<T>, push: Corner) -> T {
     let normal = x.reaction[0] + x.reaction[1];
-    normal * block.friction + x.horizontal * push.sign()
+    normal * body.friction + x.horizontal * push.sign()
 }
 
 /// Returns the footing that a block would have in another regime now. Where it slides, the velocity of the new foot decides.
@@ -37,9 +37,9 @@ pub(super) fn footing_on<T: Elementary>(at: &Evaluation<T>, regime: Regime) -> F
             StandingSlide::Opposes => Footing::Slides { u, u_dot, direction: -direction },
         };
     }
-    let height = impact::height_over(at.block, regime.foot().unwrap_or(Foot::Middle), at.instant.theta);
+    let height = impact::height_over(at.body, regime.foot().unwrap_or(Foot::Middle), at.instant.theta);
     let speed = (at.instant.u_dot - height * at.instant.theta_dot).value();
-    let direction = if speed.abs() > speed_rounding(at.block) { speed.signum() } else { direction };
+    let direction = if speed.abs() > speed_rounding(at.body) { speed.signum() } else { direction };
     Footing::Slides { u, u_dot, direction }
 }
 
@@ -53,18 +53,18 @@ pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
 
 /// Returns the round-off of [`margin`] at zero (m/s²). On the rigid base no dashpot amplifies the round-off of rates.
 #[inline(never)]
-pub(super) fn margin_rounding<T: Elementary>(block: &Block<T>) -> f64 {
+pub(super) fn margin_rounding<T: Elementary>(body: &Body<T>) -> f64 {
     const ULPS: f64 = 16.0;
-    match block.foundation {
-        Foundation::Viscoelastic => ROUNDING * grip::size(block) * (1.0 + block.friction.value()),
-        Foundation::Rigid => ULPS * f64::EPSILON * block.gravity.value() * (1.0 + block.friction.value()),
+    match body.foundation {
+        Foundation::Viscoelastic => ROUNDING * grip::size(body) * (1.0 + body.friction.value()),
+        Foundation::Rigid => ULPS * f64::EPSILON * body.gravity.value() * (1.0 + body.friction.value()),
     }
 }
 
 /// Returns the round-off of [`speed`] at zero (m/s).
 #[inline]
-pub(super) fn speed_rounding<T: Elementary>(block: &Block<T>) -> f64 {
-    ROUNDING * (block.p * block.r0).value()
+pub(super) fn speed_rounding<T: Elementary>(body: &Body<T>) -> f64 {
+    ROUNDING * (body.p * body.r0).value()
 }
 
 impl<T: Elementary> PoseUpdate<'_, T>
@@ -125,12 +125,12 @@ where
             Some(push) => self.slide(&placement, push.sign()),
             None => {
                 let foot = now.regime.foot().unwrap_or(Foot::Middle);
-                let height = impact::height_over(now.block, foot, placement.theta);
+                let height = impact::height_over(now.body, foot, placement.theta);
                 placement.velocities.u_dot = height * placement.velocities.theta_dot;
                 counts += self.apply_friction(&mut placement);
             }
         }
-        if now.block.foundation == Foundation::Rigid {
+        if now.body.foundation == Foundation::Rigid {
             counts += self.settle_under_friction().1;
         }
         (if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }, counts)

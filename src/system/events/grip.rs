@@ -4,7 +4,7 @@
 //! would still be pressed on right after; until then the block slides on it without friction. So no support ever pulls, and no landing or
 //! grip creates energy.
 
-use crate::block::{Block, Corner, Foot, Foundation, Regime};
+use crate::block::{Body, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, least};
@@ -19,31 +19,31 @@ pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    let Dual { re, eps } = distance(at.block, at.regime, &at.rates());
+    let Dual { re, eps } = distance(at.body, at.regime, &at.rates());
     Sample { value: re, rate: eps }
 }
 
 /// Returns the value of [`slide`] at an instant.
-pub(super) fn distance<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
-    match (block.foundation, regime.pivot()) {
+pub(super) fn distance<P: Elementary, T: CombinesWith<P>>(body: &Body<P>, regime: Regime, x: &Instant<T>) -> T {
+    match (body.foundation, regime.pivot()) {
         // The foot may be pressed on for a moment only, when it turns back.
-        (Foundation::Viscoelastic, _) => -pressure_if_gripped(block, regime, x),
-        (Foundation::Rigid, Some(corner)) => impact::thrown_by_grip(block, corner, x) * block.p,
+        (Foundation::Viscoelastic, _) => -pressure_if_gripped(body, regime, x),
+        (Foundation::Rigid, Some(corner)) => impact::thrown_by_grip(body, corner, x) * body.p,
         // A rigid base throws neither of two corners up: they grip.
-        (Foundation::Rigid, None) => -T::from(block.gravity),
+        (Foundation::Rigid, None) => -T::from(body.gravity),
     }
 }
 
 /// Returns the size of the terms of [`slide`] (m/s²). They include dashpot forces, which amplify the round-off of rates.
 #[inline]
-pub(super) fn size<T: Elementary>(block: &Block<T>) -> f64 {
-    block.gravity.value().max((block.xi_v * block.omega_v * block.p * block.r0).value())
+pub(super) fn size<T: Elementary>(body: &Body<T>) -> f64 {
+    body.gravity.value().max((body.xi_v * body.omega_v * body.p * body.r0).value())
 }
 
 /// Returns the round-off of [`slide`] at zero (m/s²).
 #[inline]
-pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
-    ROUNDING * size(block)
+pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
+    ROUNDING * size(body)
 }
 
 /// Returns the least force per mass (m/s²) on a touching corner if the foot gripped now. Positive if it presses the corner on its support.
@@ -51,14 +51,14 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
 /// It is the reaction right after the horizontal impulse, which turns the block, less a reserve for a corner that this throws up. A
 /// support of stiffness K catches a mass M thrown up with v̇ if its force is above `√(K M) v̇`; with less, the corner would leave, land and
 /// grip again and again.
-pub fn pressure_if_gripped<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
-    let Block { i0, omega_v, xi_v, .. } = *block;
+pub fn pressure_if_gripped<P: Elementary, T: CombinesWith<P>>(body: &Body<P>, regime: Regime, x: &Instant<T>) -> T {
+    let Body { i0, omega_v, xi_v, .. } = *body;
     let (sin, cos) = x.theta.sin_cos();
-    let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
+    let height = body.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
     let theta_dot = (x.theta_dot * i0 + height * x.u_dot) / (height * height + i0);
     let pressed = |corner: Corner| {
         let i = corner.index();
-        let change = block.lever(Foot::Corner(corner), sin, cos).x * (theta_dot - x.theta_dot);
+        let change = body.lever(Foot::Corner(corner), sin, cos).x * (theta_dot - x.theta_dot);
         let rate = x.corner_dot[i] + change;
         let zero = T::Real::from(0.0);
         let thrown = T::select_less(zero, rate.value(), rate, T::from(0.0));

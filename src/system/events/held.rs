@@ -25,7 +25,7 @@ pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> S
 /// Returns the acceleration (m/s²) with which full contact would lift a held corner. Its rate is set to zero.
 pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
     let i = corner.index();
-    let x = instant(at.block, Regime::FullContact, at.state.0, at.footing, at.forcing);
+    let x = instant(at.body, Regime::FullContact, at.state.0, at.footing, at.forcing);
     Sample { value: x.corner_ddot[i] - at.instant.corner_ddot[i], rate: T::from(0.0) }
 }
 
@@ -33,7 +33,7 @@ pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sa
 pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     let (Some(held), Footing::Slides { direction, .. }) = (&at.held, at.footing) else { return Sample::default() };
     let (x, (sin, cos)) = (&at.instant, at.instant.theta.sin_cos());
-    let Lever { x: across, q } = at.block.lever(Foot::Corner(held.corner.other()), sin, cos);
+    let Lever { x: across, q } = at.body.lever(Foot::Corner(held.corner.other()), sin, cos);
     let direction = match held.standing {
         StandingSlide::Follows => direction,
         StandingSlide::Opposes => -direction,
@@ -59,7 +59,7 @@ where
 
     /// Lifts the held corner, since the standing one stopped and no longer presses it back. The standing one grips, or slides on.
     pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) -> TransitionCounts {
-        let placement = Placement::of(&now.instant).with_pivot_held(now.block, held.corner.other());
+        let placement = Placement::of(&now.instant).with_pivot_held(now.body, held.corner.other());
         self.take_off(held.corner, &placement) + self.settle(Regime::FullContact, placement)
     }
 

@@ -1,6 +1,6 @@
 //! Landing on a support while the other corner stands and grips.
 
-use crate::block::{Block, Corner, Foot, Foundation};
+use crate::block::{Body, Corner, Foot, Foundation};
 use crate::numerics::Scalar;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -20,17 +20,17 @@ pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) 
 
 /// Returns the size of the terms of a gap (m).
 #[inline]
-fn size<T: Elementary>(block: &Block<T>) -> f64 {
-    match block.foundation {
-        Foundation::Viscoelastic => block.static_deflection().value().max(block.b.value()),
-        Foundation::Rigid => block.r0.value(),
+fn size<T: Elementary>(body: &Body<T>) -> f64 {
+    match body.foundation {
+        Foundation::Viscoelastic => body.static_deflection().value().max(body.b.value()),
+        Foundation::Rigid => body.r0.value(),
     }
 }
 
 /// Returns the round-off of a gap at zero (m).
 #[inline]
-pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
-    ROUNDING * size(block)
+pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
+    ROUNDING * size(body)
 }
 
 impl<T: Elementary> PoseUpdate<'_, T>
@@ -97,19 +97,19 @@ where
 
 /// Returns the rate after a landing (m/s or rad/s) and the velocities. The rate is reduced if the landing would create energy.
 pub(super) fn without_gain<T: Elementary>(
-    block: &Block<T>,
+    body: &Body<T>,
     before: Velocities<T>,
     rate: T,
     land: impl Fn(T) -> Velocities<T>,
 ) -> (T, Velocities<T>) {
     const HALVINGS: u32 = 60;
-    let energy = before.kinetic(block);
+    let energy = before.kinetic(body);
     let all = land(rate);
-    if all.kinetic(block).value() <= energy.value() || rate.value() == 0.0 {
+    if all.kinetic(body).value() <= energy.value() || rate.value() == 0.0 {
         return (rate, all);
     }
-    let surplus = |rate: T| land(rate).kinetic(block) - energy;
-    let value = |rate: f64| land(T::from(rate)).kinetic(block).value();
+    let surplus = |rate: T| land(rate).kinetic(body) - energy;
+    let value = |rate: f64| land(T::from(rate)).kinetic(body).value();
     let (mut low, mut high) = (0.0, rate.value());
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);

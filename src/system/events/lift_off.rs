@@ -2,7 +2,7 @@
 //!
 //! The corner lifts if its gap would open. Otherwise it is held, or slips if it is the last one.
 
-use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
+use crate::block::{Body, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
@@ -21,7 +21,7 @@ where
     Dual<T>: CombinesWith<T>,
 {
     match foundation {
-        Foundation::Viscoelastic => on_support(at.block, &at.instant, corner),
+        Foundation::Viscoelastic => on_support(at.body, &at.instant, corner),
         // The reaction follows from the accelerations, so that its rate needs all equations.
         Foundation::Rigid => {
             let i = corner.index();
@@ -32,8 +32,8 @@ where
 
 /// Returns the round-off of a reaction at zero (m/s²).
 #[inline]
-pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
-    ROUNDING * block.gravity.value()
+pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
+    ROUNDING * body.gravity.value()
 }
 
 #[inline(never)]
@@ -46,12 +46,12 @@ where
 
 /// Returns the reaction N_I/M of a support (m/s²).
 #[inline(always)]
-pub fn on_support<R: Scalar>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
+pub fn on_support<R: Scalar>(body: &Body<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
 where
     Dual<R>: CombinesWith<R>,
 {
     let i = corner.index();
-    Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
+    Sample { value: x.reaction[i], rate: support::reaction_rate(body, x.corner_dot[i], x.corner_ddot[i]) }
 }
 
 /// Returns the opening acceleration (m/s²) of the gap of a touching corner that leaves now. Only this corner leaves its support.
@@ -65,21 +65,21 @@ where
 /// go. A last corner slides in that case, since a support without load cannot hold it.
 pub fn gap_opening<T: Elementary>(at: &Evaluation<T>, corner: Corner, corner_dot: T) -> T {
     // Without damping K/C is infinite: the sign of a nonzero rate decides, otherwise the acceleration.
-    let creep = if corner_dot.is_zero() { T::from(0.0) } else { at.block.creep_rate() * corner_dot };
+    let creep = if corner_dot.is_zero() { T::from(0.0) } else { at.body.creep_rate * corner_dot };
     acceleration_if_let_go(at, corner) + creep
 }
 
 /// Returns the vertical acceleration (m/s²) of a touching corner if only this corner left now.
 fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> T {
-    let &Evaluation { block, instant: ref x, .. } = at;
+    let &Evaluation { body, instant: ref x, .. } = at;
     let other = corner.other();
     let after = if at.regime.touches(other) {
         let state = [x.theta, x.theta_dot, x.corner[other.index()], x.corner_dot[other.index()]];
         let regime = Regime::on(other);
-        instant(block, regime, state, friction::footing_on(at, regime), at.forcing)
+        instant(body, regime, state, friction::footing_on(at, regime), at.forcing)
     } else {
         let flight = Footing::Free { u: x.u, u_dot: x.u_dot };
-        instant(block, Regime::Separated, [x.theta, x.theta_dot, x.v, x.v_dot], flight, at.forcing)
+        instant(body, Regime::Separated, [x.theta, x.theta_dot, x.v, x.v_dot], flight, at.forcing)
     };
     after.corner_ddot[corner.index()]
 }

@@ -34,7 +34,7 @@ mod slip;
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints;
-use crate::block::{Block, Corner, Foundation, Kinematics, Regime};
+use crate::block::{Body, Corner, Foundation, Kinematics, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -100,7 +100,7 @@ pub fn watched(mode: impl MotionMode) -> [Option<EventFunction>; 4] {
 
 /// Returns the event functions of friction and restraints. Two of the foot come before those of the restraints.
 #[inline(never)]
-pub fn extended_event_functions(mode: impl MotionMode, block: &Block) -> [Option<EventFunction>; EXTENDED_COUNT] {
+pub fn extended_event_functions(mode: impl MotionMode, body: &Body) -> [Option<EventFunction>; EXTENDED_COUNT] {
     let mut watched = [None; EXTENDED_COUNT];
     if mode.has_friction() && mode.regime() != Regime::Separated {
         if mode.grips() {
@@ -111,8 +111,8 @@ pub fn extended_event_functions(mode: impl MotionMode, block: &Block) -> [Option
             watched[1] = mode.held().map(|_| EventFunction::StandingSlide);
         }
     }
-    if !block.restraints.is_empty() {
-        for (slot, function) in watched[2..].iter_mut().zip(restraints::watched(block, &mode.restraints())) {
+    if !body.restraints.is_empty() {
+        for (slot, function) in watched[2..].iter_mut().zip(restraints::watched(body, &mode.restraints())) {
             *slot = function.map(EventFunction::Restraint);
         }
     }
@@ -133,7 +133,7 @@ impl EventFunction {
     where
         Dual<T>: CombinesWith<T>,
     {
-        self.sample_on(at.block.foundation, at)
+        self.sample_on(at.body.foundation, at)
     }
 
     /// Returns value and rate at an instant. `foundation` is that of the block, and may be a constant.
@@ -163,12 +163,12 @@ impl EventFunction {
             EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
             EventFunction::Held(corner) => held::pressed_on(at, corner).value,
             EventFunction::Unloaded(corner) => held::unloading(at, corner).value,
-            EventFunction::Slide => grip::distance(at.block, at.regime, &at.instant),
-            EventFunction::Friction(push) => friction::distance(at.block, &at.instant, push),
+            EventFunction::Slide => grip::distance(at.body, at.regime, &at.instant),
+            EventFunction::Friction(push) => friction::distance(at.body, &at.instant, push),
             EventFunction::Speed => friction::speed(at).value,
             EventFunction::StandingSlide => held::standing_slide(at).value,
             EventFunction::Restraint(function) => {
-                function.value(at.block, &at.forcing.restraints, &Kinematics::of(&at.instant))
+                function.value(at.body, &at.forcing.restraints, &Kinematics::of(&at.instant))
             }
             EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]).value,
         }
@@ -192,9 +192,9 @@ impl EventFunction {
     }
 
     /// Whether the block has the watched restraint, if this event function belongs to one.
-    pub fn is_of(self, block: &Block) -> bool {
+    pub fn is_of(self, body: &Body) -> bool {
         match self {
-            EventFunction::Restraint(function) => function.is_of(block),
+            EventFunction::Restraint(function) => function.is_of(body),
             EventFunction::Reaction(_)
             | EventFunction::Gap(_)
             | EventFunction::Held(_)
@@ -209,16 +209,16 @@ impl EventFunction {
 
     /// Returns the round-off of a zero of this event function.
     #[inline]
-    pub fn rounding<T: Elementary>(self, block: &Block<T>) -> f64 {
+    pub fn rounding<T: Elementary>(self, body: &Body<T>) -> f64 {
         match self {
             EventFunction::Reaction(_) | EventFunction::Held(_) | EventFunction::Unloaded(_) => {
-                lift_off::rounding(block)
+                lift_off::rounding(body)
             }
-            EventFunction::Gap(_) => landing::rounding(block),
-            EventFunction::Slide => grip::rounding(block),
-            EventFunction::Friction(_) => friction::margin_rounding(block),
-            EventFunction::Speed | EventFunction::StandingSlide => friction::speed_rounding(block),
-            EventFunction::Restraint(function) => ROUNDING * function.size(block),
+            EventFunction::Gap(_) => landing::rounding(body),
+            EventFunction::Slide => grip::rounding(body),
+            EventFunction::Friction(_) => friction::margin_rounding(body),
+            EventFunction::Speed | EventFunction::StandingSlide => friction::speed_rounding(body),
+            EventFunction::Restraint(function) => ROUNDING * function.size(body),
             EventFunction::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
     }

@@ -1,6 +1,6 @@
 //! An instant → position and velocities of the block, in coordinates that do not depend on the regime.
 
-use crate::block::{Block, Corner, Foot, Regime};
+use crate::block::{Body, Corner, Foot, Regime};
 use crate::numerics::scalar::Elementary;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
@@ -46,17 +46,17 @@ impl<T: Elementary> Placement<T> {
     }
 
     /// Sets the velocities of the block and the matching rates of its corners.
-    pub fn set_velocities(&mut self, block: &Block<T>, velocities: Velocities<T>) {
+    pub fn set_velocities(&mut self, body: &Body<T>, velocities: Velocities<T>) {
         let Velocities { v_dot, theta_dot, .. } = velocities;
         self.velocities = velocities;
         for corner in Corner::BOTH {
-            self.corners[corner.index()].1 = impact::corner_rate(block, corner, self.theta, v_dot, theta_dot);
+            self.corners[corner.index()].1 = impact::corner_rate(body, corner, self.theta, v_dot, theta_dot);
         }
     }
 
     /// Returns the placement with the horizontal constraint at the `pivot` instead of the middle. The other corner has left full contact.
-    pub fn with_pivot_held(mut self, block: &Block<T>, pivot: Corner) -> Placement<T> {
-        self.velocities.u_dot = impact::height_over(block, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
+    pub fn with_pivot_held(mut self, body: &Body<T>, pivot: Corner) -> Placement<T> {
+        self.velocities.u_dot = impact::height_over(body, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
         self
     }
 }

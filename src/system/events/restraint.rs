@@ -18,7 +18,7 @@ pub(super) fn sample<T: Elementary>(function: RestraintFunction, at: &Evaluation
 where
     Dual<T>: CombinesWith<T>,
 {
-    function.sample(at.block, &at.forcing.restraints, || Kinematics::of(&at.instant), || Kinematics::of(&at.rates()))
+    function.sample(at.body, &at.forcing.restraints, || Kinematics::of(&at.instant), || Kinematics::of(&at.rates()))
 }
 
 impl<T: Elementary> Evaluation<'_, T>
@@ -27,7 +27,7 @@ where
 {
     /// Returns the plastic elongations of the restraints (m), by their numbers, positive for longer ones.
     pub fn plastic_elongations(&self) -> [T; restraints::MAX] {
-        restraints::plastic_elongations(self.block, &self.forcing.restraints, &Kinematics::of(&self.instant))
+        restraints::plastic_elongations(self.body, &self.forcing.restraints, &Kinematics::of(&self.instant))
     }
 
     /// Returns the pull of the restraint with this number (N) and its rate (N/s).

@@ -204,7 +204,7 @@ impl Evaluation<'_> {
     /// Whether the block is at rest: on both corners, with accelerations and motion below round-off. The round-off is that of the
     /// reactions.
     pub fn rests(&self) -> bool {
-        let rounding = lift_off::rounding(self.block);
+        let rounding = lift_off::rounding(self.body);
         self.regime == Regime::FullContact
             && self.footing.grips()
             && self.rest_residuals().into_iter().all(|acceleration| acceleration <= rounding)

@@ -1,14 +1,14 @@
 //! Coulomb friction on a sliding foot.
 
-use crate::block::Block;
+use crate::block::Body;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
 /// Returns the horizontal reaction H/M (m/s²), against the `direction` of sliding. The direction is +1 to the right, −1 to the left.
 ///
 /// `normal` is the vertical reaction N/M (m/s²).
 #[inline(always)]
-pub fn reaction<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, direction: f64, normal: T) -> T {
-    normal * (block.friction * -direction)
+pub fn reaction<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, direction: f64, normal: T) -> T {
+    normal * (body.friction * -direction)
 }
 
 /// Returns the power per mass (m²/s³) dissipated by friction at a foot with this `rate` (m/s).

@@ -16,7 +16,7 @@ pub mod support;
 pub mod weight;
 
 use crate::block::restraints::{self, MAX, ObservedRestraint, States};
-use crate::block::{Block, Kinematics, Regime};
+use crate::block::{Body, Kinematics, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::Instant;
@@ -24,22 +24,22 @@ use crate::system::instant::Instant;
 impl<T: Scalar> Instant<T> {
     /// Returns the powers of the excitation and of the dashpots (m²/s³). The second is positive for dissipation.
     #[inline(always)]
-    pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
+    pub fn powers<P: Scalar>(&self, body: &Body<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
     where
         T: CombinesWith<P>,
     {
-        [load::power(self, forcing), support::power(block, regime, self.corner_dot)]
+        [load::power(self, forcing), support::power(body, regime, self.corner_dot)]
     }
 }
 
 /// Returns the forcing with the pull of the restraints.
 pub fn added_to<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     forcing: Forcing<T>,
     kinematics: &Kinematics<T>,
 ) -> Forcing<T> {
     let Forcing { x, z, moment, restraints } = forcing;
-    let [x, z, moment] = restraints::add_pull(block, &restraints, kinematics, [x, z, moment]);
+    let [x, z, moment] = restraints::add_pull(body, &restraints, kinematics, [x, z, moment]);
     Forcing { x, z, moment, restraints }
 }
 
@@ -61,44 +61,44 @@ pub const DISSIPATIVE: usize = 1 + restraints::KINDS;
 /// Returns the powers per mass (m²/s³) dissipated by friction and by each kind of restraint.
 #[inline(always)]
 pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     forcing: &Forcing<T>,
     x: &Instant<T>,
 ) -> [T; DISSIPATIVE] {
-    joined([x.friction_power], powers_of_restraints(block, &forcing.restraints, x).into_array())
+    joined([x.friction_power], powers_of_restraints(body, &forcing.restraints, x).into_array())
 }
 
 /// Returns the restraints at one instant, by their numbers.
 #[inline(always)]
 pub fn observe_restraints<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     x: &Instant<T>,
 ) -> [ObservedRestraint<T>; MAX] {
-    if block.restraints.is_empty() {
+    if body.restraints.is_empty() {
         return [ObservedRestraint::of_all(T::from(0.0)); MAX];
     }
-    observe_restraints_called(block, states, *x)
+    observe_restraints_called(body, states, *x)
 }
 
 #[inline(never)]
 fn observe_restraints_called<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     x: Instant<T>,
 ) -> [ObservedRestraint<T>; MAX] {
-    restraints::observe(block, states, &Kinematics::of(&x))
+    restraints::observe(body, states, &Kinematics::of(&x))
 }
 
 /// Returns the powers per mass (m²/s³) dissipated by restraints.
 #[inline(always)]
 pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     x: &Instant<T>,
 ) -> restraints::RestraintEnergies<T> {
     if states.dissipate() {
-        powers_called(block, states, *x)
+        powers_called(body, states, *x)
     } else {
         restraints::RestraintEnergies::of_all(T::from(0.0))
     }
@@ -106,31 +106,31 @@ pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
 
 #[inline(never)]
 fn powers_called<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &States<T>,
     x: Instant<T>,
 ) -> restraints::RestraintEnergies<T> {
-    restraints::powers(block, states, &Kinematics::of(&x))
+    restraints::powers(body, states, &Kinematics::of(&x))
 }
 
 /// Returns kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²).
 ///
 /// Both are zero at rest without restraints.
 pub fn energy<P: Elementary, T: CombinesWith<P> + From<F>, F: Copy>(
-    block: &Block<P>,
+    body: &Body<P>,
     regime: Regime,
     forcing: &Forcing<F>,
     x: &Instant<T>,
 ) -> (T, T) {
-    let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    let mut potential = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
-    if !block.restraints.is_empty() {
-        potential = potential + restraints::energy(block, &forcing.restraints, &Kinematics::of(x));
+    let kinetic = (x.theta_dot * x.theta_dot * body.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
+    let mut potential = weight::energy(body, x.v) + support::energy(body, regime, x.corner);
+    if !body.restraints.is_empty() {
+        potential = potential + restraints::energy(body, &forcing.restraints, &Kinematics::of(x));
     }
     (kinetic, potential)
 }
 
 /// Whether the block has forces that switch on and off: friction or restraints.
-pub fn switch(block: &Block) -> bool {
-    block.friction > 0.0 || !block.restraints.is_empty()
+pub fn switch(body: &Body) -> bool {
+    body.friction > 0.0 || !body.restraints.is_empty()
 }

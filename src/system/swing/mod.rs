@@ -28,7 +28,7 @@ pub mod lanes;
 #[cfg(feature = "lanes")]
 pub mod tangent;
 
-use crate::block::{Block, Corner, Foot, Lever};
+use crate::block::{Body, Corner, Foot, Lever};
 use crate::excitation::{Excitation, Forcing, ForcingSeries};
 use crate::numerics::bernstein::{DEGREE, Pair, Row};
 use crate::numerics::scalar::{Real, Scalar, greatest};
@@ -69,9 +69,9 @@ pub struct Pivoting<T = f64> {
 impl Pivoting {
     /// A block about one of its corners.
     #[inline]
-    pub fn of(block: &Block, corner: Corner) -> Pivoting {
-        let Block { h, i0, gravity, .. } = *block;
-        Pivoting { offset: block.offset(corner), h, i0, gravity, away: -corner.sign() }
+    pub fn of(body: &Body, corner: Corner) -> Pivoting {
+        let Body { h, i0, gravity, .. } = *body;
+        Pivoting { offset: body.offset(corner), h, i0, gravity, away: -corner.sign() }
     }
 }
 
@@ -260,7 +260,7 @@ impl Swing {
     /// A swing that begins on the base is little longer than the block would stay up at its present acceleration.
     #[inline]
     pub fn of(
-        block: &Block,
+        body: &Body,
         corner: Corner,
         excitation: &Excitation,
         [time, theta, theta_dot]: [f64; 3],
@@ -269,10 +269,10 @@ impl Swing {
     ) -> Swing {
         let none = [0.0; ORDER + 1];
         let (sin, cos) = libm::sincos(theta);
-        let lever = block.lever(Foot::Corner(corner), sin, cos);
-        let inertia = lever.x * lever.x + lever.q * lever.q + block.i0;
+        let lever = body.lever(Foot::Corner(corner), sin, cos);
+        let inertia = lever.x * lever.x + lever.q * lever.q + body.i0;
         let forcing = excitation.series(time);
-        let turning = lever.x * (forcing.z[0] + block.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
+        let turning = lever.x * (forcing.z[0] + body.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
         let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
         let size = if theta == 0.0 && flight > 0.0 { flight.min(longest) } else { longest };
 
@@ -281,7 +281,7 @@ impl Swing {
         (swing.theta[0], swing.theta[1]) = (theta, theta_dot * size);
         Lever { x: swing.x[0], q: swing.q[0] } = lever;
         let allowed = allowed * size * size;
-        let rest = swing.extend(block.gravity, size * size / inertia, allowed);
+        let rest = swing.extend(body.gravity, size * size / inertia, allowed);
         if rest >= allowed {
             swing.scale(shortening(allowed / rest));
         }
@@ -374,7 +374,7 @@ impl Swing {
 
     /// Bounds of the motion over the swing.
     #[inline]
-    pub fn bounds(&self, block: &Block, corner: Corner) -> Bounds {
+    pub fn bounds(&self, body: &Body, corner: Corner) -> Bounds {
         let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = *self;
         let away = -corner.sign();
         let per_second = 1.0 / (size * size);
@@ -400,7 +400,7 @@ impl Swing {
         let leaves = first > 0.0 || (first == 0.0 && theta[1] * away > 0.0);
         reaction += (q[3] * (6.0 * per_second) + forcing.z[1]).abs();
         horizontal += (x[3] * (6.0 * per_second) + forcing.x[1]).abs();
-        let first_reaction = block.gravity + forcing.z[0] + q[2] * (2.0 * per_second);
+        let first_reaction = body.gravity + forcing.z[0] + q[2] * (2.0 * per_second);
         let first_horizontal = x[2] * (2.0 * per_second) + forcing.x[0];
         Bounds {
             is_certain: first > spread || (leaves && (turns_back || (turns_away && theta[1] * away >= 0.0))),

@@ -18,7 +18,7 @@
 //! takes one sum of products per power, or two where it changes a pulse.
 
 use super::{ORDER, RECIPROCAL, Swing};
-use crate::block::{Block, Corner, Foot};
+use crate::block::{Body, Corner, Foot};
 use crate::excitation::Excitation;
 use crate::numerics::gradient::{Directions, MultiDual};
 use crate::numerics::scalar::CombinesWith;
@@ -35,14 +35,14 @@ impl Swing {
     /// θ, θ̇]`, whose values are those of the swing. The time does not vary. Their series goes to `series`.
     pub fn varied(
         &self,
-        block: &Block<Number>,
+        body: &Body<Number>,
         corner: Corner,
         excitation: &Excitation<Number>,
         start: [Number; 3],
         fraction: f64,
         mut series: Option<&mut TangentSeries>,
     ) -> [Number; 2] {
-        let vary = Vary { swing: self, block, corner, excitation, start, fraction };
+        let vary = Vary { swing: self, body, corner, excitation, start, fraction };
         let change = with_directions(Task(vary, series.as_deref_mut()))
             .unwrap_or_else(|| Task(vary, series).run::<[f64; DIRECTIONS]>());
         self.with_derivatives(fraction, change)
@@ -102,7 +102,7 @@ where
 #[derive(Clone, Copy)]
 struct Vary<'a> {
     swing: &'a Swing,
-    block: &'a Block<Number>,
+    body: &'a Body<Number>,
     corner: Corner,
     excitation: &'a Excitation<Number>,
     start: [Number; 3],
@@ -121,12 +121,12 @@ impl DirectionsTask for Task<'_> {
         MultiDual<D>: CombinesWith<Number>,
     {
         let Task(vary, series) = self;
-        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot], fraction } = vary;
+        let Vary { swing, body, corner, excitation, start: [time, theta, theta_dot], fraction } = vary;
         let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *swing;
         let (sin, cos) = libm::sincos(rotation[0]);
-        let lever = block.lever(Foot::Corner(corner), MultiDual::<D>::from(sin), MultiDual::from(cos));
+        let lever = body.lever(Foot::Corner(corner), MultiDual::<D>::from(sin), MultiDual::from(cos));
         let square = lever.x * lever.x + lever.q * lever.q;
-        let inertia = square + block.i0;
+        let inertia = square + body.i0;
         let stretch = ((lever.x * x[0] + lever.q * q[0]) * (1.0 / square.re)).eps;
         let turn = ((lever.x * q[0] - lever.q * x[0]) * (1.0 / square.re)).eps;
         let inertia_change = inertia.eps.times(1.0 / inertia.re);
@@ -134,7 +134,7 @@ impl DirectionsTask for Task<'_> {
             true => Changes::of::<2>(excitation, time, size),
             false => Changes::of::<{ ORDER + 1 }>(excitation, time, size),
         };
-        let gravity = block.gravity;
+        let gravity = body.gravity;
         let weight = [forcing.z[0] + gravity.re, forcing.z[1]];
         let weights = [varied.z[0].plus(gravity.eps.into()), varied.z[1]];
 

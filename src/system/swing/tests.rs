@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Supports};
+use crate::block::{Block, Common, Contact, Contacts, Creep, Dimensionless, Supports};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::numerics::bernstein::Zero;
 use crate::numerics::control::LONGEST;

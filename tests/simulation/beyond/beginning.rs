@@ -1,7 +1,7 @@
 //! The first instant of uneven and tied blocks.
 
 use rocking_block::block::restraints::{Tie, TieState};
-use rocking_block::block::{Block, Common, Foundation, Regime};
+use rocking_block::block::{Block, Body, Common, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -22,7 +22,7 @@ fn a_settled_start_is_in_vertical_balance() {
     let mut regimes = vec![];
     for eccentricity in [-0.2, 0.0, 0.3] {
         let plain = block([0.3, 1.5, 20.0, 0.2], &Common { eccentricity, ..Common::default() });
-        let Block { mass, gravity, b, h, .. } = plain;
+        let Body { mass, gravity, b, h, .. } = plain.body;
         let (weight, sunk) = (mass * gravity, plain.static_deflection());
         for theta in [-0.2, -0.02, 0.0, 0.02, 0.2] {
             for (end, ground, pretension, slack) in [
@@ -86,7 +86,7 @@ fn ties_begin_taut_limp_or_broken() {
     use TieState::{Broken, Limp, Slack, Taut};
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
         let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
-        let Block { b, h, mass, gravity, .. } = plain;
+        let Body { b, h, mass, gravity, .. } = plain.body;
         let weight = mass * gravity;
         let mut found = vec![];
         for (theta_dot, slack, damping, strength) in [
@@ -138,7 +138,7 @@ fn ties_begin_taut_limp_or_broken() {
 fn ties_without_slack_begin_taut() {
     for (i, foundation) in (0..20).flat_map(|i| [(i, Foundation::Viscoelastic), (i, Foundation::Rigid)]) {
         let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
-        let Block { b, h, mass, gravity, .. } = plain;
+        let Body { b, h, mass, gravity, .. } = plain.body;
         let reach = 1.0 + 0.37 * f64::from(i);
         let guys = [-1.0, 1.0].map(|side| Tie {
             block: [side * b, 1.3 * h],

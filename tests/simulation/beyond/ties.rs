@@ -1,7 +1,7 @@
 //! Ties: an elastic tendon through the middle of a rigid base, and ties that break simultaneously.
 
 use rocking_block::block::restraints::{LinkKind, RestraintEvent, Tie, TieState, tie::TieEvent};
-use rocking_block::block::{Block, Common, Corner, Foundation};
+use rocking_block::block::{Block, Body, Common, Corner, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
@@ -32,7 +32,7 @@ fn released(block: Block, theta: f64) -> Simulation {
 /// The equation of Vassiliou and Makris (2015, 10.1061/(ASCE)EM.1943-7889.0000953) on a rigid base: weight and tendon turn the block
 /// back, with the tendon's elongation `2 b sin(θ/2)` on the arm `b cos(θ/2)`.
 fn angular_acceleration(block: &Block, theta: f64) -> f64 {
-    let Block { mass, gravity, r0, alpha, b, i0, .. } = *block;
+    let Block { alpha, body: Body { mass, gravity, r0, b, i0, .. }, .. } = *block;
     let tie = block.ties()[0];
     let tension = tie.pretension + tie.stiffness * 2.0 * b * libm::sin(0.5 * theta);
     -(gravity * r0 * libm::sin(alpha - theta) + tension / mass * b * libm::cos(0.5 * theta)) / (i0 + r0 * r0)
@@ -73,7 +73,7 @@ fn a_tendon_through_the_base() {
 fn the_rocking_period_with_a_tendon() {
     let block = with_tendon(Foundation::Rigid, 1.5, 0.1);
     let (from, tie) = (0.12, block.ties()[0]);
-    let Block { mass, gravity, r0, alpha, b, i0, .. } = block;
+    let Block { alpha, body: Body { mass, gravity, r0, b, i0, .. }, .. } = block;
     // Potential energy over the inertia about the corner.
     let potential = |theta: f64| {
         let s = 2.0 * b * libm::sin(0.5 * theta);
@@ -108,7 +108,7 @@ fn the_rocking_period_with_a_tendon() {
 #[test]
 fn each_impact_of_a_tied_block_takes_its_part() {
     let block = block_on(Foundation::Rigid, [0.2, 1.0, 60.0, 0.1], &Common::default());
-    let Block { mass, gravity, r0, alpha, p, b, h, .. } = block;
+    let Block { alpha, body: Body { mass, gravity, r0, p, b, h, .. }, .. } = block;
     let tie =
         Tie { block: [0.0, 1.33 * h], ground: [-5.5 * b, 0.0], stiffness: 9.4 * mass * gravity / r0, ..Tie::default() };
     let mut simulation = released(block.with_ties(&[tie]).unwrap(), -0.02);
@@ -238,7 +238,7 @@ fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
 #[test]
 fn a_tied_flight_is_harmonic() {
     let plain = block([0.2, 1.5, 60.0, 0.1], &Common::default());
-    let Block { mass, gravity, h, .. } = plain;
+    let Body { mass, gravity, h, .. } = plain.body;
     let (omega, reach): (f64, [f64; 2]) = (1.3, [1.1, -0.4]);
     let stiffness = mass * omega * omega;
     let tie = Tie {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use rocking_block::block::{Block, Corner, Regime};
+use rocking_block::block::{Block, Body, Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Simulation};
 use rocking_block::system::events::{Event, EventKind};
@@ -136,7 +136,7 @@ fn until_zero(
 #[test]
 fn slip_and_lift_off_match_an_independent_integration() {
     let block = block(0.3, 2.0, 0.0);
-    let Block { alpha, p, r0, mass, .. } = block;
+    let Block { alpha, body: Body { p, r0, mass, .. }, .. } = block;
     for (theta, theta_dot, push, slides) in [(0.2, -0.5, 1.0, true), (-0.2, 0.2, -1.0, true), (-0.2, 0.2, 1.0, false)] {
         let sigma = f64::signum(theta);
         let inputs = Inputs {

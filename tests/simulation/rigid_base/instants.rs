@@ -3,7 +3,7 @@
 //! A block of half width b and half height h that starts to turn about a corner has `θ̈ = p² (cos α |a_gx|/g − sin α)`,
 //! `N = M (g + b |θ̈|)` and `H = M (a_gx + h θ̈)`, with θ̈ < 0 for a_gx > 0.
 
-use rocking_block::block::{Block, Corner, Regime};
+use rocking_block::block::{Block, Body, Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Simulation};
@@ -125,7 +125,7 @@ fn a_block_at_rest_lifts_where_a_pulse_reaches_the_limit_of_statics() {
 #[test]
 fn a_block_at_rest_lifts_at_the_first_zero_of_a_reaction() {
     let block = block(0.25, 1.0, 0.0);
-    let Block { mass, gravity, b, h, .. } = block;
+    let Body { mass, gravity, b, h, .. } = block.body;
     let falls = Ramp { value: 0.0, rate: -20.0 * gravity };
     for (a_p, period, [a_z, m]) in [
         (1.5, 1.0, [Ramp { value: 0.0, rate: -3.0 }, Ramp { value: 0.0, rate: 5.0 }]),

@@ -70,7 +70,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         false => block(&mut fields, &spec),
     };
     let block = tied(&mut fields, block);
-    spec.hold = spec.hold.with_links(block.as_ref().map_or(&[], Block::ties));
+    spec.hold = spec.hold.with_links(block.as_ref().map_or(&[], |block| block.ties()));
     let (excitation, vertical) = excitation(&mut fields, files);
     let pulse = match excitation {
         Excitation::Pulse => pulse(&mut fields),
@@ -176,10 +176,10 @@ fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
         // With ratios for its supports a block has α, p and γ of these sizes, for which the supports make no difference.
         Foundation::Viscoelastic => {
             let on_rigid_base = BlockSpec { foundation: Some(Foundation::Rigid), ..sized };
-            let Some(Block { alpha, p, gamma, .. }) = block(fields, &on_rigid_base) else {
+            let Some(Block { alpha, gamma, body, .. }) = block(fields, &on_rigid_base) else {
                 return (spec, Some(body_height));
             };
-            with_ratios(fields, BlockSpec { alpha: Some(alpha), p: Some(p), gamma: Some(gamma), ..spec })
+            with_ratios(fields, BlockSpec { alpha: Some(alpha), p: Some(body.p), gamma: Some(gamma), ..spec })
         }
     };
     (sized, Some(body_height))

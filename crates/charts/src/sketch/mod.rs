@@ -18,7 +18,7 @@ use crate::page::{page, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Corner, Foundation};
+use rocking_block::block::{Block, Body, Corner, Foundation};
 use symbols::{
     OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
     support, tie, vertical_dimension, write,
@@ -156,7 +156,7 @@ impl Sketch {
     fn draw_dimensions(&self, area: &Area, layout: &Layout) -> Drawn {
         let Layout { left, right, top, base, centre, sides, row, .. } = *layout;
         let metres = |name: &str, value: f64| format!("{name} = {} m", significant(value, 4));
-        let Block { b, h, .. } = self.block;
+        let Body { b, h, .. } = self.block.body;
         const GAP: f64 = 120.0;
         const PAST: f64 = 150.0;
         if let Some(height) = self.height {
@@ -199,7 +199,7 @@ impl Sketch {
 
     /// Returns the values in words: body, foundation, ties.
     fn paragraphs(&self) -> Vec<Vec<String>> {
-        let Block { p, r0, mass, gamma, xi_v, epsilon, stiffness, damping, .. } = self.block;
+        let Block { gamma, epsilon, stiffness, damping, body: Body { p, r0, mass, xi_v, .. }, .. } = self.block;
         let short = |value: f64| significant(value, 4);
         let angle = |name: &str, value: f64| format!("{name} = {} rad = {}°", short(value), short(value.to_degrees()));
         let [alpha_l, alpha_r] = Corner::each(|corner| self.block.alpha_of(corner));

@@ -1,7 +1,7 @@
 use super::*;
 use crate::glyphs;
 use resvg::usvg::{Options, Tree};
-use rocking_block::block::{Common, Physical, Springs, Supports};
+use rocking_block::block::{Body, Common, Physical, Springs, Supports};
 use roxmltree::{Document, Node};
 
 /// Returns a block of this size.
@@ -91,7 +91,7 @@ fn texts_do_not_overlap() {
 fn sketches_are_to_scale() {
     for sketch in sketches() {
         let Layout { left, right, top, base, centre, ties, end, .. } = Layout::new(&sketch);
-        let Block { b, h, .. } = sketch.block;
+        let Body { b, h, .. } = sketch.block.body;
         let scale = (right - left) / (2.0 * b);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
         assert!(close(base - centre.1, scale * h) && close(base - top, scale * sketch.height.unwrap_or(2.0 * h)));

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Body, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::Initial;
@@ -86,7 +86,7 @@ fn derivatives_of_peaks_match_differences() {
             difference: 1e-6,
         };
         let found = run(USUAL).gradients(&NAMES);
-        let Block { r0, alpha, mass, gravity, .. } = run(USUAL).block();
+        let Block { alpha, body: Body { r0, mass, gravity, .. }, .. } = run(USUAL).block();
         let sizes = [alpha, mass * gravity, mass * gravity, r0 * alpha, 1.0, r0 * alpha];
         for (i, name) in NAMES.iter().enumerate() {
             let strict = run(STRICT);

@@ -273,8 +273,8 @@ impl BlockOptions {
             "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid"
         );
         let physical = Physical { width, height, supports: Supports::HOUSNER, inertia: None };
-        let Block { alpha, p, .. } = Block::from_physical(&physical, &self.common()?)?;
-        Ok([alpha, p])
+        let block = Block::from_physical(&physical, &self.common()?)?;
+        Ok([block.alpha, block.p])
     }
 
     fn common(&self) -> Result<Common, BlockError> {

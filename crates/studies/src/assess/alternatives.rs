@@ -5,7 +5,7 @@ use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::parameters::ParameterValues;
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Body, Foundation};
 use rocking_block::unit::variables::{Kind, Variable};
 
 /// Width of a wider base over that of the object.
@@ -121,7 +121,7 @@ fn foundation_ranges(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
         Some(assumption).filter(|_| values[0] < values[1] && !varies(variable))
     };
     let heading = |name: &str| Parameter::named(name).map_or(name.into(), |parameter| parameter.heading());
-    let Block { epsilon, restitution_factor, friction, .. } = *block;
+    let Block { epsilon, restitution_factor, body: Body { friction, .. }, .. } = *block;
     let of_base = match block.foundation {
         Foundation::Viscoelastic => [
             factors(

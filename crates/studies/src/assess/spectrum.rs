@@ -6,7 +6,7 @@ use crate::output::table::Table;
 use crate::spectrum::statistics::Statistics;
 use crate::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 use crate::sweep::strength::Strengths;
-use rocking_block::block::{Block, BlockError, Common};
+use rocking_block::block::{BlockError, Common};
 
 /// Sizes from half to twice the object, as 1/p: it is one of them.
 const SIZES: u64 = 61;
@@ -33,7 +33,7 @@ pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
         Strengths::Scales(scales) => format!("{} times the records", scales[middle as usize]),
         Strengths::Least(..) | Strengths::Hunt(..) => unreachable!("refused by the plan"),
     };
-    let Block { alpha, p, .. } = *block;
+    let (alpha, p) = (block.alpha, block.p);
     let name = |motion: usize| {
         let motion = &sweep.motions[motion];
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();

@@ -3,7 +3,7 @@
 use super::statics::{Equilibrium, Stretch, height};
 use super::{Landmark, LandmarkKind, PushoverError};
 use rocking_block::block::restraints::{self, RestraintFunction, Ties};
-use rocking_block::block::{Block, Contacts, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Body, Contacts, Corner, Foundation, Regime};
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::sign_change;
 use rocking_block::system::System;
@@ -255,7 +255,7 @@ impl<'a> Walk<'a> {
 
     /// Returns the size of the terms of a function.
     fn size(&self, watched: Watched) -> f64 {
-        let Block { mass, gravity, r0, .. } = self.block;
+        let Body { mass, gravity, r0, .. } = self.block.body;
         match watched {
             Watched::Load(_) | Watched::Grip | Watched::Force | Watched::Growth => mass * gravity,
             Watched::Gap(_) => r0,
@@ -324,6 +324,6 @@ impl<'a> Walk<'a> {
 fn without_dashpots(mut block: Block) -> Block {
     let mut ties = block.ties().to_vec();
     ties.iter_mut().for_each(|tie| tie.damping = 0.0);
-    block.restraints.ties = Ties::of(&ties);
+    block.body.restraints.ties = Ties::of(&ties);
     block
 }

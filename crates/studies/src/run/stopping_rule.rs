@@ -13,7 +13,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rocking_block::block::restraints::{States, TieState, tie};
-use rocking_block::block::{Block, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Body, Corner, Foundation, Regime};
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
@@ -48,18 +48,18 @@ pub fn overturning_barrier(block: &Block) -> f64 {
 /// With the shares s of the weight that the supports bear at rest, the weight sinks by `2 δ_s (1 − s_I)`, which leaves `g R_I (1 − cos α_I)
 /// − g δ_s (1 + s_L² + s_R² − 2 s_I)`.
 fn barrier_over(block: &Block, corner: Corner) -> f64 {
-    let Block { gravity, b, h, omega_v, share: [left, right], .. } = *block;
+    let Body { gravity, b, h, omega_v, weight_fraction: [left, right], .. } = block.body;
     let radius = if block.eccentricity == 0.0 { block.r0 } else { libm::hypot(block.offset(corner), h) };
     let (sin, cos) = (block.offset(corner).abs() / radius, h / radius);
     let rigid = gravity * (radius - h);
     let sunk = block.static_deflection();
-    let share = block.share[corner.index()];
-    let other = block.share[corner.other().index()];
+    let fraction = block.weight_fraction[corner.index()];
+    let other = block.weight_fraction[corner.other().index()];
     match block.foundation {
         Foundation::Rigid => rigid,
         // The other corner has left its support: `2 b sin α_I ≥ 2 δ_s + δ_J − δ_I`.
-        Foundation::Viscoelastic if b * sin >= sunk * (1.0 + other - share) => {
-            rigid - gravity * sunk * (1.0 + left * left + right * right - 2.0 * share)
+        Foundation::Viscoelastic if b * sin >= sunk * (1.0 + other - fraction) => {
+            rigid - gravity * sunk * (1.0 + left * left + right * right - 2.0 * fraction)
         }
         Foundation::Viscoelastic => sin * sin * (0.5 * omega_v * omega_v * b * b - gravity * h / (1.0 + cos)),
     }
@@ -71,7 +71,7 @@ fn barrier_over(block: &Block, corner: Corner) -> f64 {
 /// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter. For a
 /// block with ties see [`tied_rocking_period`].
 fn cycle(block: &Block, ties: &States, slip: f64, theta: f64, fraction: f64) -> f64 {
-    let Block { b, h, i0, gravity, omega_v, .. } = *block;
+    let Body { b, h, i0, gravity, omega_v, .. } = block.body;
     let rocking = match block.ties().is_empty() {
         true => 4.0 / slowest(block) * libm::acosh(1.0 / (1.0 - fraction).sqrt()),
         false => tied_rocking_period(block, ties, slip, theta, fraction),

@@ -2,7 +2,7 @@
 
 use crate::run::outcome::Holds;
 use rocking_block::block::restraints::{LinkKind, Tie, tie};
-use rocking_block::block::{Block, BlockError, Physical, Springs, Supports};
+use rocking_block::block::{Block, BlockError, Body, Physical, Springs, Supports};
 use rocking_block::unit::links::LINKS;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
@@ -66,10 +66,12 @@ impl Change {
     /// # Errors
     /// The first parameter that is no longer valid.
     pub fn block(self, block: Block, changes: &[Change]) -> Result<Block, BlockError> {
-        let Block { b, h, r0, mass, gravity, .. } = block;
+        let Body { b, h, r0, mass, gravity, .. } = block.body;
         match self {
             Change::Parameter(..) => Ok(block),
-            Change::Width(factor) => rebuilt(&Block { b: b * factor, ..block }, block.springs()),
+            Change::Width(factor) => {
+                rebuilt(&Block { body: Body { b: b * factor, ..block.body }, ..block }, block.springs())
+            }
             Change::StiffnessRatio(factor) => {
                 let softer = |Springs { stiffness, damping }| Springs {
                     stiffness: stiffness * factor * factor,
@@ -83,7 +85,7 @@ impl Change {
             }
             Change::FrictionOverThreshold(ratio) => {
                 let friction = ratio * (b - block.eccentricity.abs()) / h;
-                rebuilt(&Block { friction, ..block }, block.springs())
+                rebuilt(&Block { body: Body { friction, ..block.body }, ..block }, block.springs())
             }
             Change::Tied(ratio) => {
                 let side = |sign: f64| Tie {

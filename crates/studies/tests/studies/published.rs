@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
+use rocking_block::block::{Block, Body, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
@@ -290,7 +290,7 @@ fn psycharis_jennings_1983_rocking_in_full_contact() {
     let dimensionless =
         Dimensionless { alpha: 0.3, p: 1.5, supports: Supports::Viscoelastic(Ratios { eta: 25.0, xi_v: 0.08 }) };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
-    let Block { mass, b, h, stiffness, damping, .. } = block;
+    let Block { stiffness, damping, body: Body { mass, b, h, .. }, .. } = block;
     let inertia = block.inertia() + mass * h * h;
     let omega = ((2.0 * stiffness * b * b - mass * G * h) / inertia).sqrt();
     let zeta = damping * b * b / (inertia * omega);

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rocking_block::block::restraints::{LinkKind, Tie};
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Ratios, Supports};
+use rocking_block::block::{Block, Body, Common, Corner, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_studies::pushover::statics::Equilibrium;
@@ -21,7 +21,7 @@ fn block(supports: Supports<Ratios>, eccentricity_ratio: f64, links: &[Tie]) -> 
 
 /// Returns a vertical link between a point of the base, over half the width, and the ground half a width below; forces in parts of the weight.
 fn vertical(kind: LinkKind, x: f64, [stiffness, yield_force, hardening, pretension]: [f64; 4]) -> Tie {
-    let Block { b, mass, gravity, .. } = block(SUPPORTS, 0.0, &[]);
+    let Body { b, mass, gravity, .. } = block(SUPPORTS, 0.0, &[]).body;
     let weight = mass * gravity;
     Tie {
         block: [x * b, 0.0],
@@ -100,7 +100,7 @@ fn a_yielding_tendon_adds_its_bilinear_force_times_its_arm() {
     let (hardening, yield_force, pretension) = (0.1, 0.5, 0.2);
     let tendon = vertical(LinkKind::Tie, 0.0, [2.0, yield_force, hardening, pretension]);
     let block = block(Supports::HOUSNER, 0.0, &[tendon]);
-    let Block { b, r0, alpha, .. } = block;
+    let Block { alpha, body: Body { b, r0, .. }, .. } = block;
     let weight = block.mass * block.gravity;
     let pushover = Pushover::of(&block, &push(Corner::Right, Some(0.5), None)).unwrap();
     assert_eq!(words(&pushover), ["at rest", "L lifts", "greatest force", "tie 1 yields", "balance"]);

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use rocking_block::block::restraints::{LinkKind, Tie};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::block::{Block, Body, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
@@ -162,7 +162,7 @@ impl Case {
 
 /// The outcome of a run, free of dimensions: its end, and peaks of θ/α, uplift, N, H, slip and pulls.
 fn facts(run: &Run) -> (End, Vec<f64>) {
-    let Block { alpha, b, mass, gravity, .. } = run.block;
+    let Block { alpha, body: Body { b, mass, gravity, .. }, .. } = run.block;
     let outcome = run.outcome();
     let (peaks, weight) = (outcome.peaks, mass * gravity);
     let first =

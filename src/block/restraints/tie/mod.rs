@@ -13,7 +13,7 @@ pub mod switching;
 use serde::{Deserialize, Serialize};
 
 use crate::block::parameters::not_negative;
-use crate::block::{Block, BlockError};
+use crate::block::{Block, BlockError, Body};
 use crate::numerics::scalar::{Elementary, Scalar};
 
 pub use switching::{TieEvent, TieFunction};
@@ -282,12 +282,12 @@ impl Block {
             return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
         }
         ties.iter().try_for_each(Tie::check)?;
-        self.restraints.ties = Ties::of(ties);
+        self.body.restraints.ties = Ties::of(ties);
         Ok(self)
     }
 }
 
-impl<T> Block<T> {
+impl<T> Body<T> {
     /// Returns its ties.
     #[inline(always)]
     pub fn ties(&self) -> &[Tie<T>] {
@@ -346,11 +346,11 @@ pub type Plastic<T> = Option<[T; MAX_TIES]>;
 
 /// Returns the ties of a block with their numbers and states.
 pub fn links<'a, P, S: Copy>(
-    block: &'a Block<P>,
+    body: &'a Body<P>,
     states: &TieStates,
     plastic: &Plastic<S>,
 ) -> impl Iterator<Item = Link<'a, P, S>> {
-    let ties = block.ties().iter().enumerate();
+    let ties = body.ties().iter().enumerate();
     ties.map(|(i, tie)| Link { tie, state: states[i], plastic: plastic.map(|all| all[i]) })
 }
 

@@ -6,7 +6,7 @@
 
 use super::{Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
 use crate::block::restraints::ObservedRestraint;
-use crate::block::{Block, Kinematics};
+use crate::block::{Body, Kinematics};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
 /// Stretch of a tie, and its direction.
@@ -21,18 +21,14 @@ pub struct Stretch<T> {
 }
 
 /// Returns the stretch of a tie.
-pub fn stretch<P: Scalar, T: CombinesWith<P>>(
-    block: &Block<P>,
-    tie: &Tie<P>,
-    kinematics: &Kinematics<T>,
-) -> Stretch<T> {
+pub fn stretch<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, tie: &Tie<P>, kinematics: &Kinematics<T>) -> Stretch<T> {
     let &Kinematics { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = kinematics;
     // From the centre of mass to the end on the block: at rest, then rotated.
-    let [x, z] = [tie.block[0] - block.eccentricity, tie.block[1] - block.h];
+    let [x, z] = [tie.block[0] - body.eccentricity, tie.block[1] - body.h];
     let [x, z] = [cos * x + sin * z, cos * z - sin * x];
     let at_rest = [tie.block[0] - tie.ground[0], tie.block[1] - tie.ground[1]];
     // From the end on the ground to that on the block.
-    let d = [u + x - (tie.ground[0] - block.eccentricity), v + z - (tie.ground[1] - block.h)];
+    let d = [u + x - (tie.ground[0] - body.eccentricity), v + z - (tie.ground[1] - body.h)];
     let d_dot = [u_dot + z * theta_dot, v_dot - x * theta_dot];
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
     // A tie without stiffness is absent.
@@ -100,15 +96,15 @@ pub fn tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S
 
 /// Adds the pull of the ties to a forcing `[x, z, moment]` per mass.
 pub fn add_pull<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &TieStates,
     plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
     [mut x, mut z, mut moment]: [T; 3],
 ) -> [T; 3] {
-    for link in links(block, states, plastic).filter(|link| acts(link.state)) {
-        let stretch = stretch(block, link.tie, kinematics);
-        let pull = tension(link, &stretch) * (P::from(1.0) / block.mass);
+    for link in links(body, states, plastic).filter(|link| acts(link.state)) {
+        let stretch = stretch(body, link.tie, kinematics);
+        let pull = tension(link, &stretch) * (P::from(1.0) / body.mass);
         let along = stretch.along;
         // A forcing is a ground acceleration, so a load on the block has the opposite sign.
         x = x + pull * along[0];
@@ -160,14 +156,9 @@ fn at_rest<T: Elementary>(tie: &Tie<T>, length: T) -> Link<'_, T, T> {
 }
 
 /// Returns a vertical force at rest less the pull of the ties (N, positive up).
-pub fn less_static_pull<T: Elementary>(
-    block: &Block<T>,
-    ties: &Ties<T>,
-    kinematics: &Kinematics<T>,
-    mut force: T,
-) -> T {
+pub fn less_static_pull<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematics: &Kinematics<T>, mut force: T) -> T {
     for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
-        let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
+        let Stretch { length, along: [_, z, _], .. } = stretch(body, tie, kinematics);
         let link = at_rest(tie, length);
         let tension = if acts(link.state) { spring(link, length) } else { T::from(0.0) };
         force = force - tension * z;
@@ -176,17 +167,17 @@ pub fn less_static_pull<T: Elementary>(
 }
 
 /// Returns the vertical stiffness (N/m) of the ties at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
-    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, kinematics)).sum()
+pub fn static_stiffness<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
+    ties.all().iter().map(|tie| stiffness_at_rest(body, tie, kinematics)).sum()
 }
 
 /// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z, `r k` in place of k where it yields.
-fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
+fn stiffness_at_rest<T: Elementary>(body: &Body<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
     }
-    let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, kinematics);
+    let Stretch { length, along: [_, z, _], .. } = stretch(body, tie, kinematics);
     let link = at_rest(tie, length);
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
@@ -201,14 +192,14 @@ fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, kinematics: 
 
 /// Returns pull, stretch and plastic elongation of all ties.
 pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &TieStates,
     plastics: &Plastic<S>,
     kinematics: &Kinematics<T>,
 ) -> [ObservedRestraint<T>; MAX_TIES] {
     let mut all = [ObservedRestraint::of_all(T::from(0.0)); MAX_TIES];
-    for (observed, link) in all.iter_mut().zip(links(block, states, plastics)) {
-        let stretch = stretch(block, link.tie, kinematics);
+    for (observed, link) in all.iter_mut().zip(links(body, states, plastics)) {
+        let stretch = stretch(body, link.tie, kinematics);
         *observed = ObservedRestraint {
             pull: tension(link, &stretch),
             elongation: stretch.length,
@@ -220,12 +211,12 @@ pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
 
 /// Returns the energy stored in the ties per mass (m²/s²): `½ k (s − s_p)²` of each stretched tie and `½ h s_p²` of each that is not broken.
 pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &TieStates,
     plastics: &Plastic<S>,
     kinematics: &Kinematics<T>,
 ) -> T {
-    let springs = sum_stretched(block, links(block, states, plastics), kinematics, |link, Stretch { length, .. }| {
+    let springs = sum_stretched(body, links(body, states, plastics), kinematics, |link, Stretch { length, .. }| {
         let elastic = elastic(link, length);
         elastic * elastic * (link.tie.stiffness * 0.5)
     });
@@ -233,11 +224,11 @@ pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
         return springs;
     }
     let mut sum = springs;
-    for link in links(block, states, plastics).filter(|link| link.state != TieState::Broken) {
+    for link in links(body, states, plastics).filter(|link| link.state != TieState::Broken) {
         let Tie { hardening, stiffness, .. } = *link.tie;
-        let plastic = plastic(link, stretch(block, link.tie, kinematics).length);
+        let plastic = plastic(link, stretch(body, link.tie, kinematics).length);
         let modulus = stiffness * hardening / (P::from(1.0) - hardening);
-        sum = sum + plastic * plastic * (modulus * 0.5 / block.mass);
+        sum = sum + plastic * plastic * (modulus * 0.5 / body.mass);
     }
     sum
 }
@@ -264,14 +255,14 @@ pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
 /// Returns the power per mass (m²/s³) dissipated by the ties of a kind: `(T − F) ṡ` by the dashpots beside the force F of the spring,
 /// and `F_y |ṡ_p|` by yielding.
 pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     states: &TieStates,
     plastic: &Plastic<S>,
     kinematics: &Kinematics<T>,
     kind: LinkKind,
 ) -> T {
-    let links = links(block, states, plastic).filter(|link| link.tie.kind == kind);
-    sum_stretched(block, links, kinematics, |link, stretch| {
+    let links = links(body, states, plastic).filter(|link| link.tie.kind == kind);
+    sum_stretched(body, links, kinematics, |link, stretch| {
         let dashpot = (tension(link, &stretch) - spring(link, stretch.length)) * stretch.rate;
         match link.state {
             TieState::Yields(direction) => {
@@ -285,7 +276,7 @@ pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
 
 /// Returns the sum of `term` over the stretched ties among these, per mass.
 fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
-    block: &Block<P>,
+    body: &Body<P>,
     links: impl Iterator<Item = Link<'a, P, S>>,
     kinematics: &Kinematics<T>,
     term: impl Fn(Link<P, S>, Stretch<T>) -> T,
@@ -293,15 +284,15 @@ fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
     let mut sum = T::from(0.0);
     for link in links {
         if acts(link.state) || link.state == TieState::Limp {
-            sum = sum + term(link, stretch(block, link.tie, kinematics)) * (P::from(1.0) / block.mass);
+            sum = sum + term(link, stretch(body, link.tie, kinematics)) * (P::from(1.0) / body.mass);
         }
     }
     sum
 }
 
 /// Returns sums of bounds on squared circular frequencies ((rad/s)²) and decay rates (1/s) from ties. The block is free.
-pub fn stiffest(block: &Block, ties: &Ties) -> [f64; 2] {
-    let Block { mass, i0, h, eccentricity, .. } = *block;
+pub fn stiffest(body: &Body, ties: &Ties) -> [f64; 2] {
+    let Body { mass, i0, h, eccentricity, .. } = *body;
     let (mut stiffness, mut damping) = (0.0, 0.0);
     for tie in ties.all() {
         let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);

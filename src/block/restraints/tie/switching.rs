@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pull::{elastic, plastic, stretch, taut_tension, yielding_at_rest};
 use super::{Link, LinkKind, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection};
-use crate::block::{Block, Kinematics};
+use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -122,7 +122,7 @@ impl TieFunction {
     #[inline(never)]
     pub fn sample<T: Elementary>(
         self,
-        block: &Block<T>,
+        body: &Body<T>,
         link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
@@ -132,11 +132,11 @@ impl TieFunction {
     {
         let Link { tie, .. } = link;
         let stretch_with_rate = || {
-            let stretch = stretch(block, tie, &kinematics());
+            let stretch = stretch(body, tie, &kinematics());
             Sample { value: elastic(link, stretch.length), rate: stretch.rate }
         };
         let tension = || {
-            let Dual { re, eps } = taut_tension(link, &stretch(block, tie, &rates()));
+            let Dual { re, eps } = taut_tension(link, &stretch(body, tie, &rates()));
             Sample { value: re, rate: eps }
         };
         match self {
@@ -153,20 +153,20 @@ impl TieFunction {
                 Sample { value: tie.strength + value, rate }
             }
             TieFunction::Yield(direction) => {
-                let stretch = stretch(block, tie, &kinematics());
+                let stretch = stretch(body, tie, &kinematics());
                 Sample { value: margin(link, stretch.length, direction), rate: -stretch.rate * direction.sign() }
             }
             TieFunction::Unload(direction) => {
-                let Dual { re, eps } = stretch(block, tie, &rates()).rate;
+                let Dual { re, eps } = stretch(body, tie, &rates()).rate;
                 Sample { value: re * direction.sign(), rate: eps * direction.sign() }
             }
         }
     }
 
     /// Returns the value.
-    pub fn value<T: Elementary>(self, block: &Block<T>, link: Link<T, T>, kinematics: &Kinematics<T>) -> T {
+    pub fn value<T: Elementary>(self, body: &Body<T>, link: Link<T, T>, kinematics: &Kinematics<T>) -> T {
         let Link { tie, .. } = link;
-        let stretch = stretch(block, tie, kinematics);
+        let stretch = stretch(body, tie, kinematics);
         match self {
             TieFunction::Shortness => -elastic(link, stretch.length),
             TieFunction::Stretch => elastic(link, stretch.length),
@@ -189,20 +189,20 @@ impl TieFunction {
 
     /// Returns the size of its terms.
     #[inline(never)]
-    pub fn size<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>) -> f64 {
+    pub fn size<T: Elementary>(self, body: &Body<T>, tie: &Tie<T>) -> f64 {
         match self {
-            TieFunction::Shortness | TieFunction::Stretch | TieFunction::Yield(_) => size_of_stretch(block, tie),
+            TieFunction::Shortness | TieFunction::Stretch | TieFunction::Yield(_) => size_of_stretch(body, tie),
             TieFunction::Tension | TieFunction::Limpness | TieFunction::Strength | TieFunction::Thrust => {
-                size_of_tension(block, tie)
+                size_of_tension(body, tie)
             }
-            TieFunction::Unload(_) => size_of_stretch(block, tie) * block.p.value(),
+            TieFunction::Unload(_) => size_of_stretch(body, tie) * body.p.value(),
         }
     }
 
     /// Returns the state of the tie and the reported event after this function's fall.
     pub fn switched<T: Elementary>(
         self,
-        block: &Block<T>,
+        body: &Body<T>,
         link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
     ) -> (TieState, Option<TieEvent>) {
@@ -210,7 +210,7 @@ impl TieFunction {
         match self {
             TieFunction::Shortness | TieFunction::Limpness => (TieState::Taut, Some(TieEvent::Taut)),
             TieFunction::Tension => {
-                let stretched = elastic(link, stretch(block, tie, &kinematics()).length).value() > 0.0;
+                let stretched = elastic(link, stretch(body, tie, &kinematics()).length).value() > 0.0;
                 let damped = tie.damping.value() > 0.0 && stretched;
                 (if damped { TieState::Limp } else { TieState::Slack }, Some(TieEvent::Slack))
             }
@@ -223,21 +223,21 @@ impl TieFunction {
 }
 
 /// Size of the terms of a stretch (m).
-fn size_of_stretch<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
-    tie.length().value().max(block.r0.value())
+fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
+    tie.length().value().max(body.r0.value())
 }
 
 /// Size of the terms of a tension (N).
-fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
-    let spring = tie.stiffness.value() * size_of_stretch(block, tie);
-    let dashpot = (tie.damping * block.p * block.r0).value();
-    spring.max(dashpot).max((block.mass * block.gravity).value())
+fn size_of_tension<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
+    let spring = tie.stiffness.value() * size_of_stretch(body, tie);
+    let dashpot = (tie.damping * body.p * body.r0).value();
+    spring.max(dashpot).max((body.mass * body.gravity).value())
 }
 
 /// Returns the states of ties at the beginning, and their plastic elongations. A tie without slack is taut, one beyond its yield force
 /// yields, and one beyond its strength is broken. `rounding` is the round-off of a zero over its largest term.
 pub fn at_beginning<T: Elementary>(
-    block: &Block<T>,
+    body: &Body<T>,
     ties: &Ties<T>,
     kinematics: &Kinematics<T>,
     rounding: f64,
@@ -245,14 +245,14 @@ pub fn at_beginning<T: Elementary>(
     let mut states = NO_TIES;
     let all = states.iter_mut().zip(ties.all());
     for (state, tie) in all.filter(|(_, tie)| tie.stiffness.value() > 0.0) {
-        let stretch = stretch(block, tie, kinematics);
-        let rounding_of_tension = rounding * size_of_tension(block, tie);
-        let rounding_of_stretch = rounding * size_of_stretch(block, tie);
+        let stretch = stretch(body, tie, kinematics);
+        let rounding_of_tension = rounding * size_of_tension(body, tie);
+        let rounding_of_stretch = rounding * size_of_stretch(body, tie);
         let yielding = yielding_at_rest(tie, stretch.length, rounding_of_tension);
         let taut = yielding.map_or(TieState::Taut, TieState::Yields);
         let link = Link { tie, state: taut, plastic: None };
         let (tension, strength) = (taut_tension::<_, T, _>(link, &stretch).value(), tie.strength.value());
-        let shortens = stretch.rate.value() < -rounding_of_stretch * block.p.value();
+        let shortens = stretch.rate.value() < -rounding_of_stretch * body.p.value();
         let is_short = stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch };
         *state = if tie.kind == LinkKind::Tie && is_short {
             TieState::Slack

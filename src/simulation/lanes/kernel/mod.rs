@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Foundation, RECOVERED, Regime, Restraints};
+use crate::block::{Body, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, DenseStep};
@@ -28,11 +28,10 @@ struct Rounding<V> {
     quarter_turn: Wide<V>,
 }
 
-/// The supports that nothing touches: depth (m) and beginning (s) of their creep, its rate (1/s), their free heights (m).
+/// The supports that nothing touches: depth (m) and beginning (s) of their creep, their free heights (m).
 struct LiftedSupports<V> {
     depth: Wide<V>,
     since: Wide<V>,
-    rate: Wide<V>,
     free_height: Wide<V>,
 }
 
@@ -97,7 +96,7 @@ struct StepTask<'g, L> {
 
 /// The blocks of a group and their excitations without pulses, one per lane.
 struct Group<V> {
-    block: Block<Wide<V>>,
+    body: Body<Wide<V>>,
     excitation: Excitation<Wide<V>>,
     footing: Footing<Wide<V>>,
 }
@@ -120,8 +119,8 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         state: [Wide<V>; 4],
         support_heights: [Sample<Wide<V>>; 2],
     ) -> Evaluation<'m, Wide<V>> {
-        let Group { block, footing, .. } = self.group;
-        Evaluation::of(self.mode, block, forcing_at, *footing, Numbers(state), support_heights)
+        let Group { body, footing, .. } = self.group;
+        Evaluation::of(self.mode, body, forcing_at, *footing, Numbers(state), support_heights)
     }
 
     /// Includes the peaks of a step; returns the lanes in which a peak may be inside.
@@ -158,7 +157,7 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         near: Wide<V>,
         [_, _, horizontal, _, friction_demand]: &[Wide<V>; 5],
     ) -> Lanes<V> {
-        let mass = now.block.mass;
+        let mass = now.body.mass;
         let shear = mass * now.instant.horizontal.abs();
         let [left, right] = now.instant.reaction;
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
@@ -169,7 +168,7 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
     fn sample(&self, function: EventFunction, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
         let x = &now.instant;
         match function {
-            EventFunction::Reaction(corner) => lift_off::on_support(now.block, x, corner),
+            EventFunction::Reaction(corner) => lift_off::on_support(now.body, x, corner),
             EventFunction::Gap(corner) => landing::gap(x, now.support_heights, corner),
             EventFunction::QuarterTurn => quarter_turn::remaining_angle([x.theta, x.theta_dot]),
             EventFunction::Held(_)
@@ -244,9 +243,9 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
 impl<V: Simd, L: MotionMode> Stages<Wide<V>> for GroupMotion<'_, V, L> {
     #[inline(always)]
     fn rate_at(&self, stage: usize, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
-        let Group { block, excitation, footing } = self.group;
+        let Group { body, excitation, footing } = self.group;
         let forcing = excitation.at_with(Wide::load(&self.pulses.stages[stage]), time);
-        evaluation::rate(self.mode, block, forcing, *footing, state)
+        evaluation::rate(self.mode, body, forcing, *footing, state)
     }
 }
 
@@ -274,15 +273,15 @@ fn pair<V: Simd>(start: [Sample<Wide<V>>; 2], end: [Sample<Wide<V>>; 2], duratio
     [Ends { start: start[0], end: end[0], duration }, Ends { start: start[1], end: end[1], duration }]
 }
 
-/// The lanes in which a short step with this [`short::squared_error`] makes at most a `share` of the allowed error, and the factors by which
+/// The lanes in which a short step with this [`short::squared_error`] makes at most a `fraction` of the allowed error, and the factors by which
 /// the sizes of the others may change.
 #[inline(always)]
-fn within_error<V: Simd>(squared: Wide<V>, size: Wide<V>, share: Wide<V>) -> (u32, Wide<V>) {
+fn within_error<V: Simd>(squared: Wide<V>, size: Wide<V>, fraction: Wide<V>) -> (u32, Wide<V>) {
     // Three roots and two quotients take long, and errors are rarely so great that they decide.
-    if (squared * (size * size)).less(share * share * 0.5).all() {
-        return (u32::MAX, share);
+    if (squared * (size * size)).less(fraction * fraction * 0.5).all() {
+        return (u32::MAX, fraction);
     }
-    let error = size * squared.sqrt() / share;
+    let error = size * squared.sqrt() / fraction;
     let factor = short_factor(error);
     (error.less(Wide::from(f64::INFINITY)).bits() & !factor.less(Wide::from(1.0)).bits(), factor)
 }
@@ -321,10 +320,15 @@ impl<L: MotionMode> StepTask<'_, L> {
 
     /// Heights of the supports that nothing touches, and their rates; zeros for the others. As `Creep::top` finds them.
     #[inline(always)]
-    fn support_heights<V: Simd>(&self, time: Wide<V>, lifted: &LiftedSupports<V>) -> [Sample<Wide<V>>; 2] {
+    fn support_heights<V: Simd>(
+        &self,
+        time: Wide<V>,
+        lifted: &LiftedSupports<V>,
+        rate: Wide<V>,
+    ) -> [Sample<Wide<V>>; 2] {
         let mut heights = [Sample::default(); 2];
         if let Some(standing) = self.mode.regime().pivot() {
-            let LiftedSupports { depth, since, rate, free_height } = *lifted;
+            let LiftedSupports { depth, since, free_height } = *lifted;
             let elapsed = time - since;
             let (zero, exponent) =
                 (Wide::default(), rate * elapsed.in_lanes(Wide::default().less(elapsed), Wide::default()));
@@ -338,8 +342,8 @@ impl<L: MotionMode> StepTask<'_, L> {
 
     #[inline(always)]
     fn lifted<V: Simd>(&self) -> LiftedSupports<V> {
-        let [depth, since, rate, free_height] = self.transposed(|lane| &lane.transposed.lifted);
-        LiftedSupports { depth, since, rate, free_height }
+        let [depth, since, _, free_height] = self.transposed(|lane| &lane.transposed.lifted);
+        LiftedSupports { depth, since, free_height }
     }
 
     /// The excitations at both ends of the step, and their forcings at these times.
@@ -357,41 +361,38 @@ impl<L: MotionMode> StepTask<'_, L> {
 
     #[inline(always)]
     fn rounding<V: Simd>(&self, group: &Group<V>, gap: Wide<V>) -> Rounding<V> {
-        Rounding { reaction: group.block.gravity * ROUNDING, gap, quarter_turn: Wide::from(ROUNDING * FRAC_PI_2) }
+        Rounding { reaction: group.body.gravity * ROUNDING, gap, quarter_turn: Wide::from(ROUNDING * FRAC_PI_2) }
     }
 
     #[inline(always)]
     fn group<V: Simd>(&self) -> Group<V> {
-        let unread = Wide::default();
-        let [mass, gravity, r0, b] = self.transposed(|lane| &lane.transposed.block[0]);
-        let [h, omega_v, xi_v, i0] = self.transposed(|lane| &lane.transposed.block[1]);
-        let [eccentricity, left, right, offset] = self.transposed(|lane| &lane.transposed.block[2]);
-        let block = Block {
+        let [mass, gravity, r0, b] = self.transposed(|lane| &lane.transposed.body[0]);
+        let [h, omega_v, xi_v, i0] = self.transposed(|lane| &lane.transposed.body[1]);
+        let [eccentricity, left, right, offset] = self.transposed(|lane| &lane.transposed.body[2]);
+        let [_, _, _, p] = self.transposed(|lane| &lane.transposed.limits);
+        let [_, _, creep_rate, _] = self.transposed(|lane| &lane.transposed.lifted);
+        let body = Body {
             mass,
+            i0,
             gravity,
-            gamma: unread,
-            epsilon: unread,
-            foundation: Foundation::Viscoelastic,
-            restitution_factor: unread,
-            alpha: unread,
             r0,
             b,
             h,
-            p: unread,
+            eccentricity,
+            weight_fraction: [left, right],
+            p,
+            foundation: Foundation::Viscoelastic,
             omega_v,
             xi_v,
-            stiffness: unread,
-            damping: unread,
-            i0,
-            eccentricity,
-            share: [left, right],
-            friction: unread,
+            creep_rate,
+            // Blocks with friction or restraints are not stepped in lanes.
+            friction: Wide::default(),
             restraints: Restraints::none(),
         };
         let [time, x, x_rate, z] = self.transposed(|lane| &lane.transposed.ground);
         let z_rate = Wide::each(|lane| self.runs[lane].transposed.vertical_rate);
         let ground = [Ramp { value: x, rate: x_rate }, Ramp { value: z, rate: z_rate }];
-        Group { block, excitation: Excitation::of_ground(time, ground), footing: Footing::Grips { offset } }
+        Group { body, excitation: Excitation::of_ground(time, ground), footing: Footing::Grips { offset } }
     }
 }
 
@@ -404,10 +405,10 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let motion = GroupMotion { mode: self.mode, group: &group, pulses: self.pulses };
         let index = regime_index(self.mode.regime()).unwrap_or(0);
         let weights = Numbers(self.transposed(|lane| &lane.limits[index].weights.0));
-        let [work_weight, share, gap_rounding, _] = self.transposed(|lane| &lane.transposed.limits);
+        let [work_weight, fraction, gap_rounding, _] = self.transposed(|lane| &lane.transposed.limits);
         let rounding = self.rounding(&group, gap_rounding);
         let [time, end_time, size, longest] = self.transposed(|lane| &lane.transposed.step);
-        let state = Numbers(self.transposed(|lane| &lane.simulation.pose.state.0));
+        let state = Numbers(self.transposed(|lane| &lane.simulation.run.pose.state.0));
         let [input, dashpots, friction_demand, _] = self.transposed(|lane| &lane.transposed.sums);
         let [theta, reaction, horizontal, uplift] = self.transposed(|lane| &lane.transposed.peaks);
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
@@ -415,7 +416,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let lifted = self.lifted();
         let [start, stop] = self.ends(&group, [time, end_time]);
         let forcing_at = ForcingAt { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(forcing_at, state.0, self.support_heights(time, &lifted));
+        let here = motion.at(forcing_at, state.0, self.support_heights(time, &lifted, group.body.creep_rate));
         let infinite = Wide::from(f64::INFINITY);
         let (end, work, of_stages);
         let mut rates = None;
@@ -429,12 +430,12 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
             of_stages = Rate::default();
         }
         let forcing_at = ForcingAt { excitation: &stop.0, time: end_time, forcing: stop.1 };
-        let there = motion.at(forcing_at, end.0, self.support_heights(end_time, &lifted));
+        let there = motion.at(forcing_at, end.0, self.support_heights(end_time, &lifted, group.body.creep_rate));
         let (error_is_fine, root) = match &rates {
             // Its error depends on the rate at its end, too.
             None => {
                 let squared = short::squared_error(of_stages, there.rate, weights, work_weight);
-                within_error(squared, size, share)
+                within_error(squared, size, fraction)
             }
             Some(rates) => {
                 let error = dop853::error(rates, size, weights);

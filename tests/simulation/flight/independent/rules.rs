@@ -1,6 +1,6 @@
 //! Events of the block and their effects: the rules of docs/model.md.
 
-use rocking_block::block::Block;
+use rocking_block::block::Body;
 
 use super::{BOTH, IndependentEvent, Kind, Rule, Run, State};
 
@@ -20,7 +20,7 @@ enum Watched {
 impl Run<'_> {
     /// Advances to a time, step by step, and applies the first event of each step.
     pub fn advance(&mut self, until: f64) {
-        let Block { omega_v, xi_v, p, .. } = self.block;
+        let Body { omega_v, xi_v, p, .. } = self.block.body;
         let longest =
             0.1 / omega_v.max(p).max(2.0 * xi_v * omega_v).max(if xi_v > 0.0 { 0.5 * omega_v / xi_v } else { 0.0 });
         while self.time < until {
