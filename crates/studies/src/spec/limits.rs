@@ -102,14 +102,24 @@ pub fn words(schema: &Value) -> impl Iterator<Item = &str> {
 fn number(schema: &Value) -> String {
     let unit = schema["description"].as_str().and_then(|text| Some(text.split_once('[')?.1.split_once(']')?.0));
     let noun = match unit {
-        Some("s") => "a time",
-        Some("m") => "a length",
-        Some("Hz") => "a frequency",
-        _ => "a number",
+        Some("s") => "time",
+        Some("m") => "length",
+        Some("kg") => "mass",
+        Some("rad") => "angle",
+        Some("Hz" | "rad/s") => "frequency",
+        Some("m/s2") => "acceleration",
+        Some("N/m") => "stiffness",
+        Some("N.s/m") => "damping",
+        Some("kg.m2") => "moment of inertia",
+        _ => "number",
     };
     let unit = unit.filter(|unit| !unit.contains(' ')).map(|unit| format!(" {unit}")).unwrap_or_default();
-    let noun = if noun == "a number" && range(schema, "").is_empty() { "a finite number" } else { noun };
-    format!("{noun}{}", range(schema, &unit))
+    let range = range(schema, &unit);
+    match noun {
+        noun if range.is_empty() => format!("a finite {noun}"),
+        noun if noun.starts_with('a') => format!("an {noun}{range}"),
+        noun => format!("a {noun}{range}"),
+    }
 }
 
 /// Says the limits of a schema, such as ` > 0 s`.
@@ -130,6 +140,7 @@ fn range(schema: &Value, unit: &str) -> String {
 fn shown(limit: f64) -> Cow<'static, str> {
     match limit.abs() {
         0.0 => "0".into(),
+        std::f64::consts::FRAC_PI_2 => "pi/2".into(),
         size if !(1e-3..1e6).contains(&size) && size < 1e9 => format!("{limit:e}").into(),
         _ => limit.to_string().into(),
     }
