@@ -101,24 +101,38 @@ pub fn words(schema: &Value) -> impl Iterator<Item = &str> {
 /// Says which numbers a schema accepts, in the unit in brackets of its description.
 fn number(schema: &Value) -> String {
     let unit = schema["description"].as_str().and_then(|text| Some(text.split_once('[')?.1.split_once(']')?.0));
-    let noun = match unit {
-        Some("s") => "time",
-        Some("m") => "length",
-        Some("kg") => "mass",
-        Some("rad") => "angle",
-        Some("Hz" | "rad/s") => "frequency",
-        Some("m/s2") => "acceleration",
-        Some("N/m") => "stiffness",
-        Some("N.s/m") => "damping",
-        Some("kg.m2") => "moment of inertia",
+    let unit = unit.filter(|unit| !unit.contains(' ')).unwrap_or_default();
+    match range(schema, &format!(" {unit}")) {
+        range if range.is_empty() => finite(unit),
+        range => match noun(unit) {
+            noun if noun.starts_with('a') => format!("an {noun}{}", range.trim_end()),
+            noun => format!("a {noun}{}", range.trim_end()),
+        },
+    }
+}
+
+/// Says that any finite number in a unit is accepted; the unit may be empty, or 1.
+pub fn finite(unit: &str) -> String {
+    match unit {
+        "" | "1" => "a finite number".into(),
+        unit => format!("a finite {} in {unit}", noun(unit)),
+    }
+}
+
+/// Returns the quantity of a unit.
+fn noun(unit: &str) -> &'static str {
+    match unit {
+        "s" => "time",
+        "m" => "length",
+        "kg" => "mass",
+        "rad" => "angle",
+        "Hz" | "rad/s" => "frequency",
+        "m/s2" => "acceleration",
+        "N" => "force",
+        "N/m" => "stiffness",
+        "N.s/m" => "damping",
+        "kg.m2" => "moment of inertia",
         _ => "number",
-    };
-    let unit = unit.filter(|unit| !unit.contains(' ')).map(|unit| format!(" {unit}")).unwrap_or_default();
-    let range = range(schema, &unit);
-    match noun {
-        noun if range.is_empty() => format!("a finite {noun}"),
-        noun if noun.starts_with('a') => format!("an {noun}{range}"),
-        noun => format!("a {noun}{range}"),
     }
 }
 
