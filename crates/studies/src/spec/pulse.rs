@@ -152,7 +152,7 @@ mod tests {
                 "<amplitude> = 0; expected an acceleration a_p other than 0 m/s2",
             ),
             (PulseSpec { period: Some(0.0), ..sine.clone() }, "<period> = 0; expected a time > 0 s"),
-            (PulseSpec { start: Some(f64::NAN), ..sine.clone() }, "<start> = NaN; expected a finite time"),
+            (PulseSpec { start: Some(f64::NAN), ..sine.clone() }, "<start> = NaN; expected a finite time in s"),
             (
                 PulseSpec { shape: Some(PulseShape::Gabor), gabor: few, ..sine.clone() },
                 "<cycles> = 0.5; expected a number of at least 1",
