@@ -13,33 +13,34 @@ use crate::spec::words::friction;
 
 /// The parameters of a block as a user gives them; others have their defaults, or follow.
 ///
-/// Titles and limits are for pages and reports; [`BlockSpec::block`] checks a block.
+/// Titles and limits are for pages and reports; [`BlockSpec::block`] checks a block. A fit varies the logarithm of a parameter with a `fit_factor`,
+/// by this factor either way.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Block"))]
 pub struct BlockSpec {
     /// Slenderness angle alpha [rad] [default: 0.25]
-    #[schemars(title = "slenderness α", extend("exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2))]
+    #[schemars(title = "slenderness α", extend("fit_factor" = 3, "exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub alpha: Option<f64>,
     /// Frequency parameter p [rad/s] [default: 1]
-    #[schemars(title = "frequency parameter p", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "frequency parameter p", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD/S"))]
     pub p: Option<f64>,
     /// Stiffness ratio eta = omega_v/p of the supports [default: 40]
-    #[schemars(title = "stiffness ratio η", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "stiffness ratio η", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub eta: Option<f64>,
     /// Vertical damping ratio xi_v of the supports [default: 0.1]
-    #[schemars(title = "damping ratio ξ_v", range(min = 0))]
+    #[schemars(title = "damping ratio ξ_v", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub xi_v: Option<f64>,
     /// Width of the base; with --height, --stiffness, --damping and --mass it replaces alpha, p, eta and xi_v [m]
-    #[schemars(title = "width of the base", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "width of the base", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub width: Option<f64>,
     /// Twice the height of the centre of mass above the base [m]
-    #[schemars(title = "height", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "height", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub height: Option<f64>,
     /// Height of the centre of mass above the base, instead of --height [m]
@@ -47,23 +48,23 @@ pub struct BlockSpec {
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub center_height: Option<f64>,
     /// Centroidal moment of inertia I0, instead of --gamma; with --width and --mass [kg.m2]
-    #[schemars(title = "moment of inertia I0", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "moment of inertia I0", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG.M2"))]
     pub inertia: Option<f64>,
     /// Stiffness K of one support; not on a rigid base [N/m]
-    #[schemars(rename = "K", title = "stiffness K of a support", extend("exclusiveMinimum" = 0))]
+    #[schemars(rename = "K", title = "stiffness K of a support", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N/M"))]
     pub stiffness: Option<f64>,
     /// Damping C of one support; not on a rigid base [N.s/m]
-    #[schemars(rename = "C", title = "damping C of a support", range(min = 0))]
+    #[schemars(rename = "C", title = "damping C of a support", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N.S/M"))]
     pub damping: Option<f64>,
     /// Mass M; it changes the motion only together with --stiffness, --inertia, --tie or --damper [kg] [default: 1000]
-    #[schemars(title = "mass", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "mass", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG"))]
     pub mass: Option<f64>,
     /// Shape factor gamma = M R0²/I0 [default: 3]
-    #[schemars(title = "shape factor γ", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "shape factor γ", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub gamma: Option<f64>,
     /// Restitution epsilon of the landing corner, from 0 to 1 [default: 0]
@@ -71,7 +72,7 @@ pub struct BlockSpec {
     #[cfg_attr(feature = "clap", arg(long))]
     pub epsilon: Option<f64>,
     /// Gravitational acceleration, also for records in g [m/s2] [default: 9.81]
-    #[schemars(title = "gravity", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "gravity", extend("fit_factor" = 1.5, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M/S2"))]
     pub g: Option<f64>,
     /// Foundation under the block [default: viscoelastic]
@@ -79,7 +80,7 @@ pub struct BlockSpec {
     #[cfg_attr(feature = "clap", arg(long, value_parser = foundations()))]
     pub foundation: Option<Foundation>,
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1 [default: 1]
-    #[schemars(title = "factor on Housner's restitution e", range(min = 0))]
+    #[schemars(title = "factor on Housner's restitution e", range(min = 0), extend("fit_factor" = 1.5))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "FACTOR"))]
     pub restitution_factor: Option<f64>,
     /// Eccentricity, friction, ties and dampers.
@@ -98,7 +99,7 @@ pub struct HoldSpec {
     #[cfg_attr(feature = "clap", arg(long, value_name = "M", allow_hyphen_values = true))]
     pub eccentricity: Option<f64>,
     /// Coulomb's coefficient of friction of the feet; without a limit they do not slide [default: none]
-    #[schemars(title = "friction μ", extend("exclusiveMinimum" = 0))]
+    #[schemars(title = "friction μ", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "MU", value_parser = friction_of_text))]
     pub friction: Option<f64>,
     /// A tie to the ground: block_x, block_z and ground_x, ground_z are its ends, from the middle of the base at rest [m];
