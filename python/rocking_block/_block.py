@@ -140,7 +140,7 @@ class Block(_engine.Block):
             if one in changes:
                 kept.pop(other_one, None)
         if "foundation" in changes:
-            for name in _engine.Block.names_of_other_foundation(changes["foundation"]):
+            for name in _engine.Block._names_of_other_foundation(changes["foundation"]):
                 kept.pop(name, None)
         return Block(**(kept | changes))
 

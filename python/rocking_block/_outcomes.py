@@ -32,7 +32,7 @@ _PARAMETERS = ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
 _DIMENSIONS = ("width", "height", "K", "C")
 # Parameters that every table has if they vary.
 _MORE_PARAMETERS = tuple(
-    name for name in _engine.Block.names() if name not in (*_PARAMETERS, *_DIMENSIONS) and hasattr(_engine.Block, name)
+    name for name in _engine.Block._names() if name not in (*_PARAMETERS, *_DIMENSIONS) and hasattr(_engine.Block, name)
 )
 # Parameters of ties and dampers, by their kinds.
 _OF_LINKS = {kind: tuple(field.name for field in dataclasses.fields(of)) for kind, of in (("tie", Tie), ("damper", Damper))}

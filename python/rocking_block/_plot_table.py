@@ -30,7 +30,7 @@ _LANE, _LANE_WIDTH, _FIRST_LANE = 9.0, 6.0, 11.0
 _ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
 _MOTIONS = ("record", "vertical", "scale")
 _DIMENSIONS = ("width", "height", "center_height", "inertia", "K", "C", "mass")
-_OF_BLOCK = ("foundation", *_engine.Block.names())
+_OF_BLOCK = ("foundation", *_engine.Block._names())
 # Columns that follow from others and need no curves of their own.
 _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 

@@ -99,12 +99,14 @@ impl Block {
 
     /// Returns the names of the numbers that define blocks.
     #[staticmethod]
+    #[pyo3(name = "_names")]
     fn names() -> Vec<&'static str> {
         BlockSpec::DEFAULT.numbers().map(|(name, _)| name).into()
     }
 
     /// Returns the names of those that a foundation does not have.
     #[staticmethod]
+    #[pyo3(name = "_names_of_other_foundation")]
     fn names_of_other_foundation(foundation: &str) -> PyResult<Vec<&'static str>> {
         Ok(BlockSpec::of_other_foundation(choice("foundation", foundation, &FOUNDATIONS)?).into())
     }

@@ -69,7 +69,7 @@ def test_the_version_is_that_of_the_project():
 def test_the_constructor_lists_the_parameters_of_the_engine():
     """An editor offers the names that the engine takes; their defaults are those of a block without any."""
     listed = inspect.signature(rb.Block).parameters
-    assert set(listed) == {*rb.Block.names(), "foundation", "ties", "dampers"}
+    assert set(listed) == {*rb.Block._names(), "foundation", "ties", "dampers"}
     given = {name: parameter.default for name, parameter in listed.items() if parameter.default is not None}
     assert rb.Block(**given) == rb.Block()
 
