@@ -12,11 +12,12 @@ from rocking_block._html import html_table
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._run import Run
-from rocking_block._tie import links
+from rocking_block._tie import Damper, Tie, links
 from rocking_block._words import OnOverturning, OnSeparation, number, run_options, ticking
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from typing_extensions import Self
 
     from rocking_block._pushover import Pushover
 
@@ -94,6 +95,33 @@ class Block(_engine.Block):
 
     __slots__ = ()
 
+    def __new__(
+        cls,
+        *,
+        alpha: float | None = None,
+        p: float | None = None,
+        eta: float | None = None,
+        xi_v: float | None = None,
+        width: float | None = None,
+        height: float | None = None,
+        K: float | None = None,
+        C: float | None = None,
+        mass: float | None = None,
+        gamma: float | None = None,
+        epsilon: float = 0.0,
+        g: float = 9.81,
+        foundation: str = "viscoelastic",
+        restitution_factor: float | None = None,
+        center_height: float | None = None,
+        inertia: float | None = None,
+        eccentricity: float = 0.0,
+        friction: float | None = None,
+        ties: Sequence[Tie] | Tie | None = None,
+        dampers: Sequence[Damper] | Damper | None = None,
+    ) -> Self:
+        """Returns the block of these parameters, which the engine checks."""
+        return _engine.Block.__new__(cls, **{name: value for name, value in locals().items() if name != "cls"})
+
     def replace(self, **changes: Any) -> Block:
         """Returns the block with some parameters replaced.
 
@@ -111,9 +139,9 @@ class Block(_engine.Block):
         for one, other_one in (("height", "center_height"), ("center_height", "height")):
             if one in changes:
                 kept.pop(other_one, None)
-        other = {"rigid": ("eta", "xi_v", "K", "C"), "viscoelastic": ("restitution_factor",)}
-        for name in other.get(str(changes.get("foundation", "")).lower(), ()):
-            kept.pop(name, None)
+        if "foundation" in changes:
+            for name in _engine.Block._names_of_other_foundation(changes["foundation"]):
+                kept.pop(name, None)
         return Block(**(kept | changes))
 
     __replace__ = replace

@@ -21,30 +21,11 @@ _Answer = tuple[float | None, str, list[tuple[float, float, str]], float]
 
 @disjoint_base
 class Block:
-    def __new__(
-        cls,
-        *,
-        alpha: float | None = None,
-        p: float | None = None,
-        eta: float | None = None,
-        xi_v: float | None = None,
-        width: float | None = None,
-        height: float | None = None,
-        K: float | None = None,
-        C: float | None = None,
-        mass: float | None = None,
-        gamma: float | None = None,
-        epsilon: float = 0.0,
-        g: float = 9.81,
-        foundation: str = "viscoelastic",
-        restitution_factor: float | None = None,
-        center_height: float | None = None,
-        inertia: float | None = None,
-        eccentricity: float = 0.0,
-        friction: float | None = None,
-        ties: Sequence[Tie] | Tie | None = ...,
-        dampers: Sequence[Damper] | Damper | None = ...,
-    ) -> Self: ...
+    def __new__(cls, **parameters: Any) -> Self: ...
+    @staticmethod
+    def _names() -> list[str]: ...
+    @staticmethod
+    def _names_of_other_foundation(foundation: str) -> list[str]: ...
     def parameters(self) -> dict[str, Any]: ...
     @property
     def foundation(self) -> str: ...
@@ -103,20 +84,7 @@ class Block:
 
 @final
 class Blocks:
-    def __new__(
-        cls,
-        foundation: str,
-        alpha: _Floats,
-        p: _Floats,
-        eta: _Floats,
-        xi_v: _Floats,
-        epsilon: _Floats,
-        restitution_factor: _Floats,
-        mass: float,
-        gamma: float,
-        g: float,
-        friction: float | None,
-    ) -> Self: ...
+    def __new__(cls, common: dict[str, Any], columns: dict[str, _Floats]) -> Self: ...
     @staticmethod
     def of(blocks: Sequence[Block]) -> Blocks: ...
     def __len__(self) -> int: ...
@@ -326,9 +294,7 @@ def pushover(
     list[tuple[str, float, float, float, float]],
     tuple[list[_Column], list[tuple[str, float, float]], float, float, float] | None,
 ]: ...
-def frame_block(
-    columns: int, column: Block, beam_mass: float
-) -> tuple[float, float, float, float, float, float]: ...
+def frame_block(columns: int, column: Block, beam_mass: float) -> Block: ...
 def frame_response(columns: int, column: Block, beam_mass: float, motion: list[_Floats]) -> list[_Column]: ...
 def outcomes(
     blocks: Blocks,

@@ -159,8 +159,5 @@ def frame(columns: int, column: Block, beam_mass: float) -> Frame:
     'completed'
     """
     mass = number("beam_mass", beam_mass)
-    alpha, p, gamma, total, restitution_factor, g = _engine.frame_block(columns, column, mass)
-    block = Block(
-        alpha=alpha, p=p, gamma=gamma, mass=total, restitution_factor=restitution_factor, g=g, foundation="rigid"
-    )
+    block = Block(**_engine.frame_block(columns, column, mass).parameters())
     return Frame(columns, column, mass, block)

@@ -28,10 +28,12 @@ LARGEST_SCALE = 20.0
 
 # Parameters of a block that every table has.
 _PARAMETERS = ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
-# Parameters of a block that a table has if they vary.
-_MORE_PARAMETERS = ("mass", "gamma", "g", "eccentricity", "friction")
-# The same of blocks that are defined by their dimensions.
+# Parameters that a table of blocks defined by their dimensions has if they vary.
 _DIMENSIONS = ("width", "height", "K", "C")
+# Parameters that every table has if they vary.
+_MORE_PARAMETERS = tuple(
+    name for name in _engine.Block._names() if name not in (*_PARAMETERS, *_DIMENSIONS) and hasattr(_engine.Block, name)
+)
 # Parameters of ties and dampers, by their kinds.
 _OF_LINKS = {kind: tuple(field.name for field in dataclasses.fields(of)) for kind, of in (("tie", Tie), ("damper", Damper))}
 # Columns that describe the block.

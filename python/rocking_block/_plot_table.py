@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rocking_block import _engine
 from rocking_block._plot import _COLOURS, _CUT, _DASHES, INK, Columns, _add, _curve_style, _cut, _style, new_axes
 from rocking_block._words import optional
 
@@ -29,8 +30,7 @@ _LANE, _LANE_WIDTH, _FIRST_LANE = 9.0, 6.0, 11.0
 _ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
 _MOTIONS = ("record", "vertical", "scale")
 _DIMENSIONS = ("width", "height", "center_height", "inertia", "K", "C", "mass")
-_OF_BLOCK = ("foundation", "alpha", "p", "eta", "xi_v", *_DIMENSIONS, "gamma", "epsilon", "g", "restitution_factor", "eccentricity",
-             "friction")
+_OF_BLOCK = ("foundation", *_engine.Block._names())
 # Columns that follow from others and need no curves of their own.
 _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 

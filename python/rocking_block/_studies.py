@@ -118,36 +118,15 @@ def spectrum(
     >>> table["outcome"].reshape(table.shape)[0].tolist()
     ['completed', 'overturned', 'overturned', 'overturned']
     """
-    rigid = chosen("foundation", foundation, get_args(Foundation)) == "rigid"
-    _refuse(rigid, {"eta": eta, "xi_v": xi_v}, "on a rigid base")
-    factor = {"restitution_factor": restitution_factor}
-    _refuse(not rigid, factor, 'on viscoelastic supports; expected foundation="rigid"')
-    curves = _broadcast(
-        alpha=alpha,
-        eta=40.0 if eta is None else eta,
-        xi_v=0.1 if xi_v is None else xi_v,
-        epsilon=epsilon,
-        restitution_factor=1.0 if restitution_factor is None else restitution_factor,
-    )
+    given = {"alpha": alpha, "eta": eta, "xi_v": xi_v, "epsilon": epsilon, "restitution_factor": restitution_factor}
+    curves = _broadcast(**{name: values for name, values in given.items() if values is not None})
     sizes = _broadcast(p=p)["p"]
     each = {name: np.repeat(values.ravel(), sizes.size) for name, values in curves.items()}
-    shape = curves["alpha"].shape
-    count = curves["alpha"].size
-    many = _engine.Blocks(
-        foundation,
-        each["alpha"],
-        np.tile(sizes.ravel(), count),
-        each["eta"],
-        each["xi_v"],
-        each["epsilon"],
-        each["restitution_factor"],
-        mass,
-        gamma,
-        g,
-        friction,
-    )
+    each["p"] = np.tile(sizes.ravel(), curves["alpha"].size)
+    common = {"foundation": chosen("foundation", foundation, get_args(Foundation)), "mass": mass, "gamma": gamma, "g": g}
+    many = _engine.Blocks(common | {"friction": friction}, each)
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
-    shape = (*shape, *sizes.shape)
+    shape = (*curves["alpha"].shape, *sizes.shape)
     return table_of_outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction_demand, options, threads, progress)
 
 
@@ -399,13 +378,6 @@ def swept(
     table = of_columns(columns[1:])
     warn_of_failures(table["outcome"], failure, 4)
     return table, read.measure
-
-
-def _refuse(unread: bool, arguments: Mapping[str, object], why: str) -> None:
-    """Raises the engine's error for arguments without effect."""
-    for name, value in arguments.items():
-        if unread and value is not None:
-            raise ValueError(f"{name} has no effect {why}")
 
 
 def _broadcast(**values: npt.ArrayLike) -> dict[str, Floats]:

@@ -2,14 +2,14 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rocking_block::block::restraints::LinkKind;
 use rocking_block::block::{self as engine, Common, Corner, Foundation, Parameterization};
 use rocking_studies::doubts;
 use rocking_studies::spec::words::{Words, friction};
-use rocking_studies::spec::{BlockSpec, HoldSpec, SpecError};
+use rocking_studies::spec::{BlockSpec, SpecError};
 
 use crate::options::{choice, friction_of_block, warn};
 use crate::tie;
@@ -21,7 +21,7 @@ pub const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::
 #[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// The parameters as given; of a block of the engine, η, which may differ from ω_v/p by round-off.
+    /// The parameters as given.
     spec: BlockSpec,
     pub block: engine::Block,
 }
@@ -52,63 +52,17 @@ impl Block {
 
 #[pymethods]
 impl Block {
+    /// Returns the block of these parameters, which `_block.py` lists.
     #[new]
-    #[pyo3(signature = (
-        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=None,
-        epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None, center_height=None, inertia=None,
-        eccentricity=0.0, friction=None, ties=None, dampers=None,
-    ))]
-    #[allow(non_snake_case, clippy::too_many_arguments)]
-    fn new(
-        py: Python,
-        alpha: Option<f64>,
-        p: Option<f64>,
-        eta: Option<f64>,
-        xi_v: Option<f64>,
-        width: Option<f64>,
-        height: Option<f64>,
-        K: Option<f64>,
-        C: Option<f64>,
-        mass: Option<f64>,
-        gamma: Option<f64>,
-        epsilon: f64,
-        g: f64,
-        foundation: &str,
-        restitution_factor: Option<f64>,
-        center_height: Option<f64>,
-        inertia: Option<f64>,
-        eccentricity: f64,
-        friction: Option<f64>,
-        ties: Option<&Bound<PyAny>>,
-        dampers: Option<&Bound<PyAny>>,
-    ) -> PyResult<Block> {
-        let spec = BlockSpec {
-            alpha,
-            p,
-            eta,
-            xi_v,
-            width,
-            height,
-            center_height,
-            inertia,
-            stiffness: K,
-            damping: C,
-            mass,
-            gamma,
-            epsilon: Some(epsilon),
-            g: Some(g),
-            foundation: Some(choice("foundation", foundation, &FOUNDATIONS)?),
-            restitution_factor,
-            hold: HoldSpec {
-                eccentricity: Some(eccentricity),
-                friction: Some(friction::to_user(friction_of_block(friction)?)),
-                ties: tie::one_or_several(LinkKind::Tie, ties)?,
-                dampers: tie::one_or_several(LinkKind::Damper, dampers)?,
-            },
-        };
-        let block = spec.block().map_err(refused)?;
-        warn_of_blocks(py, &[block], 1)?;
-        Ok(Block { block, spec })
+    #[pyo3(signature = (**parameters))]
+    fn new(py: Python, parameters: Option<&Bound<PyDict>>) -> PyResult<Block> {
+        let mut spec = BlockSpec::default();
+        for (name, value) in parameters.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
+            set(&mut spec, name.extract()?, &value)?;
+        }
+        let block = Block::of(spec)?;
+        warn_of_blocks(py, &[block.block], 2)?;
+        Ok(block)
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -122,6 +76,8 @@ impl Block {
             // A copy with ties or springs needs the mass; an explicit moment of inertia determines the shape factor.
             let value = match name {
                 "mass" => Some(self.block.mass),
+                "epsilon" => Some(self.block.epsilon),
+                "g" => Some(self.block.gravity),
                 "gamma" if self.spec.inertia.is_none() => Some(self.block.gamma),
                 "eccentricity" => value.filter(|&value| value != 0.0),
                 "friction" => value.filter(|&value| value != f64::INFINITY),
@@ -140,28 +96,42 @@ impl Block {
         Ok(parameters)
     }
 
+    /// Returns the names of the numbers that define blocks.
+    #[staticmethod]
+    #[pyo3(name = "_names")]
+    fn names() -> Vec<&'static str> {
+        BlockSpec::DEFAULT.numbers().map(|(name, _)| name).into()
+    }
+
+    /// Returns the names of those that a foundation does not have.
+    #[staticmethod]
+    #[pyo3(name = "_names_of_other_foundation")]
+    fn names_of_other_foundation(foundation: &str) -> PyResult<Vec<&'static str>> {
+        Ok(BlockSpec::of_other_foundation(choice("foundation", foundation, &FOUNDATIONS)?).into())
+    }
+
     #[getter]
     fn foundation(&self) -> &'static str {
         self.block.foundation.word()
     }
 
     #[getter]
-    pub fn alpha(&self) -> f64 {
+    fn alpha(&self) -> f64 {
         self.block.alpha
     }
 
     #[getter]
-    pub fn p(&self) -> f64 {
+    fn p(&self) -> f64 {
         self.block.p
     }
 
     #[getter]
-    pub fn eta(&self) -> f64 {
+    fn eta(&self) -> f64 {
         self.of_supports(self.spec.eta.unwrap_or(self.block.eta()))
     }
 
     #[getter]
-    pub fn xi_v(&self) -> f64 {
+    fn xi_v(&self) -> f64 {
         self.of_supports(self.block.xi_v)
     }
 
@@ -215,22 +185,22 @@ impl Block {
     }
 
     #[getter]
-    pub fn mass(&self) -> f64 {
+    fn mass(&self) -> f64 {
         self.block.mass
     }
 
     #[getter]
-    pub fn gamma(&self) -> f64 {
+    fn gamma(&self) -> f64 {
         self.block.gamma
     }
 
     #[getter]
-    pub fn epsilon(&self) -> f64 {
+    fn epsilon(&self) -> f64 {
         self.block.epsilon
     }
 
     #[getter]
-    pub fn g(&self) -> f64 {
+    fn g(&self) -> f64 {
         self.block.gravity
     }
 
@@ -245,7 +215,7 @@ impl Block {
     }
 
     #[getter]
-    pub fn eccentricity(&self) -> f64 {
+    fn eccentricity(&self) -> f64 {
         self.block.eccentricity
     }
 
@@ -262,7 +232,7 @@ impl Block {
     }
 
     #[getter]
-    pub fn friction(&self) -> f64 {
+    fn friction(&self) -> f64 {
         friction::to_user(self.block.friction)
     }
 
@@ -277,7 +247,7 @@ impl Block {
     }
 
     #[getter]
-    pub fn restitution_factor(&self) -> f64 {
+    fn restitution_factor(&self) -> f64 {
         match self.block.foundation {
             Foundation::Rigid => self.block.restitution_factor,
             Foundation::Viscoelastic => f64::NAN,
@@ -286,9 +256,10 @@ impl Block {
 }
 
 impl Block {
-    /// Returns a block of the engine; its explicit η may differ from ω_v/p by round-off.
-    pub fn with_eta(block: engine::Block, eta: f64) -> Block {
-        Block { spec: BlockSpec { eta: Some(eta), ..BlockSpec::default() }, block }
+    /// Returns the block of a specification.
+    pub fn of(spec: BlockSpec) -> PyResult<Block> {
+        let block = spec.block().map_err(refused)?;
+        Ok(Block { spec, block })
     }
 
     /// Returns a value that a rigid base lacks.
@@ -298,6 +269,27 @@ impl Block {
             Foundation::Rigid => f64::NAN,
         }
     }
+}
+
+/// Returns a number; the error names it.
+fn number(name: &str, value: &Bound<PyAny>) -> PyResult<f64> {
+    let found = || value.repr().map_or_else(|_| "an object".into(), |found| found.to_string());
+    value.extract().map_err(|_| PyTypeError::new_err(format!("{name} = {}; expected a number", found())))
+}
+
+/// Sets a parameter by its name in Python.
+pub fn set(spec: &mut BlockSpec, name: &str, value: &Bound<PyAny>) -> PyResult<()> {
+    match name {
+        "foundation" => spec.foundation = Some(choice(name, &value.str()?.to_string(), &FOUNDATIONS)?),
+        "friction" => spec.hold.friction = Some(friction::to_user(friction_of_block(Some(number(name, value)?))?)),
+        "ties" => spec.hold.ties = tie::one_or_several(LinkKind::Tie, value)?,
+        "dampers" => spec.hold.dampers = tie::one_or_several(LinkKind::Damper, value)?,
+        name => match spec.number_mut(name) {
+            Some(field) => *field = Some(number(name, value)?),
+            None => return Err(PyTypeError::new_err(format!("a block has no parameter {name}"))),
+        },
+    }
+    Ok(())
 }
 
 /// Returns the error with the names of Python.

@@ -3,95 +3,73 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rocking_block::block as engine;
 use rocking_block::block::restraints::LinkKind;
-use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_studies::input::parameters::Parameter;
+use rocking_studies::spec::BlockSpec;
 use rocking_studies::spec::words::Words;
 
-use crate::block::{Block, FOUNDATIONS, warn_of_blocks};
-use crate::options::{choice, friction_of_block, invalid};
+use crate::block::{Block, set, warn_of_blocks};
 
 /// Many blocks on the same kind of foundation.
 #[pyclass(frozen, module = "rocking_block._engine")]
-pub struct Blocks {
-    pub blocks: Vec<engine::Block>,
-    /// The explicit η: a block's ω_v/p may differ from it by round-off.
-    eta: Vec<f64>,
+pub struct Blocks(Vec<Py<Block>>);
+
+impl Blocks {
+    /// Returns the blocks of the engine.
+    pub fn blocks(&self) -> Vec<engine::Block> {
+        self.0.iter().map(|block| block.get().block).collect()
+    }
 }
 
 #[pymethods]
 impl Blocks {
-    /// Returns blocks from arrays of equal length. A rigid base ignores η and ξ_v, supports ignore the factor.
+    /// Returns blocks from parameters of `common` to all and `columns` of equal length.
     #[new]
-    #[allow(clippy::too_many_arguments)]
-    fn new(
-        py: Python,
-        foundation: &str,
-        alpha: PyReadonlyArray1<f64>,
-        p: PyReadonlyArray1<f64>,
-        eta: PyReadonlyArray1<f64>,
-        xi_v: PyReadonlyArray1<f64>,
-        epsilon: PyReadonlyArray1<f64>,
-        restitution_factor: PyReadonlyArray1<f64>,
-        mass: f64,
-        gamma: f64,
-        g: f64,
-        friction: Option<f64>,
-    ) -> PyResult<Blocks> {
-        let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
-        let friction = friction_of_block(friction)?;
-        let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
-        let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
+    fn new(py: Python, common: &Bound<PyDict>, columns: &Bound<PyDict>) -> PyResult<Blocks> {
+        let mut shared = BlockSpec::default();
+        for (name, value) in common.iter().filter(|(_, value)| !value.is_none()) {
+            set(&mut shared, name.extract()?, &value)?;
+        }
+        let columns = columns.iter().map(|(name, values)| Ok((name.extract::<String>()?, values.extract()?)));
+        let columns: Vec<(String, PyReadonlyArray1<f64>)> = columns.collect::<PyResult<_>>()?;
+        let columns = columns.iter().map(|(name, values)| Ok((name.as_str(), values.as_slice()?)));
+        let columns: Vec<(&str, &[f64])> = columns.collect::<PyResult<_>>()?;
         let block = |i: usize| {
-            let supports = match foundation {
-                Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta: eta[i], xi_v: xi_v[i] }),
-                Foundation::Rigid => Supports::Rigid { restitution_factor: factor[i] },
-            };
-            let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], supports };
-            let common = Common { mass, gamma, epsilon: epsilon[i], gravity: g, friction, ..Common::default() };
-            engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
+            let mut spec = shared.clone();
+            for (name, values) in &columns {
+                let number = spec.number_mut(name);
+                let number = number.ok_or_else(|| PyValueError::new_err(format!("a block has no number {name}")))?;
+                *number = Some(values[i]);
+            }
+            Block::of(spec)
         };
-        let blocks = (0..alpha.len()).map(block).collect::<PyResult<Vec<_>>>()?;
-        warn_of_blocks(py, &blocks, 2)?;
-        Ok(Blocks { blocks, eta: eta.to_vec() })
+        let count = columns.first().map_or(0, |(_, values)| values.len());
+        let blocks = (0..count).map(block).collect::<PyResult<Vec<_>>>()?;
+        warn_of_blocks(py, &blocks.iter().map(|block| block.block).collect::<Vec<_>>(), 2)?;
+        blocks.into_iter().map(|block| Py::new(py, block)).collect::<PyResult<_>>().map(Blocks)
     }
 
     /// Returns the blocks of a list.
     #[staticmethod]
-    fn of(blocks: Vec<PyRef<Block>>) -> Blocks {
-        Blocks {
-            blocks: blocks.iter().map(|block| block.block).collect(),
-            eta: blocks.iter().map(|block| block.eta()).collect(),
-        }
+    fn of(blocks: Vec<Py<Block>>) -> Blocks {
+        Blocks(blocks)
     }
 
     fn __len__(&self) -> usize {
-        self.blocks.len()
+        self.0.len()
     }
 
-    /// Returns one parameter of all blocks by name.
+    /// Returns one parameter of all blocks, an attribute of each.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let parameter: fn(&Block) -> f64 = match name {
-            "alpha" => Block::alpha,
-            "p" => Block::p,
-            "eta" => Block::eta,
-            "xi_v" => Block::xi_v,
-            "epsilon" => Block::epsilon,
-            "restitution_factor" => Block::restitution_factor,
-            "mass" => Block::mass,
-            "gamma" => Block::gamma,
-            "g" => Block::g,
-            "eccentricity" => Block::eccentricity,
-            "friction" => Block::friction,
-            _ => return Err(PyValueError::new_err(format!("blocks have no column {name}"))),
-        };
-        let value = |(block, eta): (&engine::Block, &f64)| parameter(&Block::with_eta(*block, *eta));
-        Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(value)))
+        let value = |block: &Py<Block>| block.bind(py).getattr(name)?.extract();
+        Ok(PyArray1::from_vec(py, self.0.iter().map(value).collect::<PyResult<_>>()?))
     }
 
     /// Returns the foundation of each block.
     fn foundations(&self) -> Vec<&'static str> {
-        self.blocks.iter().map(|block| block.foundation.word()).collect()
+        self.blocks().iter().map(|block| block.foundation.word()).collect()
     }
 }
 

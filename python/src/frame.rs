@@ -4,6 +4,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use rocking_studies::frame::{self, BlockMotion, FrameResponse};
 use rocking_studies::output::table::Table;
+use rocking_studies::spec::BlockSpec;
 
 use crate::block::Block;
 use crate::options::{invalid, whole};
@@ -14,11 +15,10 @@ fn of_engine(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<fr
     frame::Frame::new(columns, column.get().block, beam_mass).map_err(invalid)
 }
 
-/// Returns α, p, γ, mass, factor on the restitution, and gravity of the block that rocks like the frame.
+/// Returns the block that rocks like the frame.
 #[pyfunction]
-pub fn frame_block(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<(f64, f64, f64, f64, f64, f64)> {
-    let block = of_engine(columns, column, beam_mass)?.block;
-    Ok((block.alpha, block.p, block.gamma, block.mass, block.restitution_factor, block.gravity))
+pub fn frame_block(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<Block> {
+    Block::of(BlockSpec::of(&of_engine(columns, column, beam_mass)?.block))
 }
 
 /// Returns the columns of a frame's response from those of its block: `u`, `v`, `u_ddot`, `v_ddot`, `H`, `N`, `a_gx`, `a_gz`.

@@ -101,7 +101,7 @@ pub fn outcomes<'py>(
     let grounds = pairs.iter().map(|(horizontal, vertical)| ground(horizontal.as_ref(), vertical.as_ref(), 1.0));
     let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
     scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
-    let blocks = blocks.get().blocks.clone();
+    let blocks = blocks.get().blocks();
     let holds = match holds {
         Some((friction, ties, dampers, yields)) => Holds { friction, ties, dampers, yields },
         None => blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or),

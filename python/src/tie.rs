@@ -15,8 +15,7 @@ fn names(kind: LinkKind) -> [&'static str; 2] {
 }
 
 /// Returns the ties or the dampers of an argument.
-pub fn one_or_several(kind: LinkKind, links: Option<&Bound<PyAny>>) -> PyResult<Vec<Tie>> {
-    let Some(links) = links else { return Ok(Vec::new()) };
+pub fn one_or_several(kind: LinkKind, links: &Bound<PyAny>) -> PyResult<Vec<Tie>> {
     let [class, argument] = names(kind);
     let class = links.py().import("rocking_block._tie")?.getattr(class)?;
     let wrong = |found: &Bound<PyAny>| -> PyErr {

@@ -1,6 +1,7 @@
 """Blocks, records and pulses as values; invalid arguments and their messages."""
 
 import copy
+import inspect
 import multiprocessing
 import pickle
 import re
@@ -63,6 +64,14 @@ def test_results_are_pickled():
 def test_the_version_is_that_of_the_project():
     (version,) = re.findall(r'^version = "(.*)"$', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
     assert rb.__version__ == version
+
+
+def test_the_constructor_lists_the_parameters_of_the_engine():
+    """An editor offers the names that the engine takes; their defaults are those of a block without any."""
+    listed = inspect.signature(rb.Block).parameters
+    assert set(listed) == {*rb.Block._names(), "foundation", "ties", "dampers"}
+    given = {name: parameter.default for name, parameter in listed.items() if parameter.default is not None}
+    assert rb.Block(**given) == rb.Block()
 
 
 def test_a_block_amounts_to_what_the_paper_says():

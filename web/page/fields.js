@@ -55,7 +55,7 @@ export const FIELDS = [
 
   { id: "foundation", label: "Stands on", kind: "segments", value: "viscoelastic", group: "foundation",
     options: [["viscoelastic", "supports"], ["rigid", "rigid base"]] },
-  { id: "preset", label: "Supports", kind: "choice", value: "", group: "foundation", when: all(supports, inRatios), preset: true,
+  { id: "preset", label: "Supports", kind: "choice", value: "", group: "foundation", when: all(supports, inRatios), preset: ["eta", "xi_v"],
     options: [["", "own values"], ["20,0.1", "soft: η = 20, ξᵥ = 0.1"], ["40,0.1", "of the paper: η = 40, ξᵥ = 0.1"],
       ["80,0.1", "stiff: η = 80, ξᵥ = 0.1"], ["60,0.4", "with dampers: η = 60, ξᵥ = 0.4"]] },
   { id: "supports", label: "Stiffness and damping as", kind: "segments", value: "ratios", group: "foundation",

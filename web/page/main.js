@@ -43,7 +43,7 @@ function showFields() {
 function valueOf({ id, slot, surfaces, preset, options }) {
   if (slot) return state[`${slot}_name`];
   if (surfaces) return chosenPairs[surfaces]?.startsWith(`${state[surfaces]}|`) ? chosenPairs[surfaces] : "";
-  const pair = `${state.eta},${state.xi_v}`;
+  const pair = preset?.map((name) => state[name]).join();
   if (preset) return options.some(([value]) => value === pair) ? pair : "";
   return state[id] ?? "";
 }
@@ -70,7 +70,7 @@ const chosenPairs = {};
 function change(id, value) {
   const { surfaces, preset, group } = controls.get(id).field;
   if (preset) {
-    if (value) [state.eta, state.xi_v] = value.split(",");
+    if (value) value.split(",").forEach((part, i) => (state[preset[i]] = part));
   } else if (surfaces) {
     chosenPairs[surfaces] = value;
     if (value) [state[surfaces]] = value.split("|");

@@ -256,7 +256,7 @@ test("wrong input is refused beside its field", () => {
   assert.deepEqual(refused({ epsilon: "2" }), ["epsilon: found 2; expected a number from 0 to 1"]);
   assert.match(refused({ eccentricity: "0.4" })[0], /^eccentricity: .*expected less than half the width/);
   assert.match(refused({ foundation: "rigid", sliding: "friction", friction: "1.5" })[0], /^friction: .*jam/);
-  assert.match(refused({ sliding: "friction", friction: "0" })[0], /^friction: found 0; expected a coefficient > 0/);
+  assert.match(refused({ sliding: "friction", friction: "0" })[0], /^friction: found 0; expected a number > 0/);
   assert.deepEqual(refused({ excitation: "file", record_name: "lost.at2" }), ["record: no file yet; expected lost.at2"]);
   assert.match(refused({ step: "1e-9" })[0], /^step: .*expected at most/);
   // The engine continues to work.

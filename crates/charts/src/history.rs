@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use crate::chart::{Chart, Curve, MAX_ROTATION, Tile, range, rotations};
 use crate::formula::formula;
+use crate::labels;
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
 use rocking_block::block::restraints::{MAX_TIES, tie};
-use rocking_block::block::{Block, Body, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Body, Corner, Regime, Supports};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
 
@@ -134,15 +135,14 @@ fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Ser
 
 /// Describes the parameters of a block in a line.
 pub fn block_line(block: &Block) -> String {
-    let Block { alpha, epsilon, body: Body { p, xi_v, r0, b, h, .. }, .. } = *block;
-    let foundation = match block.foundation {
-        Foundation::Viscoelastic => {
-            format!("η = {}, ξ_v = {}, ε = {}", short(block.eta()), short(xi_v), short(epsilon))
-        }
-        Foundation::Rigid if block.restitution_factor == 1.0 => format!("rigid base, e = {:.4}", block.restitution()),
-        Foundation::Rigid => {
-            let factor = short(block.restitution_factor);
-            format!("rigid base, e = {:.4}, {factor} × Housner's", block.restitution())
+    let Block { alpha, epsilon, body: Body { p, r0, b, h, .. }, .. } = *block;
+    let e = block.restitution();
+    let foundation = match block.ratios() {
+        Supports::Viscoelastic(ratios) => labels::supports(ratios, epsilon, short),
+        Supports::HOUSNER => format!("rigid base, e = {e:.4}"),
+        rigid => {
+            let factor = rigid.restitution_factor().map(short).unwrap_or_default();
+            format!("rigid base, e = {e:.4}, {factor} × Housner's")
         }
     };
     let mut holds = String::new();

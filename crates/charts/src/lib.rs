@@ -3,6 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`numerals`] | numbers → short text |
+//! | `labels` | parameters of a block → their symbols |
 //! | `glyphs` | text → widths and outlines, the same on every machine |
 //! | [`picture`] | SVG → SVG and PNG files |
 //! | `formula` | labels with formulas → text with subscripts |
@@ -22,6 +23,7 @@
 //! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
 
 mod glyphs;
+mod labels;
 pub mod numerals;
 
 pub mod picture;

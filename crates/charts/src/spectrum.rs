@@ -5,11 +5,12 @@ use std::ops::Range;
 
 use crate::chart::{Chart, Curve, EVEN_BALANCE, Fill, MAX_ROTATION, OutcomeBar, bars_height, rotations};
 use crate::formula::formula;
+use crate::labels;
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page};
 use crate::picture::PictureError;
-use rocking_block::block::{Ratios, Supports};
+use rocking_block::block::Supports;
 use rocking_block::excitation::Pulse;
 use rocking_studies::run::outcome::End;
 use rocking_studies::spec::words::Words;
@@ -254,9 +255,7 @@ pub(super) fn base_name(base: Base) -> String {
             };
             format!("rigid base{epsilon}{factor}")
         }
-        Supports::Viscoelastic(Ratios { eta, xi_v }) => {
-            format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
-        }
+        Supports::Viscoelastic(ratios) => labels::supports(ratios, epsilon, short),
     }
 }
 

@@ -1,12 +1,13 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
-use rocking_block::block::restraints::{Tie, Ties, tie};
+use rocking_block::block::restraints::{LinkKind, Tie, Ties, tie};
 use rocking_block::block::{
     Block, Body, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
 };
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
+use rocking_block::unit::variables::{Causality, Kind, Metadata, VARIABLES};
 
 use crate::{BATCH, Number};
 
@@ -27,39 +28,19 @@ pub struct Parameters<T = f64> {
     pub scale: Option<T>,
 }
 
-/// The parameters with their units.
-const PARAMETERS: [(&str, &str); 25] = [
-    ("alpha", "rad"),
-    ("p", "rad/s"),
-    ("eta", "1"),
-    ("xi_v", "1"),
-    ("width", "m"),
-    ("height", "m"),
-    ("K", "N/m"),
-    ("C", "N.s/m"),
-    ("inertia", "kg.m2"),
-    ("mass", "kg"),
-    ("gamma", "1"),
-    ("epsilon", "1"),
-    ("g", "m/s2"),
-    ("restitution_factor", "1"),
-    ("eccentricity", "m"),
-    ("friction", "1"),
-    ("initial.theta", "rad"),
-    ("initial.theta_dot", "rad/s"),
-    ("initial.v", "m"),
-    ("initial.v_dot", "m/s"),
-    ("pulse.amplitude", "m/s2"),
-    ("pulse.period", "s"),
-    ("pulse.start", "s"),
-    ("pulse.phase", "rad"),
-    ("scale", "1"),
-];
+/// Returns the names and units of the real parameters of the FMU, without the group where the name alone is clear.
+fn known() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let of_users = |known: &&Metadata| known.causality == Causality::Parameter && known.kind == Kind::Real;
+    VARIABLES.iter().filter(of_users).map(|known| {
+        let short = ["dimensionless.", "physical.", "record."].iter().find_map(|group| known.name.strip_prefix(group));
+        (short.unwrap_or(known.name), known.unit.unwrap_or("1"))
+    })
+}
 
 /// Returns the unit of a parameter; `1` for one without a unit.
 pub fn unit(name: &str) -> &'static str {
-    let of_tie = name.split_once('.').and_then(|(_, name)| tie::NUMBERS.iter().find(|(known, _)| *known == name));
-    PARAMETERS.iter().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
+    let of_tie = name.split_once('.').and_then(|(_, name)| tie::NUMBERS.into_iter().find(|(known, _)| *known == name));
+    known().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
 }
 
 impl Parameters {
@@ -69,7 +50,8 @@ impl Parameters {
             found.kind.numbers().map(|(name, _)| format!("{tie}.{name}")).collect::<Vec<_>>()
         };
         let of_ties = tie::names(&self.ties).into_iter().zip(&self.ties).flat_map(of_tie);
-        let all = PARAMETERS.iter().map(|(name, _)| name.to_string()).chain(["pulse.cycles".into()]).chain(of_ties);
+        let is_of_tie = |name: &&str| LinkKind::ALL.iter().any(|kind| name.starts_with(kind.word()));
+        let all = known().map(|(name, _)| name).filter(|name| !is_of_tie(name)).map(String::from).chain(of_ties);
         let mut parameters = self.clone();
         all.filter(|name| parameters.number(name).is_some()).collect()
     }
@@ -271,22 +253,5 @@ fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
         restitution_factor: at(from.restitution_factor, block.restitution_factor),
         stiffness,
         damping,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rocking_block::unit::variables::VARIABLES;
-
-    /// Units are those of modelDescription.xml.
-    #[test]
-    fn units_are_those_of_the_fmu() {
-        let of_ties = tie::NUMBERS.into_iter().map(|(name, unit)| (format!("tie_1.{name}"), unit));
-        for (name, unit) in PARAMETERS.into_iter().map(|(name, unit)| (name.to_string(), unit)).chain(of_ties) {
-            let group = format!(".{name}");
-            let found = VARIABLES.iter().find(|known| known.name == name || known.name.ends_with(&group));
-            assert_eq!(found.map(|known| known.unit.unwrap_or("1")), Some(unit), "{name}");
-        }
     }
 }

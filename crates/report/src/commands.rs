@@ -1,8 +1,10 @@
 //! A plan → the commands that give the same numbers.
 
-use rocking_block::block::{Block, Body, Common, Foundation};
+use rocking_block::block::Common;
 use rocking_studies::assess::{Hazard, Plan, Results};
 use rocking_studies::risk::HazardOptions;
+use rocking_studies::spec::BlockSpec;
+use rocking_studies::spec::command::CommandLine;
 use rocking_studies::spec::words::Words;
 
 /// Returns a line for each command.
@@ -38,22 +40,13 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
 
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
-    let Block { alpha, gamma, epsilon, restitution_factor, body: Body { p, gravity, xi_v, .. }, .. } = plan.block;
     // No command passes a pulse through a building.
     if plan.block.is_extended() || plan.sweep.has_building() {
         return None;
     }
-    let base = match plan.block.foundation {
-        Foundation::Rigid => format!("--foundation rigid --restitution-factor {restitution_factor}"),
-        Foundation::Viscoelastic => format!("--eta {} --xi-v {xi_v}", plan.block.eta()),
-    };
-    Some(format!(
-        "rocking search overturning --pulse {} --period {} --alpha {alpha} --p {p} --gamma {gamma} --g {gravity} \
-         --epsilon {epsilon} {base} --tolerance {}",
-        plan.pulse.word(),
-        plan.pulse_periods[0],
-        plan.sweep.tolerance
-    ))
+    let mut line = CommandLine::new("search overturning");
+    line.option("pulse", plan.pulse.word()).option("period", plan.pulse_periods[0]);
+    Some(line.block(&BlockSpec::of(&plan.block)).option("tolerance", plan.sweep.tolerance).text())
 }
 
 /// Quotes a word of a command line if a shell requires it.

@@ -3,6 +3,7 @@
 use rocking_charts::numerals::significant;
 use rocking_studies::assess::Counts;
 use rocking_studies::fragility::split_heading;
+use rocking_studies::spec::{BlockSpec, limits};
 
 /// Writes a number with three significant digits.
 pub fn short(value: f64) -> String {
@@ -61,28 +62,11 @@ pub fn heading(heading: &str) -> (String, String) {
     (name.replace("alpha", "α"), suffix)
 }
 
-/// Writes a quantity such as `eta [1]` by its symbol and unit.
-pub fn quantity(name: &str) -> String {
-    let (name, unit) = heading(name);
-    let symbol = match name.as_str() {
-        "α" => "slenderness α",
-        "p" => "frequency parameter p",
-        "eta" => "stiffness ratio η",
-        "xi_v" => "damping ratio ξ_v",
-        "epsilon" => "restitution ε",
-        "restitution_factor" => "factor on Housner's restitution e",
-        "friction" => "friction μ",
-        "mass" => "mass",
-        "gamma" => "shape factor γ",
-        "eccentricity" => "eccentricity e_x",
-        "width" => "width of the base",
-        "height" => "height",
-        "center_height" => "height of the centre of mass",
-        "inertia" => "moment of inertia I0",
-        "K" => "stiffness K of a support",
-        "C" => "damping C of a support",
-        other => other,
-    };
+/// Writes a quantity such as `eta [1]` by its symbol and unit, of a block by the title of its parameter.
+pub fn quantity(of: &str) -> String {
+    let (name, unit) = heading(of);
+    let parameters = limits::properties::<BlockSpec>();
+    let symbol = parameters[split_heading(of).0]["title"].as_str().unwrap_or(&name);
     let unit = unit.trim();
     if unit.is_empty() { symbol.into() } else { format!("{symbol} ({unit})") }
 }

@@ -58,14 +58,14 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A number as [`Fields::number`] reads it; `None` for an empty field.
-    pub fn optional(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Option<f64> {
-        (!self.text(field).is_empty()).then(|| self.number(field, fits, expected))
+    /// A number within the limits of its schema.
+    pub fn required(&mut self, field: &str, schema: &serde_json::Value) -> f64 {
+        self.number(field, |number| limits::admits(schema, number), &limits::expected(schema))
     }
 
     /// A number within the limits of its schema; `None` for an empty field.
     pub fn limited(&mut self, field: &str, schema: &serde_json::Value) -> Option<f64> {
-        self.optional(field, |number| limits::admits(schema, number), &limits::expected(schema))
+        (!self.text(field).is_empty()).then(|| self.required(field, schema))
     }
 
     /// A whole number in a range.

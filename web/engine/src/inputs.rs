@@ -10,7 +10,7 @@ use rocking_records::Record;
 use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
 use rocking_studies::run::Run;
-use rocking_studies::spec::{BlockSpec, HoldSpec, SingleRunSpec, SpecError, limits};
+use rocking_studies::spec::{self, BlockSpec, GaborSpec, PulseSpec, SingleRunSpec, SpecError, limits, option};
 
 use crate::fields::{FieldError, Fields};
 use crate::records::{self, Direction, DroppedFile};
@@ -86,9 +86,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         _ => (0.0, 0.0),
     };
     let limits = limits::properties::<SingleRunSpec>();
-    let of_tolerance = &limits["tolerance"];
-    let admits = |number| limits::admits(of_tolerance, number);
-    let tolerance = fields.number("tolerance", admits, &limits::expected(of_tolerance));
+    let tolerance = fields.required("tolerance", &limits["tolerance"]);
     let on_separation = fields.choice("on_separation");
     let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits[field]));
     let Some(block) = block else { return Err(fields.into_errors()) };
@@ -121,80 +119,63 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
 
 /// The parameters of the block without its ties, and the height of the body (m), if it is given.
 fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
-    let shape = fields.one_of("shape", &["size", "ratios"]);
-    let foundation = fields.choice("foundation");
+    let has_size = fields.one_of("shape", &["size", "ratios"]) == "size";
+    let foundation: Foundation = fields.choice("foundation");
     let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
-    let spec = BlockSpec {
-        mass: Some(fields.number("mass", |x| x > 0.0, "a mass > 0 kg")),
-        gamma: Some(fields.number("gamma", |x| x > 0.0, "a number > 0")),
-        epsilon: Some(fields.number("epsilon", |x| (0.0..=1.0).contains(&x), "a number from 0 to 1")),
-        g: Some(fields.number("g", |x| x > 0.0, "an acceleration > 0 m/s²")),
-        foundation: Some(foundation),
-        restitution_factor: (foundation == Foundation::Rigid)
-            .then(|| fields.number("restitution_factor", |x| x >= 0.0, "a factor of at least 0")),
-        hold: HoldSpec {
-            eccentricity: Some(fields.number("eccentricity", |_| true, "a length in m")),
-            friction: slides.then(|| {
-                fields.number("friction", |x| x > 0.0, "a coefficient > 0; without a limit, feet that do not slide")
-            }),
-            ..HoldSpec::default()
-        },
-        ..BlockSpec::default()
-    };
-    if shape == "ratios" {
-        let angle = |x: f64| x > 0.0 && x < std::f64::consts::FRAC_PI_2;
-        let spec = BlockSpec {
-            alpha: Some(fields.number("alpha", angle, "an angle between 0 and π/2 rad")),
-            p: Some(fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s")),
+    let on_supports = foundation == Foundation::Viscoelastic;
+    let in_ratios = on_supports && (!has_size || fields.one_of("supports", &["ratios", "stiffness"]) == "ratios");
+    let limits = limits::properties::<BlockSpec>();
+    let number = |fields: &mut Fields, name: &str| fields.limited(&field(name), &limits[name]);
+    let required = |fields: &mut Fields, name: &str| Some(fields.required(&field(name), &limits[name]));
+    let mut spec = BlockSpec { foundation: Some(foundation), ..BlockSpec::default() };
+    if has_size {
+        // A size on supports in ratios gives α, p and γ as on a rigid base.
+        spec.foundation = Some(if in_ratios { Foundation::Rigid } else { foundation });
+        spec.width = required(fields, "width");
+    }
+    for (name, _) in BlockSpec::DEFAULT.numbers() {
+        let found = match name {
+            "width" => continue,
+            "restitution_factor" if on_supports => continue,
+            "friction" if !slides => continue,
+            name if spec.without_effect().iter().any(|(unread, _)| *unread == name) => continue,
+            "center_height" | "inertia" => number(fields, name),
+            name => required(fields, name),
+        };
+        if let Some(parameter) = spec.number_mut(name) {
+            *parameter = found;
+        }
+    }
+    let body_height = spec.height;
+    if let (Some(center), Some(body)) = (spec.center_height, body_height) {
+        if center >= body {
+            let message = format!("found {center}; expected a height within the body, below {body} m, or nothing");
+            fields.refuse(FieldError::new("center_height", message));
+        }
+        spec.height = None;
+    }
+    if has_size && in_ratios && !fields.has_errors() {
+        let Some(Block { alpha, gamma, body, .. }) = block(fields, &spec) else { return (spec, body_height) };
+        spec = BlockSpec {
+            alpha: Some(alpha),
+            p: Some(body.p),
+            eta: required(fields, "eta"),
+            xi_v: required(fields, "xi_v"),
+            gamma: Some(gamma),
+            foundation: Some(foundation),
+            width: None,
+            height: None,
+            center_height: None,
+            inertia: None,
             ..spec
         };
-        return (with_ratios(fields, spec), None);
     }
-    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
-    let body_height = fields.number("height", |x| x > 0.0, "a length > 0 m");
-    let within = |x: f64| x > 0.0 && (body_height.is_nan() || x < body_height);
-    let center_height = fields.optional("center_height", within, "a height within the body, in m, or nothing");
-    let inertia = fields.optional("inertia", |x| x > 0.0, "a moment of inertia > 0 kg·m², or nothing");
-    let sized = BlockSpec {
-        width: Some(width),
-        height: center_height.is_none().then_some(body_height),
-        center_height,
-        inertia,
-        gamma: spec.gamma.filter(|_| inertia.is_none()),
-        ..spec.clone()
-    };
-    let in_stiffness =
-        foundation == Foundation::Viscoelastic && fields.one_of("supports", &["ratios", "stiffness"]) == "stiffness";
-    let sized = match foundation {
-        Foundation::Rigid => sized,
-        Foundation::Viscoelastic if in_stiffness => BlockSpec {
-            stiffness: Some(fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m")),
-            damping: Some(fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m")),
-            ..sized
-        },
-        Foundation::Viscoelastic if fields.has_errors() => sized,
-        // With ratios for its supports a block has α, p and γ of these sizes, for which the supports make no difference.
-        Foundation::Viscoelastic => {
-            let on_rigid_base = BlockSpec { foundation: Some(Foundation::Rigid), ..sized };
-            let Some(Block { alpha, gamma, body, .. }) = block(fields, &on_rigid_base) else {
-                return (spec, Some(body_height));
-            };
-            with_ratios(fields, BlockSpec { alpha: Some(alpha), p: Some(body.p), gamma: Some(gamma), ..spec })
-        }
-    };
-    (sized, Some(body_height))
+    (spec, body_height)
 }
 
-/// The block on supports with η and ξ_v of the fields, unless it is on a rigid base.
-fn with_ratios(fields: &mut Fields, spec: BlockSpec) -> BlockSpec {
-    match spec.foundation() {
-        Foundation::Rigid => spec,
-        Foundation::Viscoelastic => BlockSpec {
-            eta: Some(fields.number("eta", |x| x > 0.0, "a ratio > 0")),
-            xi_v: Some(fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0")),
-            ..spec
-        },
-    }
+/// The field of a parameter.
+fn field(name: &str) -> String {
+    option(name).replace('-', "_")
 }
 
 /// Initial tilt over α and angular velocity (rad/s).
@@ -242,39 +223,38 @@ fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
 
 fn tie(fields: &mut Fields, kind: LinkKind, number: usize) -> Tie {
     let mut tie = Tie { kind, ..Tie::default() };
-    for (key, _) in kind.numbers() {
-        let (fits, expected): (fn(f64) -> bool, _) = match key {
-            "block_x" | "block_z" | "ground_x" | "ground_z" => (|_| true, "a length in m"),
-            "stiffness" => (|x| x > 0.0, "a stiffness > 0 N/m"),
-            "slack" => (|x| x >= 0.0, "a length of at least 0 m"),
-            "damping" => (|x| x >= 0.0, "a damping of at least 0 N·s/m"),
-            "strength" => (|x| x >= 0.0, "a force > 0 N, or 0 for one that does not break"),
-            "yield_force" => (|x| x >= 0.0, "a force > 0 N, or 0 for one that stays elastic"),
-            "hardening" => (|x| (0.0..1.0).contains(&x), "a ratio from 0 to below 1"),
-            _ => (|x| x >= 0.0, "a force of at least 0 N"),
+    let field = |key: &str| format!("{}_{number}_{key}", kind.word());
+    for (key, unit) in kind.numbers() {
+        let found = match key {
+            "stiffness" => fields.number(&field(key), |x| x > 0.0, "a stiffness > 0 N/m"),
+            key => fields.number(&field(key), |_| true, &limits::finite(unit)),
         };
-        let found = fields.number(&format!("{}_{number}_{key}", kind.word()), fits, expected);
         if let Some(value) = tie.number(key) {
             *value = found;
         }
     }
-    if tie.hardening > 0.0 && !tie.yields() {
-        let field = format!("{}_{number}_hardening", kind.word());
-        fields.refuse(FieldError::new(field, "found a ratio without a yield force; expected both, or 0"));
+    if fields.has_errors() {
+        return tie;
+    }
+    if let Err(error) = tie.check() {
+        let key = error.name().split(" of ").next().unwrap_or_default().replace(' ', "_");
+        let key = if tie.number(&key).is_some() { &key } else { "stiffness" };
+        fields.refuse(FieldError::new(field(key), error.to_string()));
+    } else if let Err(message) = spec::tie::check(&tie) {
+        fields.refuse(FieldError::new(field("hardening"), message));
     }
     tie
 }
 
 /// The field of a parameter at fault.
 pub fn block_error(error: &BlockError, shape: &str) -> FieldError {
+    let is_known = BlockSpec::DEFAULT.numbers().iter().any(|(known, _)| *known == error.name());
     let field = match error.name() {
-        "K" | "omega_v" | "delta_s" => "stiffness",
-        "C" => "damping",
-        name @ ("mass" | "gamma" | "g" | "epsilon" | "eta" | "xi_v" | "restitution_factor") => name,
-        name @ ("eccentricity" | "friction" | "inertia" | "width" | "height") => name,
-        _ if shape == "size" => "width",
-        "p" => "p",
-        _ => "alpha",
+        "omega_v" | "delta_s" => "stiffness".into(),
+        "alpha" | "p" if shape == "size" => "width".into(),
+        name if is_known => field(name),
+        _ if shape == "size" => "width".into(),
+        _ => "alpha".into(),
     };
     FieldError::new(field, error.to_string())
 }
@@ -304,20 +284,24 @@ fn pulse(fields: &mut Fields) -> Pulse {
     let shape = fields.choice("pulse");
     if shape == PulseShape::None {
         fields.refuse(FieldError::new("pulse", "found none; expected a shape"));
+        return Pulse::NONE;
     }
-    let pulse = Pulse {
-        shape,
-        amplitude: fields.number("amplitude", |x| x != 0.0, "an acceleration in m/s², other than 0"),
-        period: fields.number("period", |x| x > 0.0, "a time > 0 s"),
-        ..Pulse::NONE
+    let limits = limits::properties::<PulseSpec>();
+    let mut number = |name: &str| Some(fields.required(name, &limits[name]));
+    let (amplitude, period) = (number("amplitude"), number("period"));
+    let gabor = match shape {
+        PulseShape::Gabor => GaborSpec { phase: number("phase"), cycles: number("cycles") },
+        _ => GaborSpec::default(),
     };
-    match shape {
-        PulseShape::Gabor => Pulse {
-            phase: fields.number("phase", |_| true, "an angle in rad"),
-            cycles: fields.number("cycles", |x| x >= 1.0, "a number of at least 1"),
-            ..pulse
-        },
-        _ => pulse,
+    let spec = PulseSpec { shape: Some(shape), amplitude, period, start: None, gabor };
+    match spec.pulse() {
+        Ok(pulse) => pulse,
+        Err(error) => {
+            if !fields.has_errors() {
+                fields.refuse(FieldError::new(error.parameter().unwrap_or("pulse"), error.spelled(str::to_owned)));
+            }
+            Pulse::NONE
+        }
     }
 }
 

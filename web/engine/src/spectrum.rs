@@ -2,11 +2,12 @@
 
 use rocking_block::block::{Common, Foundation};
 use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_studies::spec::command::CommandLine;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::direction;
 use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 
-use crate::command::{CommandLine, tie_text};
+use crate::command::add_excitation;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{Excitation, Inputs, Vertical, block_error};
 
@@ -53,7 +54,8 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> St
     let default = Common::default();
     let Common { mass, gamma, gravity, friction, .. } = spectrum.common;
     let mut line = CommandLine::new("spectrum");
-    line.excitation(inputs, vertical, true).option("alpha", spectrum.alpha);
+    add_excitation(&mut line, inputs, vertical, true);
+    line.option("alpha", spectrum.alpha);
     for base in &spectrum.bases {
         line.option("foundation", base);
     }
@@ -63,7 +65,7 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> St
     let InProportion { eccentricity, ties } = &spectrum.in_proportion;
     line.unless("friction", friction, default.friction).unless("eccentricity-ratio", *eccentricity, 0.0);
     for tie in ties {
-        line.option(&format!("{}-ratio", tie.kind.word()), tie_text(tie));
+        line.tie(&format!("{}-ratio", tie.kind.word()), tie);
     }
     let on_separation = spectrum.settings.on_separation;
     line.unless("on-separation", on_separation.word(), OnSeparation::Fly.word());

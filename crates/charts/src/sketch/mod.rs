@@ -13,12 +13,13 @@ use plotters::style::text_anchor::{HPos, VPos};
 use crate::canvas::{Area, Drawn, TEXT, anchored, grey};
 use crate::formula::formula;
 use crate::history::link_names;
+use crate::labels;
 use crate::numerals::significant;
 use crate::page::{page, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Body, Corner, Foundation};
+use rocking_block::block::{Block, Body, Corner, Foundation, Supports};
 use symbols::{
     OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
     support, tie, vertical_dimension, write,
@@ -199,7 +200,7 @@ impl Sketch {
 
     /// Returns the values in words: body, foundation, ties.
     fn paragraphs(&self) -> Vec<Vec<String>> {
-        let Block { gamma, epsilon, stiffness, damping, body: Body { p, r0, mass, xi_v, .. }, .. } = self.block;
+        let Block { gamma, epsilon, stiffness, damping, body: Body { p, r0, mass, .. }, .. } = self.block;
         let short = |value: f64| significant(value, 4);
         let angle = |name: &str, value: f64| format!("{name} = {} rad = {}°", short(value), short(value.to_degrees()));
         let [alpha_l, alpha_r] = Corner::each(|corner| self.block.alpha_of(corner));
@@ -211,14 +212,16 @@ impl Sketch {
         body.push(format!("R0 = {} m", short(r0)));
         body.push(format!("p = {} rad/s, γ = {}", short(p), short(gamma)));
         body.push(format!("M = {} kg", short(mass)));
-        let mut base = match self.block.foundation {
-            Foundation::Viscoelastic => vec![
+        let mut base = match self.block.ratios() {
+            Supports::Viscoelastic(ratios) => vec![
                 "each support:".into(),
                 format!("K = {}, C = {}", engineering(stiffness, "N/m"), engineering(damping, "N s/m")),
-                format!("η = {}, ξ_v = {}, ε = {}", short(self.block.eta()), short(xi_v), short(epsilon)),
+                labels::supports(ratios, epsilon, short),
             ],
-            Foundation::Rigid if is_symmetric => vec![format!("rigid base, e = {}", short(self.block.restitution()))],
-            Foundation::Rigid => {
+            Supports::Rigid { .. } if is_symmetric => {
+                vec![format!("rigid base, e = {}", short(self.block.restitution()))]
+            }
+            Supports::Rigid { .. } => {
                 let [left, right] = Corner::each(|corner| short(self.block.restitution_of(corner)));
                 vec![format!("rigid base, e_L = {left}, e_R = {right}")]
             }

@@ -5,6 +5,7 @@ use rocking_block::block::restraints::LinkKind;
 use rocking_gradients::{Parameters, unit};
 
 use crate::fit::problem::{FitError, Free, Problem, Test};
+use crate::spec::{BlockSpec, limits};
 
 /// A parameter to be estimated.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,13 +74,14 @@ impl Unknown {
 /// Returns the factor from a value to its usual bounds, for a parameter whose logarithm is fitted.
 fn factor(name: &str) -> Option<f64> {
     let is_of_tie = |group: &str| LinkKind::ALL.iter().any(|kind| group.starts_with(kind.word()));
-    let of_tie = name.split_once('.').and_then(|(group, name)| is_of_tie(group).then_some(name));
-    match of_tie.unwrap_or(name) {
-        "eta" | "xi_v" | "K" | "C" | "stiffness" | "damping" | "strength" | "yield_force" => Some(10.0),
-        "alpha" | "p" | "width" | "height" | "inertia" | "mass" | "gamma" | "friction" | "scale" | "pulse.period"
-        | "pulse.cycles" | "pretension" => Some(3.0),
-        "restitution_factor" | "g" => Some(1.5),
-        _ => None,
+    match name.split_once('.') {
+        Some((group, key)) if is_of_tie(group) => match key {
+            "stiffness" | "damping" | "strength" | "yield_force" => Some(10.0),
+            "pretension" => Some(3.0),
+            _ => None,
+        },
+        None if name != "scale" => limits::properties::<BlockSpec>()[name]["fit_factor"].as_f64(),
+        _ => ["scale", "pulse.period", "pulse.cycles"].contains(&name).then_some(3.0),
     }
 }
 

@@ -1,93 +1,118 @@
 //! Parameters of a block, some of them given → a checked block.
 
-use crate::spec::words::friction;
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{
     Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
 };
+use schemars::JsonSchema;
 
 use crate::spec::SpecError;
 #[cfg(feature = "clap")]
 use crate::spec::tie;
+use crate::spec::words::friction;
 
 /// The parameters of a block as a user gives them; others have their defaults, or follow.
+///
+/// Titles and limits are for pages and reports; [`BlockSpec::block`] checks a block. A fit varies the logarithm of a parameter with a `fit_factor`,
+/// by this factor either way.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Block"))]
 pub struct BlockSpec {
     /// Slenderness angle alpha [rad] [default: 0.25]
+    #[schemars(title = "slenderness α", extend("fit_factor" = 3, "exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub alpha: Option<f64>,
     /// Frequency parameter p [rad/s] [default: 1]
+    #[schemars(title = "frequency parameter p", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD/S"))]
     pub p: Option<f64>,
     /// Stiffness ratio eta = omega_v/p of the supports [default: 40]
+    #[schemars(title = "stiffness ratio η", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub eta: Option<f64>,
     /// Vertical damping ratio xi_v of the supports [default: 0.1]
+    #[schemars(title = "damping ratio ξ_v", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub xi_v: Option<f64>,
     /// Width of the base; with --height, --stiffness, --damping and --mass it replaces alpha, p, eta and xi_v [m]
+    #[schemars(title = "width of the base", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub width: Option<f64>,
     /// Twice the height of the centre of mass above the base [m]
+    #[schemars(title = "height", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub height: Option<f64>,
     /// Height of the centre of mass above the base, instead of --height [m]
+    #[schemars(title = "height of the centre of mass", extend("exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub center_height: Option<f64>,
     /// Centroidal moment of inertia I0, instead of --gamma; with --width and --mass [kg.m2]
+    #[schemars(title = "moment of inertia I0", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG.M2"))]
     pub inertia: Option<f64>,
     /// Stiffness K of one support; not on a rigid base [N/m]
+    #[schemars(rename = "K", title = "stiffness K of a support", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N/M"))]
     pub stiffness: Option<f64>,
     /// Damping C of one support; not on a rigid base [N.s/m]
+    #[schemars(rename = "C", title = "damping C of a support", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N.S/M"))]
     pub damping: Option<f64>,
     /// Mass M; it changes the motion only together with --stiffness, --inertia, --tie or --damper [kg] [default: 1000]
+    #[schemars(title = "mass", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG"))]
     pub mass: Option<f64>,
     /// Shape factor gamma = M R0²/I0 [default: 3]
+    #[schemars(title = "shape factor γ", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub gamma: Option<f64>,
     /// Restitution epsilon of the landing corner, from 0 to 1 [default: 0]
+    #[schemars(title = "restitution ε", range(min = 0, max = 1))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub epsilon: Option<f64>,
     /// Gravitational acceleration, also for records in g [m/s2] [default: 9.81]
+    #[schemars(title = "gravity", extend("fit_factor" = 1.5, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M/S2"))]
     pub g: Option<f64>,
     /// Foundation under the block [default: viscoelastic]
+    #[schemars(skip)]
     #[cfg_attr(feature = "clap", arg(long, value_parser = foundations()))]
     pub foundation: Option<Foundation>,
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1 [default: 1]
+    #[schemars(title = "factor on Housner's restitution e", range(min = 0), extend("fit_factor" = 1.5))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "FACTOR"))]
     pub restitution_factor: Option<f64>,
     /// Eccentricity, friction, ties and dampers.
+    #[schemars(flatten)]
     #[cfg_attr(feature = "clap", command(flatten))]
     pub hold: HoldSpec,
 }
 
 /// Eccentricity, friction, ties and dampers of a block as a user gives them.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct HoldSpec {
     /// Distance of the centre of mass from the middle of the base, positive to the right [m] [default: 0]
+    #[schemars(title = "eccentricity e_x")]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M", allow_hyphen_values = true))]
     pub eccentricity: Option<f64>,
     /// Coulomb's coefficient of friction of the feet; without a limit they do not slide [default: none]
+    #[schemars(title = "friction μ", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "MU", value_parser = friction_of_text))]
     pub friction: Option<f64>,
     /// A tie to the ground: block_x, block_z and ground_x, ground_z are its ends, from the middle of the base at rest [m];
     /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N], yield_force [N] and hardening, the stiffness after
     /// yielding over that before; others are 0, and a tie without strength or yield force neither breaks nor yields. One option per tie
+    #[schemars(skip)]
     #[cfg_attr(
         feature = "clap",
         arg(long = "tie", value_name = "KEY=NUMBER,...", value_parser = tie::tie, allow_hyphen_values = true)
     )]
     pub ties: Vec<Tie>,
     /// A damper to the ground, which pulls and pushes, with the numbers of a tie but pretension and slack. One option per damper
+    #[schemars(skip)]
     #[cfg_attr(
         feature = "clap",
         arg(long = "damper", value_name = "KEY=NUMBER,...", value_parser = tie::damper, allow_hyphen_values = true)
@@ -144,6 +169,29 @@ impl BlockSpec {
         },
     };
 
+    /// Returns the parameters of a block, by its slenderness and its frequency parameter.
+    pub fn of(block: &Block) -> BlockSpec {
+        let (ratios, hold) = (block.ratios(), HoldSpec::default().with_links(block.ties()));
+        BlockSpec {
+            alpha: Some(block.alpha),
+            p: Some(block.p),
+            eta: ratios.viscoelastic().map(|ratios| ratios.eta),
+            xi_v: ratios.viscoelastic().map(|ratios| ratios.xi_v),
+            mass: Some(block.mass),
+            gamma: Some(block.gamma),
+            epsilon: Some(block.epsilon),
+            g: Some(block.gravity),
+            foundation: Some(block.foundation),
+            restitution_factor: ratios.restitution_factor(),
+            hold: HoldSpec {
+                eccentricity: Some(block.eccentricity),
+                friction: Some(friction::to_user(block.friction)),
+                ..hold
+            },
+            ..BlockSpec::default()
+        }
+    }
+
     /// Returns the numbers to state for this block: those that are no defaults, and the mass if it has an effect.
     pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let needs_mass = self.needs_mass().is_some();
@@ -174,9 +222,14 @@ impl BlockSpec {
 
     /// Returns the numbers that are given, by their names, in the units of the fields.
     pub fn numbers(&self) -> [(&'static str, Option<f64>); 17] {
-        let BlockSpec { alpha, p, eta, xi_v, width, height, center_height, inertia, stiffness, damping, .. } = *self;
-        let BlockSpec { mass, gamma, epsilon, g, foundation: _, restitution_factor, .. } = *self;
-        let HoldSpec { eccentricity, friction, ties: _, dampers: _ } = self.hold;
+        self.clone().numbers_mut().map(|(name, number)| (name, *number))
+    }
+
+    /// Returns the numbers by their names, to set them.
+    pub fn numbers_mut(&mut self) -> [(&'static str, &mut Option<f64>); 17] {
+        let BlockSpec { alpha, p, eta, xi_v, width, height, center_height, inertia, stiffness, damping, .. } = self;
+        let BlockSpec { mass, gamma, epsilon, g, foundation: _, restitution_factor, hold, .. } = self;
+        let HoldSpec { eccentricity, friction, ties: _, dampers: _ } = hold;
         [
             ("alpha", alpha),
             ("p", p),
@@ -196,6 +249,11 @@ impl BlockSpec {
             ("eccentricity", eccentricity),
             ("friction", friction),
         ]
+    }
+
+    /// Returns the number with this name, to set it.
+    pub fn number_mut(&mut self, name: &str) -> Option<&mut Option<f64>> {
+        self.numbers_mut().into_iter().find_map(|(known, number)| (known == name).then_some(number))
     }
 
     /// The foundation.
@@ -273,23 +331,38 @@ impl BlockSpec {
 
     /// Refuses parameters that would not be read.
     fn refuse_without_effect(&self) -> Result<(), SpecError> {
-        let on_supports = self.foundation() == Foundation::Viscoelastic;
+        let given = self.numbers();
+        let is_given = |name: &str| given.iter().any(|(known, value)| *known == name && value.is_some());
+        match self.without_effect().into_iter().find(|(name, _)| is_given(name)) {
+            Some((parameter, why)) => Err(SpecError::NoEffect { parameter, why }),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the names of the numbers that a foundation does not have.
+    pub const fn of_other_foundation(foundation: Foundation) -> &'static [&'static str] {
+        match foundation {
+            Foundation::Rigid => &["eta", "xi_v", "K", "C"],
+            Foundation::Viscoelastic => &["restitution_factor"],
+        }
+    }
+
+    /// Returns the numbers that would not be read beside the others that are given, and why.
+    pub fn without_effect(&self) -> Vec<(&'static str, &'static str)> {
         let has_size = self.width.is_some();
-        let rules: [(bool, &[&str], &str); 6] = [
-            (!on_supports, &["eta", "xi_v", "K", "C"], "on a rigid base"),
-            (on_supports, &["restitution_factor"], "on viscoelastic supports; expected `foundation = rigid`"),
+        let foundation = match self.foundation() {
+            Foundation::Rigid => "on a rigid base",
+            Foundation::Viscoelastic => "on viscoelastic supports; expected `foundation = rigid`",
+        };
+        let rules: [(bool, &[&'static str], &'static str); 5] = [
+            (true, BlockSpec::of_other_foundation(self.foundation()), foundation),
             (has_size, &["alpha", "p", "eta", "xi_v"], "with `width`"),
             (!has_size, &["height", "center_height", "inertia", "K", "C"], "without `width`"),
             (self.center_height.is_some(), &["height"], "with `center_height`"),
             (self.inertia.is_some(), &["gamma"], "with `inertia`"),
         ];
-        for (holds, names, why) in rules {
-            let mut given = self.numbers().into_iter().filter(|(name, value)| value.is_some() && names.contains(name));
-            if let (true, Some((parameter, _))) = (holds, given.next()) {
-                return Err(SpecError::NoEffect { parameter, why });
-            }
-        }
-        Ok(())
+        let holding = rules.into_iter().filter(|(holds, ..)| *holds);
+        holding.flat_map(|(_, names, why)| names.iter().map(move |name| (*name, why))).collect()
     }
 }
 
@@ -311,6 +384,7 @@ pub fn foundations() -> impl clap::builder::TypedValueParser<Value = Foundation>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::limits;
     use rocking_block::unit::values::Values;
 
     fn refused(spec: BlockSpec) -> String {
@@ -374,6 +448,31 @@ mod tests {
             ),
         ] {
             assert_eq!(refused(spec), message);
+        }
+    }
+
+    /// The schema admits exactly the numbers that a block takes.
+    #[test]
+    fn limits_of_the_schema_are_those_of_the_block() {
+        let limits = limits::properties::<BlockSpec>();
+        let (stiffness, damping) = (Some(1e7), Some(1e4));
+        let supports = BlockSpec { mass: Some(1e3), width: Some(1.0), stiffness, damping, ..BlockSpec::default() };
+        let measured = BlockSpec { center_height: Some(2.0), inertia: Some(1e3), ..supports.clone() };
+        let sized = BlockSpec { height: Some(3.0), ..supports };
+        let rigid = BlockSpec { foundation: Some(Foundation::Rigid), ..BlockSpec::default() };
+        let all = [measured, sized, BlockSpec::default(), rigid];
+        for (name, _) in BlockSpec::DEFAULT.numbers() {
+            let reads = |spec: &&BlockSpec| spec.without_effect().iter().all(|(unread, _)| *unread != name);
+            let of_name = all.iter().find(reads).unwrap();
+            for value in [-1.0, 0.0, 0.3, 0.9, 1.0, 1.5, std::f64::consts::FRAC_PI_2] {
+                let mut spec = of_name.clone();
+                *spec.number_mut(name).unwrap() = Some(value);
+                let is_refused = matches!(
+                    spec.block(),
+                    Err(SpecError::Invalid(BlockError::OutOfRange { .. }) | SpecError::Lacks { .. })
+                );
+                assert_eq!(limits::admits(&limits[name], value), !is_refused, "{name} = {value}");
+            }
         }
     }
 

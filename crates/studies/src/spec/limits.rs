@@ -101,15 +101,39 @@ pub fn words(schema: &Value) -> impl Iterator<Item = &str> {
 /// Says which numbers a schema accepts, in the unit in brackets of its description.
 fn number(schema: &Value) -> String {
     let unit = schema["description"].as_str().and_then(|text| Some(text.split_once('[')?.1.split_once(']')?.0));
-    let noun = match unit {
-        Some("s") => "a time",
-        Some("m") => "a length",
-        Some("Hz") => "a frequency",
-        _ => "a number",
-    };
-    let unit = unit.filter(|unit| !unit.contains(' ')).map(|unit| format!(" {unit}")).unwrap_or_default();
-    let noun = if noun == "a number" && range(schema, "").is_empty() { "a finite number" } else { noun };
-    format!("{noun}{}", range(schema, &unit))
+    let unit = unit.filter(|unit| !unit.contains(' ')).unwrap_or_default();
+    match range(schema, &format!(" {unit}")) {
+        range if range.is_empty() => finite(unit),
+        range => match noun(unit) {
+            noun if noun.starts_with('a') => format!("an {noun}{}", range.trim_end()),
+            noun => format!("a {noun}{}", range.trim_end()),
+        },
+    }
+}
+
+/// Says that any finite number in a unit is accepted; the unit may be empty, or 1.
+pub fn finite(unit: &str) -> String {
+    match unit {
+        "" | "1" => "a finite number".into(),
+        unit => format!("a finite {} in {unit}", noun(unit)),
+    }
+}
+
+/// Returns the quantity of a unit.
+fn noun(unit: &str) -> &'static str {
+    match unit {
+        "s" => "time",
+        "m" => "length",
+        "kg" => "mass",
+        "rad" => "angle",
+        "Hz" | "rad/s" => "frequency",
+        "m/s2" => "acceleration",
+        "N" => "force",
+        "N/m" => "stiffness",
+        "N.s/m" => "damping",
+        "kg.m2" => "moment of inertia",
+        _ => "number",
+    }
 }
 
 /// Says the limits of a schema, such as ` > 0 s`.
@@ -130,6 +154,7 @@ fn range(schema: &Value, unit: &str) -> String {
 fn shown(limit: f64) -> Cow<'static, str> {
     match limit.abs() {
         0.0 => "0".into(),
+        std::f64::consts::FRAC_PI_2 => "pi/2".into(),
         size if !(1e-3..1e6).contains(&size) && size < 1e9 => format!("{limit:e}").into(),
         _ => limit.to_string().into(),
     }

@@ -9,6 +9,7 @@
 //! | [`records`] | what is known of accelerogram files → the options of their reader |
 //! | [`study`], [`assess`], [`fit`] | the tables of study files, of assessments and of files of tests, for readers and for [`schema`] |
 //! | [`values`] | types of values that several tables have |
+//! | [`command`] | a block → the options of a command line with the same numbers |
 //! | [`limits`] | the JSON Schema of a value → the accepted values in words, and whether a number is one of them |
 //! | [`schema`] | these tables → a JSON Schema, for editors and readers |
 //! | [`tie`](mod@tie) | `block_z=2,stiffness=1e5` → a tie or a damper |
@@ -20,6 +21,7 @@ pub mod words;
 
 pub mod assess;
 pub mod block;
+pub mod command;
 pub mod fit;
 pub mod limits;
 pub mod pulse;

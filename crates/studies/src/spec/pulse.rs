@@ -1,41 +1,46 @@
 //! Parameters of a pulse, some of them given → a checked pulse.
 
 use rocking_block::excitation::{Pulse, PulseShape};
+use schemars::JsonSchema;
 
-use crate::spec::SpecError;
 use crate::spec::words::Words;
+use crate::spec::{SpecError, limits};
 
 /// The parameters of a pulse as a user gives them; others have their defaults.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct PulseSpec {
     /// Pulse, alone or added to the record [default: none]
+    #[schemars(skip)]
     #[cfg_attr(feature = "clap", arg(id = "pulse", long = "pulse", value_name = "SHAPE", value_parser = shapes()))]
     pub shape: Option<PulseShape>,
     /// Acceleration amplitude a_p of the pulse [m/s2]
     #[cfg_attr(feature = "clap", arg(long, value_name = "A"))]
     pub amplitude: Option<f64>,
     /// Period T_p of the pulse [s] [default: 1]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "S"))]
     pub period: Option<f64>,
     /// Start time of the pulse [s] [default: 0]
     #[cfg_attr(feature = "clap", arg(long, value_name = "S"))]
     pub start: Option<f64>,
     /// Further parameters of a Gabor pulse.
+    #[schemars(flatten)]
     #[cfg_attr(feature = "clap", command(flatten))]
     pub gabor: GaborSpec,
 }
 
 /// Phase and duration of a Gabor pulse as a user gives them.
 #[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct GaborSpec {
     /// Phase nu of the velocity in the middle of a Gabor pulse [rad] [default: 0]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub phase: Option<f64>,
     /// Duration gamma of a Gabor pulse in periods, at least 1 [default: 2]
+    #[schemars(range(min = 1))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
     pub cycles: Option<f64>,
 }
@@ -81,11 +86,12 @@ impl PulseSpec {
         if let (false, Some((parameter, _))) = (self.has_shape(), given.iter().find(|(_, value)| value.is_some())) {
             return Err(SpecError::NoEffect { parameter, why: "without `pulse`" });
         }
+        limits::check::<PulseSpec>(&given)?;
         let pulse = Pulse {
             shape: self.shape.unwrap_or(PulseShape::None),
-            amplitude: number("amplitude", amplitude, 0.0, |_| true, "a finite acceleration")?,
-            period: number("period", self.period, Pulse::NONE.period, |x| x > 0.0, "a time > 0 s")?,
-            start: number("start", self.start, Pulse::NONE.start, |_| true, "a finite time")?,
+            amplitude: amplitude.unwrap_or(0.0),
+            period: self.period.unwrap_or(Pulse::NONE.period),
+            start: self.start.unwrap_or(Pulse::NONE.start),
             ..Pulse::NONE
         };
         self.gabor.of(pulse)
@@ -104,27 +110,9 @@ impl GaborSpec {
         {
             return Err(SpecError::NoEffect { parameter, why: "without `pulse = gabor`" });
         }
-        Ok(Pulse {
-            phase: number("phase", self.phase, Pulse::NONE.phase, |_| true, "a finite angle")?,
-            cycles: number("cycles", self.cycles, Pulse::NONE.cycles, |x| x >= 1.0, "a number of at least 1")?,
-            ..pulse
-        })
-    }
-}
-
-/// Returns a number or its default; the error names it.
-fn number(
-    parameter: &'static str,
-    given: Option<f64>,
-    default: f64,
-    fits: impl Fn(f64) -> bool,
-    expected: &'static str,
-) -> Result<f64, SpecError> {
-    match given {
-        Some(value) if !(value.is_finite() && fits(value)) => {
-            Err(SpecError::OutOfRange { parameter: parameter.into(), value, expected: expected.into() })
-        }
-        given => Ok(given.unwrap_or(default)),
+        limits::check::<GaborSpec>(&given)?;
+        let [phase, cycles] = [self.phase.unwrap_or(pulse.phase), self.cycles.unwrap_or(pulse.cycles)];
+        Ok(Pulse { phase, cycles, ..pulse })
     }
 }
 
@@ -164,7 +152,7 @@ mod tests {
                 "<amplitude> = 0; expected an acceleration a_p other than 0 m/s2",
             ),
             (PulseSpec { period: Some(0.0), ..sine.clone() }, "<period> = 0; expected a time > 0 s"),
-            (PulseSpec { start: Some(f64::NAN), ..sine.clone() }, "<start> = NaN; expected a finite time"),
+            (PulseSpec { start: Some(f64::NAN), ..sine.clone() }, "<start> = NaN; expected a finite time in s"),
             (
                 PulseSpec { shape: Some(PulseShape::Gabor), gabor: few, ..sine.clone() },
                 "<cycles> = 0.5; expected a number of at least 1",
