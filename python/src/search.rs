@@ -48,7 +48,7 @@ fn searched<T: Send + 'static>(
     py: Python,
     tick: &Bound<PyAny>,
     pool: ThreadPool,
-    search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> T + Send + 'static,
+    search: impl FnOnce(search::SearchProgress) -> T + Send + 'static,
 ) -> PyResult<T> {
     wait(py, tick, move |progress| pool.install(|| search(&|done, total| progress.advance(done, total))))
 }
@@ -106,7 +106,7 @@ pub fn search_damping<'py>(
     let scan = scan.scan([0.0, 1.0])?;
     let width = VectorWidth::widest();
     let found = searched(py, tick, pool, move |progress| {
-        search::damping_against_separation(block_with, rate, settings, &scan, width, progress)
+        search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)
     })?
     .map_err(invalid)?;
     Ok(answer(&found, found.damping_against_separation()))

@@ -174,7 +174,7 @@ impl Damping {
             "xi_v",
             "",
             &scan,
-            |progress| Ok(search::damping_against_separation(block_with, rate, settings, &scan, width, progress)?),
+            |progress| Ok(search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)?),
             OutcomeMap::damping_against_separation,
             |found, threshold, shown| {
                 let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
@@ -326,7 +326,7 @@ impl SearchOptions {
         name: &str,
         unit: &str,
         scan: &Scan,
-        search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<OutcomeMap<End>> + Send,
+        search: impl FnOnce(search::SearchProgress) -> anyhow::Result<OutcomeMap<End>> + Send,
         threshold: impl FnOnce(&OutcomeMap<End>) -> Threshold,
         answer: impl FnOnce(&OutcomeMap<End>, Threshold, &dyn Fn(f64) -> String) -> String,
     ) -> anyhow::Result<()> {

@@ -28,7 +28,7 @@ pub(super) fn least(plan: &Plan, width: Option<VectorWidth>, ran: impl Fn() + Sy
         };
         let [from, to] = search::usual_strengths(&plan.block, &shaking);
         let scan = Scan { from, to, points: POINTS, resolution: RESOLUTION };
-        let found = search::overturning(&plan.block, &shaking, settings, &scan, width, |_, _| ran());
+        let found = search::overturning(&plan.block, &shaking, settings, &scan, width, &|_, _| ran());
         let threshold = OutcomeMap::overturning(&found);
         LeastPulse { period, floor, amplitude: threshold.value(), bound: threshold.bound(), greatest: to }
     };

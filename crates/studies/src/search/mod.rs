@@ -22,16 +22,18 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 
+/// Receives the number of runs done and the number known to be needed, after each run.
+pub type SearchProgress<'a> = &'a (dyn Fn(u64, u64) + Sync);
+
 /// Finds the changes of a run's end over a range, in parallel. The threads are those of the current rayon pool.
 ///
 /// Each thread steps several runs at once in vectors of this width; the result depends neither on the threads nor on the width.
-/// `progress` is called after each run with the number of runs done and the number known to be needed: first those of the scan,
-/// then those of the bisections too.
+/// The runs known to be needed are first those of the scan, then those of the bisections too.
 fn changes_of_end(
     scan: &Scan,
     width: Option<VectorWidth>,
     run: impl Fn(f64) -> Run + Sync,
-    progress: impl Fn(u64, u64) + Sync,
+    progress: SearchProgress,
 ) -> OutcomeMap<End> {
     let (done, mut known) = (AtomicU64::new(0), scan.points);
     let outcomes = |values: &[(usize, f64)]| {
@@ -59,12 +61,12 @@ fn changes_of_end(
 /// # Errors
 /// An invalid block at an end of the range.
 pub fn damping_against_separation(
-    block_with: impl Fn(f64) -> Result<Block, BlockError> + Sync,
+    block_with: &(dyn Fn(f64) -> Result<Block, BlockError> + Sync),
     rate: f64,
     settings: Settings,
     scan: &Scan,
     width: Option<VectorWidth>,
-    progress: impl Fn(u64, u64) + Sync,
+    progress: SearchProgress,
 ) -> Result<OutcomeMap<End>, BlockError> {
     block_with(scan.from).and(block_with(scan.to))?;
     let run = |xi_v| {
@@ -111,7 +113,7 @@ pub fn overturning(
     settings: Settings,
     scan: &Scan,
     width: Option<VectorWidth>,
-    progress: impl Fn(u64, u64) + Sync,
+    progress: SearchProgress,
 ) -> OutcomeMap<End> {
     let run = |strength: f64| {
         let run = Run::at_rest(*block, settings);

@@ -46,7 +46,7 @@ impl Search {
     fn threshold(&self) -> f64 {
         let [from, to] = self.range;
         let scan = Scan { from, to, points: 2, resolution: 1e-15 };
-        let map = overturning(&self.block(), &Shaking::Pulse(self.pulse), self.settings(), &scan, None, |_, _| ());
+        let map = overturning(&self.block(), &Shaking::Pulse(self.pulse), self.settings(), &scan, None, &|_, _| ());
         assert_eq!(map.changes.len(), 1, "{map:?}");
         match map.overturning() {
             Threshold::At(strength) => strength,
