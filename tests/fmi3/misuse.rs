@@ -98,7 +98,7 @@ fn unsupported_functions_are_refused_with_a_reason() {
     block.refuses(call!(block, activate_model_partition, 0, 0.0), &["no clocks"]);
     block.refuses(call!(block, evaluate_discrete_states), &["providesEvaluateDiscreteStates"]);
     block.refuses(call!(block, get_number_of_variable_dependencies, 0, &mut 0), &["providesPerElementDependencies"]);
-    let other = "this belongs to Model Exchange; the instance is one for Co-Simulation";
+    let other = "found an instance for Co-Simulation; expected one for Model Exchange";
     block.refuses(call!(block, set_time, 0.0), &["fmi3SetTime", other]);
     block.refuses(call!(block, get_number_of_continuous_states, &mut 0), &[other]);
 }

@@ -318,7 +318,7 @@ def test_model_exchange_has_the_bits_of_the_native_unit(both, variables):
     # The draft has these functions of Co-Simulation in the resource of Model Exchange.
     refused(block.enterStepMode, words=["fmi3EnterStepMode", "Co-Simulation"])
     refused(block.getOutputDerivatives, [(0, 1)], words=["fmi3GetOutputDerivatives", "Co-Simulation"])
-    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; there are 11"])
+    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; expected 11"])
     refused(block.setTime, float("nan"), words=["fmi3SetTime", "NaN"])
     saved, before = block.getFMUState(), output_bits(block, variables)
     block.setContinuousStates([0.01] * STATES)

@@ -106,14 +106,16 @@ pub fn first_fall(
         let time = duration * f64::from(passed) / f64::from(pieces);
         let right = if passed == pieces { last } else { (time, function(time)) };
         let floor = if muted { -rounding } else { 0.0 };
-        let found = match muted && !rises {
-            true => (right.1.value < floor).then_some([left, right]),
-            false => first_below(floor, [left, right], piece, HALVINGS, &mut function),
+        let found = if muted && !rises {
+            (right.1.value < floor).then_some([left, right])
+        } else {
+            first_below(floor, [left, right], piece, HALVINGS, &mut function)
         };
         if let Some([above, below]) = found {
-            return Some(match muted {
-                true => fall_after_zero(left.0, below, &mut function),
-                false => fall([above, below], &mut function),
+            return Some(if muted {
+                fall_after_zero(left.0, below, &mut function)
+            } else {
+                fall([above, below], &mut function)
             });
         }
         muted &= right.1.value <= rounding;
@@ -234,7 +236,7 @@ fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) 
     sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, |t| function(t).value)
 }
 
-/// Returns the time at value zero on the cubic of time over value with these ends. NaN unless the function falls at both.
+/// Returns the time at value zero on the cubic t(value) with these ends. NaN unless the function falls at both.
 fn interpolated_fall((low, left): TimedSample, (high, right): TimedSample) -> f64 {
     if !(left.rate < 0.0 && right.rate < 0.0) {
         return f64::NAN;
