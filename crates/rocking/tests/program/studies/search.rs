@@ -53,7 +53,7 @@ fn overturning_is_found_with_the_island_above_it() {
     let block = Block::from_dimensionless(&RIGID, &Common::default()).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0, ..Pulse::NONE };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
-    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ());
+    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, &|_, _| ());
     let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
     assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
     for change in &found.changes {
@@ -74,7 +74,7 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
         let block = Block::from_dimensionless(&Dimensionless { p, ..RIGID }, &Common::default()).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0, ..Pulse::NONE };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
-        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ())
+        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, &|_, _| ())
             .least(End::Overturned)
             .unwrap()
     };

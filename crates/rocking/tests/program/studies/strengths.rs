@@ -143,7 +143,7 @@ fn least_levels_and_islands_are_those_of_a_search() {
         let settings = Settings { on_separation: rocking_block::simulation::OnSeparation::Fly, ..Settings::default() };
         let scan = Scan { from: 0.2 / pgv, to: 4.0 / pgv, points: 60, resolution: 1e-3 / pgv };
         let shaking = Shaking::Records(Ground { horizontal: Some(record.clone()), vertical: None });
-        let found = overturning(&block, &shaking, settings, &scan, None, |_, _| ());
+        let found = overturning(&block, &shaking, settings, &scan, None, &|_, _| ());
         assert_eq!(table.get(row, "outcome"), "overturned");
         let level = table.number(row, "least.PGV [m/s]");
         assert!((level / (found.least(End::Overturned).unwrap() * pgv) - 1.0).abs() < 1e-9, "{level}");
