@@ -101,10 +101,8 @@ fn summary(block: &Block, found: &Pushover) -> Summary {
     let mut summary = Summary::default();
     summary.line("block", block_line(block));
     let landmark = |Landmark { kind, at }: &Landmark| {
-        let values = [("theta", at.theta), ("u", at.u), ("force", at.force), ("moment", at.moment)];
-        values
-            .into_iter()
-            .fold(Object::default().with("name", kind.to_string()), |all, (key, value)| all.with(key, value))
+        let of_kind = Object::default().with("name", kind.to_string());
+        of_kind.with("theta", at.theta).with("u", at.u).with("force", at.force).with("moment", at.moment)
     };
     summary.entry("landmarks", found.landmarks.iter().map(landmark).collect::<Vec<_>>());
     summary.text += "curve            θ/rad     θ/α      u/mm   F/(M g)   moment/kN.m\n";

@@ -91,3 +91,25 @@ pub fn aligned(rows: &[Vec<String>], right: Range<usize>) -> String {
     };
     rows.iter().map(line).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_lines_and_entries_in_their_order() {
+        let mut summary = Summary::default();
+        summary.item("z", 1.5, "length", "1.5 m");
+        summary.line("remark", "none");
+        summary.entry("a", Object::from([("y", f64::NAN), ("b", 2.0)]).with_some("x", None::<f64>));
+        assert_eq!(summary.text, "length        1.5 m\nremark        none\n");
+        assert_eq!(serde_json::to_string(&summary.json).unwrap(), r#"{"z":1.5,"a":{"y":null,"b":2.0}}"#);
+    }
+
+    #[test]
+    fn columns_are_aligned_without_blanks_at_the_end() {
+        let row = |cells: [&str; 3]| cells.map(String::from).to_vec();
+        let rows = [row(["motion", "count", "peak"]), row(["α", "7", "-"])];
+        assert_eq!(aligned(&rows, 1..2), "motion  count  peak\nα           7  -\n");
+    }
+}
