@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::gradients::{GradientSummary, GrazingSummary, summaries};
 
 use rocking_block::block::restraints::{LinkKind, Tie, TieState};
-use rocking_block::block::{Block, Corner, Foundation};
+use rocking_block::block::{Block, Corner, Ratios};
 use rocking_block::simulation::Energies;
 use rocking_block::system::events::Event;
 use rocking_studies::run::gradients::Gradients;
@@ -68,11 +68,10 @@ pub struct Parameters {
     foundation: &'static str,
     alpha: f64,
     p: f64,
-    /// Only supports have η and ξ_v; only a rigid base has e.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    eta: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    xi_v: Option<f64>,
+    /// Only of supports.
+    #[serde(flatten)]
+    ratios: Option<Ratios>,
+    /// Only of a rigid base.
     #[serde(skip_serializing_if = "Option::is_none")]
     e: Option<f64>,
     epsilon: f64,
@@ -287,18 +286,14 @@ impl<'a> Summary<'a> {
 impl Parameters {
     /// Returns the parameters of a block.
     pub fn of(block: &Block) -> Parameters {
-        let (eta, xi_v, e) = match block.foundation {
-            Foundation::Viscoelastic => (Some(block.eta()), Some(block.xi_v), None),
-            Foundation::Rigid => (None, None, Some(block.restitution())),
-        };
+        let ratios = block.ratios().viscoelastic();
         let named = |kind| block.ties().iter().copied().filter(|tie| tie.kind == kind).map(NamedTie).collect();
         Parameters {
             foundation: block.foundation.word(),
             alpha: block.alpha,
             p: block.p,
-            eta,
-            xi_v,
-            e,
+            ratios,
+            e: ratios.is_none().then(|| block.restitution()),
             r0: block.r0,
             width: 2.0 * block.b,
             height: 2.0 * block.h,
