@@ -120,32 +120,16 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
 /// The parameters of the block without its ties, and the height of the body (m), if it is given.
 fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
     let has_size = fields.one_of("shape", &["size", "ratios"]) == "size";
-    let foundation: Foundation = fields.choice("foundation");
-    let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
+    let foundation = fields.choice("foundation");
     let on_supports = foundation == Foundation::Viscoelastic;
     let in_ratios = on_supports && (!has_size || fields.one_of("supports", &["ratios", "stiffness"]) == "ratios");
-    let limits = limits::properties::<BlockSpec>();
-    let number = |fields: &mut Fields, name: &str| fields.limited(&field(name), &limits[name]);
-    let required = |fields: &mut Fields, name: &str| Some(fields.required(&field(name), &limits[name]));
-    let mut spec = BlockSpec { foundation: Some(foundation), ..BlockSpec::default() };
+    // A size on supports in ratios gives α, p and γ as on a rigid base.
+    let of_size = if in_ratios && has_size { Foundation::Rigid } else { foundation };
+    let mut spec = BlockSpec { foundation: Some(of_size), ..BlockSpec::default() };
     if has_size {
-        // A size on supports in ratios gives α, p and γ as on a rigid base.
-        spec.foundation = Some(if in_ratios { Foundation::Rigid } else { foundation });
-        spec.width = required(fields, "width");
+        spec.width = Some(fields.required("width", &limits::properties::<BlockSpec>()["width"]));
     }
-    for (name, _) in BlockSpec::DEFAULT.numbers() {
-        let found = match name {
-            "width" => continue,
-            "restitution_factor" if on_supports => continue,
-            "friction" if !slides => continue,
-            name if spec.without_effect().iter().any(|(unread, _)| *unread == name) => continue,
-            "center_height" | "inertia" => number(fields, name),
-            name => required(fields, name),
-        };
-        if let Some(parameter) = spec.number_mut(name) {
-            *parameter = found;
-        }
-    }
+    read_numbers(fields, &mut spec, foundation);
     let body_height = spec.height;
     if let (Some(center), Some(body)) = (spec.center_height, body_height) {
         if center >= body {
@@ -154,23 +138,36 @@ fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
         }
         spec.height = None;
     }
-    if has_size && in_ratios && !fields.has_errors() {
+    if of_size != foundation && !fields.has_errors() {
         let Some(Block { alpha, gamma, body, .. }) = block(fields, &spec) else { return (spec, body_height) };
-        spec = BlockSpec {
-            alpha: Some(alpha),
-            p: Some(body.p),
-            eta: required(fields, "eta"),
-            xi_v: required(fields, "xi_v"),
-            gamma: Some(gamma),
-            foundation: Some(foundation),
-            width: None,
-            height: None,
-            center_height: None,
-            inertia: None,
-            ..spec
-        };
+        let (alpha, p, gamma) = (Some(alpha), Some(body.p), Some(gamma));
+        let [width, height, center_height, inertia] = [None; 4];
+        spec = BlockSpec { alpha, p, gamma, width, height, center_height, inertia, ..spec };
+        spec.foundation = Some(foundation);
+        read_numbers(fields, &mut spec, foundation);
     }
     (spec, body_height)
+}
+
+/// Reads the numbers that are still missing, beside the others and on this foundation.
+fn read_numbers(fields: &mut Fields, spec: &mut BlockSpec, foundation: Foundation) {
+    let limits = limits::properties::<BlockSpec>();
+    let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
+    let unread = BlockSpec::of_other_foundation(foundation);
+    for (name, given) in spec.numbers() {
+        let has_effect = spec.without_effect().iter().all(|(without, _)| *without != name);
+        let is_shown = !unread.contains(&name) && name != "width" && (slides || name != "friction");
+        if given.is_none() && has_effect && is_shown {
+            let (field, limits) = (field(name), &limits[name]);
+            let found = match name {
+                "center_height" | "inertia" => fields.limited(&field, limits),
+                _ => Some(fields.required(&field, limits)),
+            };
+            if let Some(number) = spec.number_mut(name) {
+                *number = found;
+            }
+        }
+    }
 }
 
 /// The field of a parameter.

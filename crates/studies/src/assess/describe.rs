@@ -8,7 +8,7 @@ use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::strength::Strengths;
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::Block;
 
 /// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner. `None` for a block with ties.
 pub(super) fn static_threshold(block: &Block) -> Option<f64> {
@@ -22,19 +22,13 @@ pub(super) fn object(plan: &Plan) -> ObjectResult {
             .filter_map(|number| sweep.values(&sweep.combination(number)).block().ok())
     };
     let range = |value: fn(&Block) -> f64| range(blocks().map(|block| value(&block))).unwrap_or([value(block); 2]);
-    let (supports, e) = match block.foundation {
-        Foundation::Viscoelastic => {
-            let supports = SupportsResult {
-                stiffness: block.stiffness,
-                damping: block.damping,
-                eta: block.eta(),
-                xi_v: block.xi_v,
-                delta_s: block.static_deflection(),
-            };
-            (Some(supports), None)
-        }
-        Foundation::Rigid => (None, Some(block.restitution())),
-    };
+    let supports = block.ratios().viscoelastic().map(|ratios| SupportsResult {
+        stiffness: block.stiffness,
+        damping: block.damping,
+        ratios,
+        delta_s: block.static_deflection(),
+    });
+    let e = supports.is_none().then(|| block.restitution());
     ObjectResult {
         foundation: block.foundation.word(),
         width: 2.0 * block.b,

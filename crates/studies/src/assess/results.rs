@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::assess::plan::Input;
 use crate::fragility::Interval;
+use rocking_block::block::Ratios;
 
 /// The report on an object.
 #[derive(Clone, Debug, Serialize)]
@@ -111,8 +112,9 @@ pub struct SupportsResult {
     /// Damping of each (N.s/m).
     #[serde(rename = "C")]
     pub damping: f64,
-    pub eta: f64,
-    pub xi_v: f64,
+    /// The same in the paper's ratios.
+    #[serde(flatten)]
+    pub ratios: Ratios,
     /// Static deflection (m).
     pub delta_s: f64,
 }
