@@ -7,10 +7,8 @@
 //! | `Simulation::steps`, in [`stepping`](super::stepping) | under one mode, by steps or swings, to the first event |
 //! | `apply` | through an event, into the next regime |
 
-use std::sync::Arc;
-
 use crate::block::{Block, Body, Corner, Regime, restraints};
-use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::excitation::{Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::simulation::ending::{Ending, Progress, SimulationError};
 use crate::simulation::energies::EnergySums;
@@ -18,7 +16,7 @@ use crate::simulation::energies::EnergySums;
 use crate::simulation::follow::Rates;
 use crate::simulation::peaks::{Peaks, greater};
 use crate::simulation::settings::{OnOverturning, OnSeparation, Settings};
-use crate::simulation::state::{Counts, Pending, Simulation, Slip};
+use crate::simulation::state::{Counts, Pending, RunState, Setup, Simulation, Slip};
 use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
 use crate::system::System;
 use crate::system::beginning::Initial;
@@ -45,11 +43,10 @@ impl Simulation {
         let [least, most] = Settings::TOLERANCES;
         let flies = settings.on_separation == OnSeparation::Fly;
         let system = System { block, flies, slowest: System::SLOWEST };
-        let excitation = Excitation::from_time(time, inputs, &pulse, &block);
-        let mut simulation = Simulation {
-            system: Arc::new(system),
-            settings: Settings { tolerance: settings.tolerance.clamp(least, most), ..settings },
-            pulse,
+        let settings = Settings { tolerance: settings.tolerance.clamp(least, most), ..settings };
+        let setup = Setup { system, settings, pulse };
+        let excitation = setup.excitation(time, inputs);
+        let mut run = RunState {
             pose: system.beginning(initial, time, &excitation),
             piece: None,
             control: StepControl::NEW,
@@ -63,14 +60,14 @@ impl Simulation {
             events_in_this_instant: 0,
             pending: None,
         };
-        simulation.end_if_separated();
-        let start = simulation.now(&block, &excitation);
-        simulation.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
-        let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
+        run.end_if_separated(&setup);
+        let start = run.now(&block, &excitation);
+        run.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
+        let shown = system.released(&run.pose, &start).unwrap_or(run.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
-        simulation.peaks.include(&shown.channels_called());
-        simulation.peaks.include_restraints(&shown);
-        simulation
+        run.peaks.include(&shown.channels_called());
+        run.peaks.include_restraints(&shown);
+        Simulation { setup, run }
     }
 
     /// Advances to `until` (s) under inputs that are linear in time. Reports each event to `observer` as it happens. `until` is not before
@@ -108,7 +105,7 @@ impl Simulation {
     ) -> Result<Option<Progress>, SimulationError> {
         self.settle(inputs, observer)?;
         let progress = self.pieces(until, inputs, Some(after), observer)?;
-        Ok(self.pending.is_none().then_some(progress))
+        Ok(self.run.pending.is_none().then_some(progress))
     }
 
     /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
@@ -117,7 +114,7 @@ impl Simulation {
     /// The event leaves no regime that lasts.
     #[inline]
     pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        if self.pending.is_some() {
+        if self.run.pending.is_some() {
             self.apply_pending(inputs, observer, |_| ())?;
         }
         Ok(())
@@ -143,11 +140,11 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
         inspect: impl FnOnce(&Evaluation) -> R,
     ) -> Result<Option<R>, SimulationError> {
-        let Some(Pending { function, piece }) = self.pending.take() else { return Ok(None) };
-        let system = Arc::clone(&self.system);
-        let excitation = Excitation::from_time(piece, inputs, &self.pulse, &system.block);
-        let now = self.now(&system.block, &excitation);
-        self.apply(function, &now, observer).map(|after| Some(inspect(&after)))
+        let Some(Pending { function, piece }) = self.run.pending.take() else { return Ok(None) };
+        let Simulation { setup, run } = self;
+        let excitation = setup.excitation(piece, inputs);
+        let now = run.now(&setup.system.block, &excitation);
+        run.apply(setup, function, &now, observer).map(|after| Some(inspect(&after)))
     }
 
     /// Advances over smooth pieces of the excitation to `until` (s). Stops at the first event later than `stop_after` (s).
@@ -159,17 +156,17 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
         let mut budget = MAX_STEPS;
-        while self.pose.time < until && self.ending.is_none() {
-            let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
+        while self.run.pose.time < until && self.run.ending.is_none() {
+            let stop = self.setup.pulse.next_kink(self.run.pose.time).map_or(until, |kink| kink.min(until));
             self.smooth_piece(stop, inputs, &mut budget, stop_after, observer)?;
-            if self.pending.is_some() {
+            if self.run.pending.is_some() {
                 return Ok(Progress::Reached);
             }
         }
-        match self.ending {
+        match self.run.ending {
             Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
             _ => {
-                self.pose.time = until;
+                self.run.pose.time = until;
                 Ok(Progress::Reached)
             }
         }
@@ -184,20 +181,21 @@ impl Simulation {
         stop_after: Option<f64>,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let (system, since) = (Arc::clone(&self.system), self.pose.time);
-        let excitation = Excitation::from_time(since, inputs, &self.pulse, &system.block);
-        let mut input = StepsInput::of_piece(&system.block, &excitation, [self.within_reach(stop), stop]);
-        self.counts.evaluations += 1;
-        while self.pose.time < input.stop && self.ending.is_none() {
+        let Simulation { setup, run } = self;
+        let since = run.pose.time;
+        let excitation = setup.excitation(since, inputs);
+        let mut input = StepsInput::of_piece(setup, &excitation, [run.within_reach(&setup.system.block, stop), stop]);
+        run.counts.evaluations += 1;
+        while run.pose.time < input.stop && run.ending.is_none() {
             // No `?`, which would move the block at an event even if there is none.
-            match self.steps(&input, budget) {
+            match run.steps(&input, budget) {
                 Ok(StepsOutcome::Lasts) => {}
                 Ok(StepsOutcome::Event(function, now)) => {
-                    if stop_after.is_some_and(|after| self.stops(after, function, &now)) {
-                        self.pending = Some(Pending { function, piece: since });
+                    if stop_after.is_some_and(|after| run.stops(setup, after, function, &now)) {
+                        run.pending = Some(Pending { function, piece: since });
                         return Ok(());
                     }
-                    self.apply(function, &now, observer)?;
+                    run.apply(setup, function, &now, observer)?;
                 }
                 Err(error) => return Err(error),
             }
@@ -205,26 +203,28 @@ impl Simulation {
         }
         Ok(())
     }
+}
 
+impl RunState {
     /// Returns the stop, or an earlier one if the clock would not resolve the motion up to it. No call reaches that one: by then the block
     /// rests, or the call has failed.
-    fn within_reach(&self, stop: f64) -> f64 {
-        let Body { omega_v, p, .. } = self.block().body;
+    fn within_reach(&self, body: &Body, stop: f64) -> f64 {
+        let Body { omega_v, p, .. } = *body;
         let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
 
     /// Whether the motion stops at `now`, before an event. That event is later than `after` (s), and does not end the run.
-    fn stops(&self, after: f64, function: EventFunction, now: &Evaluation) -> bool {
+    fn stops(&self, setup: &Setup, after: f64, function: EventFunction, now: &Evaluation) -> bool {
         if now.time <= after {
             return false;
         }
-        let Transition { pose, event, .. } = self.system.transition(&self.pose, now, function);
-        let separates = pose.contacts.regime() == Regime::Separated && !self.system.flies;
+        let Transition { pose, event, .. } = setup.system.transition(&self.pose, now, function);
+        let separates = pose.contacts.regime() == Regime::Separated && !setup.system.flies;
         let ends = match event {
             None => return false,
-            Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
-            Some(_) => separates && self.settings.on_separation == OnSeparation::Terminate,
+            Some(EventKind::Overturning) => setup.settings.on_overturning == OnOverturning::Terminate,
+            Some(_) => separates && setup.settings.on_separation == OnSeparation::Terminate,
         };
         !ends
     }
@@ -232,6 +232,7 @@ impl Simulation {
     /// Applies the event at `now` of a function that fell through zero. Returns the block right after it.
     pub(super) fn apply<'a>(
         &mut self,
+        setup: &'a Setup,
         function: EventFunction,
         now: &Evaluation<'a>,
         observer: &mut dyn FnMut(&Event),
@@ -242,7 +243,7 @@ impl Simulation {
         if self.events_in_this_instant > MAX_EVENTS_IN_AN_INSTANT {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
-        let Transition { pose, event, counts, path } = self.system.transition(&self.pose, now, function);
+        let Transition { pose, event, counts, path } = setup.system.transition(&self.pose, now, function);
         if path.overflows() {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
@@ -253,7 +254,7 @@ impl Simulation {
         self.counts.liftoffs += liftoffs;
         self.counts.evaluations += evaluations + 1;
         self.sums.constraint += constraint;
-        let after = self.now(now.body, now.excitation);
+        let after = self.now(&setup.system.block, now.excitation);
         let lost = now.energy() - after.energy();
         self.sums.lose(event, lost);
         if now.regime == Regime::Separated && after.regime != Regime::Separated {
@@ -265,16 +266,16 @@ impl Simulation {
         if kind == EventKind::Overturning {
             self.ending = Some((Ending::Overturned, time));
         }
-        self.end_if_separated();
+        self.end_if_separated(setup);
         observer(&Event { time, kind, before: now.regime, after: after.regime });
         Ok(after)
     }
 
-    fn end_if_separated(&mut self) {
-        if self.regime() == Regime::Separated && !self.system.flies {
+    fn end_if_separated(&mut self, setup: &Setup) {
+        if self.pose.contacts.regime() == Regime::Separated && !setup.system.flies {
             let Pose { time, state, .. } = self.pose;
             let side = if state[0] < 0.0 { Corner::Left } else { Corner::Right };
-            self.ending = Some((Ending::at_separation(self.system.block.alpha_of(side), state[0], state[1]), time));
+            self.ending = Some((Ending::at_separation(setup.system.block.alpha_of(side), state[0], state[1]), time));
         }
     }
 }

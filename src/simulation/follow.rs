@@ -3,7 +3,6 @@
 //! Serves integration of other quantities beside the motion, such as its derivatives.
 
 use std::cell::Cell;
-use std::sync::Arc;
 
 use crate::block::{Body, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs};
@@ -87,7 +86,7 @@ pub struct Steps {
 impl Steps {
     /// The steps of a run towards `until` (s). They end earlier if the pulse begins or ends before.
     pub fn towards(simulation: &Simulation, until: f64) -> Steps {
-        let stop = simulation.pulse.next_kink(simulation.pose.time).map_or(until, |kink| kink.min(until));
+        let stop = simulation.setup.pulse.next_kink(simulation.run.pose.time).map_or(until, |kink| kink.min(until));
         Steps { stop, begins: true, budget: MAX_STEPS, kind: StepKind::Stayed }
     }
 
@@ -101,30 +100,30 @@ impl Steps {
         simulation: &mut Simulation,
         inputs: &Inputs,
     ) -> Result<Option<(&StepKind, Option<ReachedEvent>)>, SimulationError> {
-        let (time, counts) = (simulation.pose.time, simulation.counts);
-        if time >= self.stop || simulation.ending.is_some() {
+        let (time, counts) = (simulation.run.pose.time, simulation.run.counts);
+        if time >= self.stop || simulation.run.ending.is_some() {
             return Ok(None);
         }
-        let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &simulation.system.block);
-        let (system, swing) = (Arc::clone(&simulation.system), Cell::new(None));
+        let Simulation { setup, run } = &mut *simulation;
+        let (excitation, swing) = (setup.excitation(time, inputs), Cell::new(None));
         let input = StepsInput {
             begins_piece: std::mem::take(&mut self.begins),
             single: true,
             swing: Some(&swing),
-            ..StepsInput::of_piece(&system.block, &excitation, [self.stop; 2])
+            ..StepsInput::of_piece(setup, &excitation, [self.stop; 2])
         };
-        let reached = match simulation.steps(&input, &mut self.budget) {
+        let reached = match run.steps(&input, &mut self.budget) {
             Ok(StepsOutcome::Event(function, _)) => Some(function),
             Ok(StepsOutcome::Lasts) => None,
             Err(error) => return Err(error),
         };
-        simulation.pending = reached.map(|function| Pending { function, piece: time });
-        let evaluations = simulation.counts.evaluations - counts.evaluations;
-        if simulation.pose.time == time {
+        simulation.run.pending = reached.map(|function| Pending { function, piece: time });
+        let evaluations = simulation.run.counts.evaluations - counts.evaluations;
+        if simulation.run.pose.time == time {
             self.kind = StepKind::Stayed;
         } else if let Some(swing) = swing.into_inner() {
             self.kind = StepKind::Swing(swing);
-        } else if simulation.counts.steps == counts.steps {
+        } else if simulation.run.counts.steps == counts.steps {
             self.kind = StepKind::Rested;
         } else if evaluations < EVALUATIONS_PER_STEP {
             self.kind = StepKind::ShortStep;
@@ -142,8 +141,7 @@ fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &
     const DEPTH: f64 = 1e4;
     // Fraction of the fastest period over which the rates are compared.
     const NEAR: f64 = 1e-4;
-    let Simulation { system, pose, .. } = simulation;
-    let block = &system.block;
+    let (block, pose) = (simulation.block(), &simulation.run.pose);
     let rate = |pose: &Pose| {
         let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
         (function.sample(&now).rate, now)

@@ -136,6 +136,15 @@ impl Peaks {
         });
     }
 
+    /// Includes a rotation (rad) about a corner of the rigid base.
+    #[inline]
+    pub fn include_rotation(&mut self, theta: f64, body: &Body) {
+        if theta > self.theta {
+            self.theta = theta;
+            self.uplift = greater(self.uplift, libm::sin(theta) * (2.0 * body.b));
+        }
+    }
+
     /// Includes the pulls and the plastic elongations of the restraints at one instant.
     pub fn include_restraints(&mut self, now: &Evaluation) {
         for number in now.body.restraints.numbers() {

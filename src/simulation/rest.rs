@@ -3,11 +3,12 @@
 use crate::block::{Body, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
+use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
 use crate::simulation::outputs::strain;
+use crate::simulation::state::RunState;
 use crate::simulation::step::{StepsInput, StepsOutcome};
 use crate::simulation::swings::longest_swing;
-use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
@@ -103,7 +104,7 @@ impl<L: MotionMode> ForceSegment for RestSegment<'_, '_, L> {
     }
 }
 
-impl Simulation {
+impl RunState {
     /// Stays at rest while the excitation changes linearly, if no corner lifts before the end. Returns whether it did. Reactions are
     /// linear, too, and the friction demand, their quotient, has its peak at an end.
     #[inline(always)]
@@ -113,7 +114,7 @@ impl Simulation {
         input: &StepsInput,
         budget: &mut u64,
     ) -> Result<bool, SimulationError> {
-        let &StepsInput { block, excitation, stop, .. } = input;
+        let (block, &StepsInput { excitation, stop, .. }) = (input.block(), input);
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
         let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
@@ -157,7 +158,7 @@ impl Simulation {
         input: &StepsInput<'a>,
         budget: &mut u64,
     ) -> Result<Option<StepsOutcome<'a>>, SimulationError> {
-        let &StepsInput { block, excitation, stop, .. } = input;
+        let (block, &StepsInput { setup, excitation, stop, .. }) = (input.block(), input);
         let longest = longest_swing(block.p, excitation.frequency());
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
         let (upright, begin) = (State::zeros(), self.pose.time);
@@ -195,7 +196,7 @@ impl Simulation {
             self.stay(&here, &there);
             let reactions = if fraction == 1.0 { reactions } else { forces.reactions(fraction) };
             let each = UNITS.map(|unit| (&reactions, unit));
-            let numbers = [block.mass, visible(self.settings.tolerance)];
+            let numbers = [block.mass, visible(setup.settings.tolerance)];
             let segment = RestSegment { motion: &motion, span: [time, fraction, size] };
             self.peaks.raise_forces(|peaks| {
                 peaks.search(true, &segment, &each, &forces.resultant(fraction), numbers);

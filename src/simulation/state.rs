@@ -1,7 +1,5 @@
 //! The state of a run: its data, and views of them.
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::{self, States};
@@ -47,12 +45,33 @@ pub struct Slip {
 }
 
 /// A block in motion. It is a plain value: a copy continues exactly as the original does.
+///
+/// A step borrows the setup and changes the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// Shared, so that a step can borrow it while the rest of the simulation changes.
-    pub(super) system: Arc<System>,
+    pub(super) setup: Setup,
+    pub(super) run: RunState,
+}
+
+/// The block, its settings and its pulse, which no step changes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Setup {
+    pub(super) system: System,
     pub(super) settings: Settings,
     pub(super) pulse: Pulse,
+}
+
+impl Setup {
+    /// Returns the excitation from `time` (s) to the pulse's next kink.
+    #[inline(always)]
+    pub(super) fn excitation(&self, time: f64, inputs: &Inputs) -> Excitation {
+        Excitation::from_time(time, inputs, &self.pulse, &self.system.block)
+    }
+}
+
+/// The state of a run, which steps and events change.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct RunState {
     pub(super) pose: Pose,
     /// The present piece of a motion that is stepped from outside.
     pub(super) piece: Option<ExchangePiece>,
@@ -78,12 +97,21 @@ pub(super) struct Pending {
     pub(super) piece: f64,
 }
 
+impl RunState {
+    /// The block now, under this excitation.
+    #[inline]
+    pub(super) fn now<'a>(&self, body: &'a Body, excitation: &'a Excitation) -> Evaluation<'a> {
+        Motion::from_pose(body, &self.pose, excitation).at(self.pose.time, self.pose.state)
+    }
+}
+
 impl Simulation {
     /// Whether a state from outside can be resumed. Its numbers are finite, and the tolerance is within its limits. The caller, who knows
     /// the parameters, checks the block.
     pub fn is_valid(&self) -> bool {
-        let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
-        let others = [*last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
+        let Setup { settings, pulse, .. } = self.setup;
+        let RunState { pose, piece, control, sums, last_event, .. } = self.run;
+        let others = [last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
             && control.is_valid()
@@ -91,12 +119,12 @@ impl Simulation {
             && pulse.cycles >= 1.0
             && piece.is_none_or(|piece| piece.is_finite())
             && pose.is_finite()
-            && self.peaks.is_valid()
-            && self.slip.now.is_finite()
-            && self.slip.total.is_finite()
-            && self.plastic_paths.iter().all(|path| path.is_finite())
-            && self.ending.is_none_or(|(_, time)| time.is_finite())
-            && self.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
+            && self.run.peaks.is_valid()
+            && self.run.slip.now.is_finite()
+            && self.run.slip.total.is_finite()
+            && self.run.plastic_paths.iter().all(|path| path.is_finite())
+            && self.run.ending.is_none_or(|(_, time)| time.is_finite())
+            && self.run.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
             && piece.and_then(|piece| piece.foreseen).is_none_or(|foreseen| foreseen.function.is_of(self.block()))
             && sums.is_finite()
             && others.into_iter().all(f64::is_finite)
@@ -104,59 +132,59 @@ impl Simulation {
 
     /// Sets the clock without motion, to adopt the rounding of a master's clock.
     pub fn set_time(&mut self, time: f64) {
-        self.pose.time = time;
+        self.run.pose.time = time;
     }
 
     /// Lets time pass to `until` (s) for a held block. Only steps take any other block there.
     pub fn wait(&mut self, until: f64) {
         if self.is_frozen() {
-            self.pose.time = until;
+            self.run.pose.time = until;
         }
     }
 
     /// Present time (s).
     pub fn time(&self) -> f64 {
-        self.pose.time
+        self.run.pose.time
     }
 
     /// Present state `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`crate::system::dynamics`].
     pub fn state(&self) -> &State {
-        &self.pose.state
+        &self.run.pose.state
     }
 
     /// Present regime. After a jump of the inputs a block on the rigid base may lift in this instant;
     /// [`Simulation::observe`] shows the regime after it.
     pub fn regime(&self) -> Regime {
-        self.pose.contacts.regime()
+        self.run.pose.contacts.regime()
     }
 
     /// The block.
     pub fn block(&self) -> &Block {
-        &self.system.block
+        &self.setup.system.block
     }
 
     /// The reason and the time of the end of the run, if it ended.
     pub fn ending(&self) -> Option<(Ending, f64)> {
-        self.ending
+        self.run.ending
     }
 
     /// Counters since the start.
     pub fn counts(&self) -> Counts {
-        self.counts
+        self.run.counts
     }
 
     /// Greatest values since the start.
     pub fn peaks(&self) -> Peaks {
-        self.peaks
+        self.run.peaks
     }
 
     /// The slip of the foot since the start.
     pub fn slip(&self) -> Slip {
-        let Slip { now, total } = self.slip;
+        let Slip { now, total } = self.run.slip;
         // A solver outside may be within a step.
-        match self.piece.and_then(|piece| piece.last) {
+        match self.run.piece.and_then(|piece| piece.last) {
             Some(last) if self.slides() => {
-                let path = self.foot_place(&self.pose) - self.foot_place(&last);
+                let path = self.foot_place(&self.run.pose) - self.foot_place(&last);
                 Slip { now: now + path, total: total + path.abs() }
             }
             _ => Slip { now, total },
@@ -170,75 +198,69 @@ impl Simulation {
     /// Whether the foot slides now. After a jump of the inputs it may begin to slide in this instant, which
     /// [`Simulation::slides_under`] tells.
     pub fn slides(&self) -> bool {
-        !self.pose.footing.grips() && self.regime() != Regime::Separated && !self.is_frozen()
+        self.run.pose.slides() && !self.is_frozen()
     }
 
     /// The horizontal hold.
     pub fn footing(&self) -> Footing<f64> {
-        self.pose.footing
+        self.run.pose.footing
     }
 
     /// Time of the last event (s); the start if there was none.
     pub fn last_event(&self) -> f64 {
-        self.last_event
+        self.run.last_event
     }
 
     /// The block now.
     pub fn pose(&self) -> &Pose {
-        &self.pose
+        &self.run.pose
     }
 
     /// The block and the rules by which it moves.
     pub fn system(&self) -> &System {
-        &self.system
+        &self.setup.system
     }
 
     /// The pulse.
     pub fn pulse(&self) -> &Pulse {
-        &self.pulse
+        &self.setup.pulse
     }
 
     /// Whether the motion has stopped at an event that has not been applied.
     pub fn is_at_event(&self) -> bool {
-        self.pending.is_some()
+        self.run.pending.is_some()
     }
 
     /// Whether the block is at rest and stays so under these inputs.
     pub fn rests(&self, inputs: &Inputs) -> bool {
         let (block, excitation) = (self.block(), self.excitation(inputs));
-        let lasts = excitation.is_constant() && self.pulse.next_kink(self.pose.time).is_none();
-        self.is_frozen() || lasts && self.now(block, &excitation).rests()
-    }
-
-    /// The block now, under this excitation.
-    #[inline]
-    pub(super) fn now<'a>(&self, body: &'a Body, excitation: &'a Excitation) -> Evaluation<'a> {
-        Motion::from_pose(body, &self.pose, excitation).at(self.pose.time, self.pose.state)
+        let lasts = excitation.is_constant() && self.setup.pulse.next_kink(self.run.pose.time).is_none();
+        self.is_frozen() || lasts && self.run.now(block, &excitation).rests()
     }
 
     /// Whether the run has ended and the block is held, without motion or support.
     pub fn is_frozen(&self) -> bool {
-        match self.ending {
+        match self.run.ending {
             None => false,
-            Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
-            Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
+            Some((Ending::Separated | Ending::Toppled, _)) => self.setup.settings.on_separation == OnSeparation::Hold,
+            Some((Ending::Overturned, _)) => self.setup.settings.on_overturning == OnOverturning::Hold,
         }
     }
 
     /// The states of the restraints.
     pub fn restraints(&self) -> States {
-        self.pose.restraints
+        self.run.pose.restraints
     }
 
     /// The plastic elongations of the restraints (m), by their numbers, positive for longer ones.
     pub fn plastic_elongations(&self) -> [f64; restraints::MAX] {
-        self.now(self.block(), &Excitation::none()).plastic_elongations()
+        self.run.now(self.block(), &Excitation::none()).plastic_elongations()
     }
 
     /// Energy lost by yielding of the restraint with this number since the start (J). It is the yield force times the path of its plastic
     /// elongation, up to the last step.
     pub fn plastic_work(&self, number: usize) -> f64 {
-        self.plastic_paths[number] * restraints::yield_force(self.block(), number)
+        self.run.plastic_paths[number] * restraints::yield_force(self.block(), number)
     }
 
     /// The observed quantities right after these inputs begin to act. A corner that the rigid base would have to pull has lifted. The next
@@ -263,7 +285,7 @@ impl Simulation {
     /// [`Simulation::observe`] with exact derivatives in the dual parts. The components of the direction are the values of `direction` and
     /// `time`. State and regime are kept.
     pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
-        let time = if self.ending.is_some() { 0.0 } else { time };
+        let time = if self.run.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(direction, time);
         let seen = self.shown(inputs, |now| now.observe_direction(direction, time));
         if self.is_frozen() { seen.frozen() } else { seen }
@@ -273,19 +295,19 @@ impl Simulation {
     pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
         let block = self.block();
         let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
-        let pulse = Excitation::from_time(self.piece_time(), &Inputs::default(), &self.pulse, block);
-        Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
+        let pulse = self.setup.excitation(self.piece_time(), &Inputs::default());
+        Forcing { x: given.x + time * pulse.rate_at(self.run.pose.time).x, ..given }
     }
 
     /// Passes the block right after these inputs have begun to act to `inspect`.
     pub(super) fn shown<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
-        let (Simulation { system, pose, .. }, block) = (self, self.block());
+        let (block, pose) = (self.block(), &self.run.pose);
         let excitation = self.excitation(inputs);
-        let mut now = self.now(block, &excitation);
-        if let Some((_, ended)) = self.ending {
+        let mut now = self.run.now(block, &excitation);
+        if let Some((_, ended)) = self.run.ending {
             // Under a block that is held the supports are, too.
             now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
-        } else if let Some(released) = system.released(pose, &now) {
+        } else if let Some(released) = self.setup.system.released(pose, &now) {
             now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
         }
         inspect(&now)
@@ -294,8 +316,8 @@ impl Simulation {
     /// Energies and their sums now (J).
     pub fn energies(&self) -> Energies {
         let (block, excitation) = (self.block(), Excitation::none());
-        let now = self.now(block, &excitation);
-        self.sums.energies(energy(block, now.regime, &now.forcing, &now.instant), block.mass)
+        let now = self.run.now(block, &excitation);
+        self.run.sums.energies(energy(block, now.regime, &now.forcing, &now.instant), block.mass)
     }
 
     /// Rates at which the energies and their sums change now (W).
@@ -313,6 +335,6 @@ impl Simulation {
 
     /// Derivatives of the beginning in the direction of `start`. The values of `start` are those from which this block began.
     pub fn initial_sensitivity(&self, start: &Start) -> InitialDerivatives {
-        start.derivatives(&self.system, self.is_frozen())
+        start.derivatives(&self.setup.system, self.is_frozen())
     }
 }

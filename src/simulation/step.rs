@@ -7,6 +7,7 @@ use crate::excitation::Excitation;
 use crate::numerics::control::{Attempt, is_resolved};
 use crate::numerics::dop853::DenseStep;
 use crate::simulation::SimulationError;
+use crate::simulation::state::Setup;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::EventFunction;
 use crate::system::swing::Swing;
@@ -17,7 +18,7 @@ pub(super) const MAX_STEPS: u64 = 2_000_000;
 /// Steps over a smooth piece of the excitation, beside the state of the run.
 #[derive(Clone, Copy)]
 pub(super) struct StepsInput<'a> {
-    pub(super) block: &'a Block,
+    pub(super) setup: &'a Setup,
     pub(super) excitation: &'a Excitation,
     /// Where steps end (s).
     pub(super) stop: f64,
@@ -59,9 +60,9 @@ pub(super) enum StepsOutcome<'a> {
 
 impl<'a> StepsInput<'a> {
     /// Describes all steps under the present mode from here to a stop (s).
-    pub(super) fn of_piece(block: &'a Block, excitation: &'a Excitation, [stop, end]: [f64; 2]) -> StepsInput<'a> {
+    pub(super) fn of_piece(setup: &'a Setup, excitation: &'a Excitation, [stop, end]: [f64; 2]) -> StepsInput<'a> {
         StepsInput {
-            block,
+            setup,
             excitation,
             stop,
             end,
@@ -70,6 +71,12 @@ impl<'a> StepsInput<'a> {
             first: FirstStep::Open,
             swing: None,
         }
+    }
+
+    /// The block.
+    #[inline(always)]
+    pub(super) fn block(&self) -> &'a Block {
+        &self.setup.system.block
     }
 
     /// Takes a step from the budget of a call.

@@ -4,13 +4,14 @@ use crate::block::{Foundation, Regime};
 use crate::numerics::control::{Attempt, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor};
 use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
+use crate::simulation::SimulationError;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::greater;
+use crate::simulation::state::RunState;
 use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
 use crate::simulation::step_interior::{
     Between, EventCrossing, MAX_TURN, SMALL_TURN, StepInterior, event_time, first_event, may_hold_event, turn_in_flight,
 };
-use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::{DAMPED, EXTENDED, Evaluation, Motion};
 use crate::system::events::EventFunction;
 use crate::system::instant::{Pose, Powers, State};
@@ -45,7 +46,7 @@ const SHORTEST_RISE: f64 = 1e-10;
 /// The fraction of a step that the clock must resolve for a shorter one to be tried.
 const MIN_SHORTENED: f64 = 1e-2;
 
-impl Simulation {
+impl RunState {
     /// Steps under the present mode to its first event or end, or the piece's end.
     #[inline(always)]
     pub(super) fn steps<'a>(
@@ -53,9 +54,10 @@ impl Simulation {
         input: &StepsInput<'a>,
         budget: &mut u64,
     ) -> Result<StepsOutcome<'a>, SimulationError> {
-        let mode = AnyMode::of(input.block, &self.pose);
+        let block = input.block();
+        let mode = AnyMode::of(block, &self.pose);
         match mode.extended() {
-            Some(mode) if input.block.restraints.has_dampers() => self.steps_under::<DAMPED>(mode, input, None, budget),
+            Some(mode) if block.restraints.has_dampers() => self.steps_under::<DAMPED>(mode, input, None, budget),
             Some(mode) => self.steps_under::<EXTENDED>(mode, input, None, budget),
             None => {
                 let made = if let FirstStep::Made(step) = input.first { Some(step) } else { None };
@@ -73,7 +75,7 @@ impl Simulation {
         mut made: Option<&DenseStep<N>>,
         budget: &mut u64,
     ) -> Result<StepsOutcome<'a>, SimulationError> {
-        let &StepsInput { block, excitation, stop, .. } = input;
+        let (block, &StepsInput { setup, excitation, stop, .. }) = (input.block(), input);
         if let Some(pivot) = mode.pivot()
             && excitation.has_series()
         {
@@ -90,7 +92,7 @@ impl Simulation {
         let may_have_fallen = mode.foundation() == Foundation::Rigid || mode.has_friction();
         if input.begins_piece
             && may_have_fallen
-            && let Some(function) = self.system.fallen(&here)
+            && let Some(function) = setup.system.fallen(&here)
         {
             return Ok(StepsOutcome::Event(function, here));
         }
@@ -101,7 +103,7 @@ impl Simulation {
         {
             return Ok(outcome);
         }
-        let limits = Limits::of(block, self.settings.tolerance, mode, excitation.frequency());
+        let limits = Limits::of(block, setup.settings.tolerance, mode, excitation.frequency());
         let (mut may_be_short, mut attempt) = match input.first {
             FirstStep::Open | FirstStep::Swing(_) => (true, None),
             FirstStep::NotShort | FirstStep::Made(_) => (false, None),
@@ -125,7 +127,7 @@ impl Simulation {
             let step = match made.take() {
                 Some(step) => step,
                 None => {
-                    own = self.accepted_step(stop, &motion, &here, &limits, attempt.take(), short)?;
+                    own = self.accepted_step(input, &motion, &here, &limits, attempt.take(), short)?;
                     &own
                 }
             };
@@ -207,7 +209,7 @@ impl Simulation {
     #[inline(always)]
     fn accepted_step<'a, L: MotionMode, const N: usize>(
         &mut self,
-        stop: f64,
+        input: &StepsInput,
         motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits<N>,
@@ -215,7 +217,7 @@ impl Simulation {
         short: ShortStepTo,
     ) -> Result<DenseStep<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
-        let time = here.time;
+        let (time, &StepsInput { setup, stop, .. }) = (here.time, input);
         let shortest = shortest(time, stop);
         let mut attempt =
             attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest).instead_of(short));
@@ -241,7 +243,7 @@ impl Simulation {
             let size = attempt.size;
             if size < shortest {
                 return Err(if here.rate.state.is_finite() && error.is_finite() {
-                    SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
+                    SimulationError::StepTooSmall { time, size, tolerance: setup.settings.tolerance }
                 } else {
                     SimulationError::NotFinite { time }
                 });
@@ -318,7 +320,7 @@ impl Simulation {
 
     /// Includes the slip of the foot in a step.
     pub(super) fn accumulate_slip(&mut self, here: &Evaluation, there: &Evaluation) {
-        if self.slides() {
+        if self.pose.slides() {
             let path = there.foot_place() - here.foot_place();
             self.slip.now += path;
             self.slip.total += path.abs();

@@ -1,15 +1,15 @@
 //! A block that turns about a corner of the rigid base → swings, each to the next event or to the end of the piece.
 
-use crate::block::{Block, Corner};
+use crate::block::{Block, Body, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::bernstein::{Pair, Zero};
 use crate::numerics::control::LONGEST;
+use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, PRESSED, UNITS, visible};
-use crate::simulation::peaks::greater;
+use crate::simulation::state::RunState;
 use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
 use crate::simulation::step_interior::{Between, StepInterior, event_time};
 use crate::simulation::stepping::{Finished, StepEnd};
-use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
 use crate::system::instant::State;
@@ -72,6 +72,8 @@ struct ActingSwing<'a> {
     mass: f64,
     /// Its beginning (s).
     time: f64,
+    /// See [`visible`].
+    visible: f64,
 }
 
 impl ActingSwing<'_> {
@@ -98,24 +100,15 @@ impl ForceSegment for SwingPart<'_> {
     }
 }
 
-impl Simulation {
-    /// Includes a rotation (rad) about a corner in the peaks.
-    #[inline]
-    pub(super) fn raise_rotation(&mut self, theta: f64) {
-        if theta > self.peaks.theta {
-            self.peaks.theta = theta;
-            self.peaks.uplift = greater(self.peaks.uplift, libm::sin(theta) * (2.0 * self.system.block.b));
-        }
-    }
-
+impl RunState {
     /// Includes the greatest rotation inside a swing, up to a fraction.
     #[inline(always)]
-    fn raise_highest(&mut self, swing: &Swing, bounds: &Bounds, pivot: Corner, fraction: f64) {
+    fn raise_highest(&mut self, swing: &Swing, bounds: &Bounds, pivot: Corner, fraction: f64, body: &Body) {
         if !bounds.is_greatest_at_end
             && bounds.theta > self.peaks.theta
             && let Some(highest) = swing.highest(pivot, bounds, fraction, self.peaks.theta)
         {
-            self.raise_rotation(swing.at(highest)[0].abs());
+            self.peaks.include_rotation(swing.at(highest)[0].abs(), body);
         }
     }
 
@@ -128,9 +121,10 @@ impl Simulation {
         input: &StepsInput<'a>,
         budget: &mut u64,
     ) -> Result<StepsOutcome<'a>, SimulationError> {
-        let &StepsInput { block, excitation, stop, mut begins_piece, .. } = input;
+        let (block, &StepsInput { setup, excitation, stop, mut begins_piece, .. }) = (input.block(), input);
+        let tolerance = setup.settings.tolerance;
         let longest = longest_swing(block.p, excitation.frequency());
-        let (allowed, pivoting) = (allowed_error(block, self.settings.tolerance), Pivoting::of(block, pivot));
+        let (allowed, pivoting) = (allowed_error(block, tolerance), Pivoting::of(block, pivot));
         let mut most = longest;
         let mut known = if let FirstStep::Swing(swing) = input.first { Some(swing) } else { None };
         loop {
@@ -154,7 +148,8 @@ impl Simulation {
             if !peaks.are_above::<bool>(bounds.reaction, bounds.horizontal, [block.mass, block.gravity]) {
                 segment = segment.and_then(|segment| {
                     let next_is_swing = !lasts && segment.function.is_none();
-                    let acting = ActingSwing { pivoting: &pivoting, excitation, swing, mass: block.mass, time };
+                    let (pivoting, mass, visible) = (&pivoting, block.mass, visible(tolerance));
+                    let acting = ActingSwing { pivoting, excitation, swing, mass, time, visible };
                     match self.accumulate_forces(&acting, segment.fraction, next_is_swing) {
                         Zero::None => Some(segment),
                         Zero::At(fraction) => {
@@ -173,15 +168,15 @@ impl Simulation {
             let [theta, theta_dot] = swing.at(fraction);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
             if segment.is_some() {
-                self.raise_highest(swing, &bounds, pivot, fraction);
-                self.commit_swing(end, state, swing.work(fraction));
+                self.raise_highest(swing, &bounds, pivot, fraction, block);
+                self.commit_swing(end, state, swing.work(fraction), block);
             } else {
                 let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
-                if begins_piece && let Some(function) = self.system.fallen(&here) {
+                if begins_piece && let Some(function) = setup.system.fallen(&here) {
                     self.counts.steps -= 1;
                     return Ok(StepsOutcome::Event(function, here));
                 }
-                match self.examine(mode, swing, fraction, end, &mut here)? {
+                match self.examine(mode, swing, fraction, end, &mut here, tolerance)? {
                     Finished::TooLong(size) => {
                         most = size;
                         continue;
@@ -206,7 +201,7 @@ impl Simulation {
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
     fn accumulate_forces(&mut self, acting: &ActingSwing, mut fraction: f64, next_is_swing: bool) -> Zero {
-        let &ActingSwing { pivoting: &Pivoting { gravity, .. }, swing, mass, .. } = acting;
+        let &ActingSwing { pivoting: &Pivoting { gravity, .. }, swing, mass, visible, .. } = acting;
         let (pressed, mut lift_off) = (PRESSED * gravity, Zero::None);
         let mut forces = swing.forces(fraction, gravity);
         if !forces.coefficients().iter().all(|&[n, _]| n > pressed) {
@@ -223,18 +218,17 @@ impl Simulation {
                 Zero::Unclear => return Zero::Unclear,
             }
         }
-        let numbers = [mass, visible(self.settings.tolerance)];
         let with_end = lift_off != Zero::None || !next_is_swing;
         self.counts.evaluations += self.peaks.raise_forces(|peaks| {
-            peaks.raise(true, &SwingPart(*acting, fraction), &forces, numbers, with_end);
+            peaks.raise(true, &SwingPart(*acting, fraction), &forces, [mass, visible], with_end);
         });
         lift_off
     }
 
     /// Comes to the end of a swing in which nothing happens.
     #[inline(always)]
-    fn commit_swing(&mut self, end: f64, state: State, work: f64) {
-        self.raise_rotation(state[0].abs());
+    fn commit_swing(&mut self, end: f64, state: State, work: f64, body: &Body) {
+        self.peaks.include_rotation(state[0].abs(), body);
         self.sums.input += work;
         self.pose.state = state;
         if end > self.pose.time {
@@ -252,6 +246,7 @@ impl Simulation {
         fraction: f64,
         end: f64,
         here: &mut Evaluation,
+        tolerance: f64,
     ) -> Result<Finished, SimulationError> {
         let (time, block, excitation) = (here.time, here.body, here.excitation);
         let motion = Motion::<_, 4>::under(mode, block, &self.pose, excitation);
@@ -263,8 +258,7 @@ impl Simulation {
             return Err(SimulationError::NotFinite { time });
         }
         if end <= time && fraction == 1.0 {
-            let (size, tolerance) = (swing.size, self.settings.tolerance);
-            return Err(SimulationError::StepTooSmall { time, size, tolerance });
+            return Err(SimulationError::StepTooSmall { time, size: swing.size, tolerance });
         }
         let longest = longest_swing(block.p, excitation.frequency());
         let step_end = StepEnd { state, work: [swing.work(fraction), 0.0].into(), longest };

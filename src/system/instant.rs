@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::restraints::States;
-use crate::block::{Body, Contacts, Corner, Kinematics, StandingSlide};
+use crate::block::{Body, Contacts, Corner, Kinematics, Regime, StandingSlide};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -171,6 +171,11 @@ impl<T> Pose<T> {
 }
 
 impl Pose {
+    /// Whether the foot slides.
+    pub fn slides(&self) -> bool {
+        !self.footing.grips() && self.contacts.regime() != Regime::Separated
+    }
+
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let Pose { time, state, contacts, footing, restraints } = self;

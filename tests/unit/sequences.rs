@@ -236,27 +236,27 @@ fn a_state_with_a_nan_is_refused() {
         let changed: Vec<&String> = was.iter().zip(&is).filter(|(was, is)| was != is).map(|(_, is)| &is.0).collect();
         let [place] = changed[..] else { continue };
         // The caller checks the parameters of the block.
-        if is.iter().any(|(of, value)| of == place && value.is_null()) && !place.starts_with("/system/") {
+        if is.iter().any(|(of, value)| of == place && value.is_null()) && !place.starts_with("/setup/system/") {
             assert!(!forged.is_valid(), "{place}");
             refused.insert(place.clone());
         }
         // A step or pulse of zero length makes no progress.
-        if number == 0.0 && ["/control/short_size", "/pulse/period"].contains(&place.as_str()) {
+        if number == 0.0 && ["/run/control/short_size", "/setup/pulse/period"].contains(&place.as_str()) {
             assert!(!forged.is_valid(), "{place} is zero");
             refused.insert(format!("{place} of zero"));
         }
     }
-    for place in ["/control/short_size of zero", "/pulse/period of zero"] {
+    for place in ["/run/control/short_size of zero", "/setup/pulse/period of zero"] {
         assert!(refused.contains(place), "{place} is not among {refused:?}");
     }
     for place in [
-        "/pose/time",
-        "/pose/footing/Free/u",
-        "/pose/contacts/0/Lifted/depth",
-        "/piece/offsets/3",
-        "/pulse/period",
-        "/peaks/theta",
-        "/peaks/friction_demand",
+        "/run/pose/time",
+        "/run/pose/footing/Free/u",
+        "/run/pose/contacts/0/Lifted/depth",
+        "/run/piece/offsets/3",
+        "/setup/pulse/period",
+        "/run/peaks/theta",
+        "/run/peaks/friction_demand",
     ] {
         assert!(refused.contains(place), "{place} is not among {refused:?}");
     }

@@ -16,29 +16,29 @@ const TOLERANCE_AHEAD: f64 = 1e-12;
 impl Simulation {
     /// The next event, if it is known.
     pub(super) fn foreseen(&self) -> Option<Foreseen> {
-        self.piece.and_then(|piece| piece.foreseen)
+        self.run.piece.and_then(|piece| piece.foreseen)
     }
 
     /// The next event under these inputs, if it comes soon and before `until` (s).
     pub(super) fn foresee(&self, inputs: &Inputs, until: f64) -> Option<Foreseen> {
-        if self.ending.is_some() {
+        if self.run.ending.is_some() {
             return None;
         }
         let horizon = FORESIGHT / self.block().p;
-        let stops = [Some(self.pose.time + horizon), Some(until), self.pulse.next_kink(self.pose.time)];
+        let stops = [Some(self.run.pose.time + horizon), Some(until), self.setup.pulse.next_kink(self.run.pose.time)];
         let mut ahead = self.clone();
-        ahead.settings.tolerance = TOLERANCE_AHEAD;
+        ahead.setup.settings.tolerance = TOLERANCE_AHEAD;
         let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
-        ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
-        let Pending { function, .. } = ahead.pending?;
+        ahead.advance_to_event(stop, self.run.pose.time, inputs, &mut |_| ()).ok()?;
+        let Pending { function, .. } = ahead.run.pending?;
         // A corner may be held or let go on the way, which is not reported.
-        let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
-        direct.then_some(Foreseen { pose: ahead.pose, function, peaks: ahead.peaks, inputs: *inputs })
+        let direct = ahead.run.pose.contacts == self.run.pose.contacts && ahead.run.last_event == self.run.last_event;
+        direct.then_some(Foreseen { pose: ahead.run.pose, function, peaks: ahead.run.peaks, inputs: *inputs })
     }
 
     /// Forgets an event that was foreseen under other inputs than these.
     pub fn change_inputs(&mut self, inputs: &Inputs) {
-        if let Some(piece) = &mut self.piece {
+        if let Some(piece) = &mut self.run.piece {
             piece.foreseen = piece.foreseen.filter(|foreseen| foreseen.inputs == *inputs);
         }
     }
@@ -46,6 +46,6 @@ impl Simulation {
     /// The next time (s) at which the importer has to stop. It is the first kink of the pulse, or a foreseen event.
     pub fn next_stop(&self) -> Option<f64> {
         let foreseen = self.foreseen().map(|foreseen| foreseen.pose.time);
-        [self.pulse.next_kink(self.pose.time), foreseen].into_iter().flatten().reduce(f64::min)
+        [self.setup.pulse.next_kink(self.run.pose.time), foreseen].into_iter().flatten().reduce(f64::min)
     }
 }

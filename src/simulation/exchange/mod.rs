@@ -7,8 +7,6 @@
 mod foresight;
 pub(super) mod piece;
 
-use std::sync::Arc;
-
 use crate::block::{Block, Body, Foundation};
 use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
@@ -16,6 +14,7 @@ use crate::numerics::dual::Dual64;
 use crate::numerics::roots::Sample;
 use crate::simulation::energies::{WORKS, powers};
 use crate::simulation::outputs::{Observation, observe};
+use crate::simulation::state::RunState;
 use crate::simulation::step_interior::{Between, StepInterior};
 use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::{foot_height, instant, instant_held};
@@ -54,25 +53,25 @@ impl Simulation {
     ///
     /// Only the restraints that the FMU has, the first ones, have indicators. Step a block with more by [`Simulation::advance`].
     pub fn begin_exchange(&mut self) {
-        let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
-        self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });
+        let (since, offsets) = (self.run.pose.time, [IDLE; INDICATORS]);
+        self.run.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });
     }
 
     /// Beginning of the present smooth piece of the excitation (s).
     pub fn piece_time(&self) -> f64 {
-        self.piece.map_or(self.pose.time, |piece| piece.since)
+        self.run.piece.map_or(self.run.pose.time, |piece| piece.since)
     }
 
     /// The excitation of the present smooth piece.
     pub(super) fn excitation(&self, inputs: &Inputs) -> Excitation {
-        Excitation::from_time(self.piece_time(), inputs, &self.pulse, self.block())
+        self.setup.excitation(self.piece_time(), inputs)
     }
 
     /// The continuous states; without rates once the block is held.
     pub fn states(&self, inputs: &Inputs) -> ContinuousStates {
         let (block, excitation) = (self.block(), self.excitation(inputs));
-        let x = self.now(block, &excitation).instant;
-        let works = self.sums.works().map(|work| work * block.mass);
+        let x = self.run.now(block, &excitation).instant;
+        let works = self.run.sums.works().map(|work| work * block.mass);
         let [theta_dot, v_dot, u_dot] = if self.is_frozen() { [0.0; 3] } else { [x.theta_dot, x.v_dot, x.u_dot] };
         with_works([x.theta, theta_dot, x.v, v_dot, x.u, u_dot], works)
     }
@@ -81,52 +80,52 @@ impl Simulation {
     /// energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &ContinuousStates) {
         let [theta, theta_dot, v, v_dot, u, u_dot, ref works @ ..] = *states;
-        let (system, regime) = (Arc::clone(&self.system), self.regime());
-        let block = &system.block;
-        if time != self.pose.time {
-            self.events_in_this_instant = 0;
+        let (block, regime) = (&self.setup.system.block, self.regime());
+        if time != self.run.pose.time {
+            self.run.events_in_this_instant = 0;
         }
-        self.pose.time = time;
-        let held = self.is_frozen().then_some(self.pose);
+        self.run.pose.time = time;
+        let held = self.is_frozen().then_some(self.run.pose);
         let [w, w_dot] = foot_height(block, regime, [theta, theta_dot, v, v_dot]);
-        self.pose.state = State::from([theta, theta_dot, w, w_dot]);
-        self.pose.footing = match self.pose.footing {
+        self.run.pose.state = State::from([theta, theta_dot, w, w_dot]);
+        self.run.pose.footing = match self.run.pose.footing {
             grips @ Footing::Grips { .. } => grips,
             Footing::Free { .. } => Footing::Free { u, u_dot },
             Footing::Slides { direction, .. } => Footing::Slides { u, u_dot, direction },
         };
         if let Some(held) = held {
-            (self.pose.state[1], self.pose.state[3]) = (held.state[1], held.state[3]);
+            (self.run.pose.state[1], self.run.pose.state[3]) = (held.state[1], held.state[3]);
             if let (
                 Footing::Free { u_dot, .. } | Footing::Slides { u_dot, .. },
                 Footing::Free { u_dot: at_end, .. } | Footing::Slides { u_dot: at_end, .. },
-            ) = (&mut self.pose.footing, held.footing)
+            ) = (&mut self.run.pose.footing, held.footing)
             {
                 *u_dot = at_end;
             }
         }
-        self.sums = self.sums.with_works(works.map(|work| work / block.mass));
+        self.run.sums = self.run.sums.with_works(works.map(|work| work / block.mass));
     }
 
     /// The derivatives of the states, per second; zeros once the run has ended.
     pub fn derivatives(&self, inputs: &Inputs) -> ContinuousStates {
-        if self.ending.is_some() {
+        if self.run.ending.is_some() {
             return [0.0; STATES];
         }
         let (block, excitation) = (self.block(), self.excitation(inputs));
-        let now = self.now(block, &excitation);
+        let now = self.run.now(block, &excitation);
         let x = &now.instant;
         with_works([x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot], powers(&now))
     }
 
     /// The event indicators: an event is due where one falls below zero.
     pub fn indicators(&self, inputs: &Inputs) -> [f64; INDICATORS] {
-        if self.ending.is_some() || self.foreseen().is_some_and(|foreseen| self.pose.time < foreseen.pose.time) {
+        if self.run.ending.is_some() || self.foreseen().is_some_and(|foreseen| self.run.pose.time < foreseen.pose.time)
+        {
             return [IDLE; INDICATORS];
         }
         let (block, excitation) = (self.block(), self.excitation(inputs));
-        let now = self.now(block, &excitation);
-        let offsets = self.piece.map_or([IDLE; INDICATORS], |piece| piece.offsets);
+        let now = self.run.now(block, &excitation);
+        let offsets = self.run.piece.map_or([IDLE; INDICATORS], |piece| piece.offsets);
         let surfaces = self.all_surfaces().into_iter().zip(offsets);
         let mut indicators = [IDLE; INDICATORS];
         for (indicator, (function, offset)) in indicators.iter_mut().zip(surfaces) {
@@ -136,7 +135,7 @@ impl Simulation {
     }
 
     fn all_surfaces(&self) -> [Option<EventFunction>; INDICATORS] {
-        let mode = AnyMode::of(self.block(), &self.pose);
+        let mode = AnyMode::of(self.block(), &self.run.pose);
         let beyond = extended_event_functions(mode, self.block());
         let mut all = watched(mode).into_iter().chain(beyond);
         std::array::from_fn(|_| all.next().flatten())
@@ -153,85 +152,69 @@ impl Simulation {
         until: f64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let offsets = self.piece.map(|piece| piece.offsets);
-        let foreseen = self.foreseen().filter(|foreseen| foreseen.pose.time == self.pose.time);
+        let offsets = self.run.piece.map(|piece| piece.offsets);
+        let foreseen = self.foreseen().filter(|foreseen| foreseen.pose.time == self.run.pose.time);
         self.begin_exchange();
-        let system = Arc::clone(&self.system);
-        let block = &system.block;
+        let block = &self.setup.system.block;
         let excitation = self.excitation(inputs);
         if let Some(Foreseen { pose, peaks, .. }) = foreseen {
-            (self.pose, self.peaks) = (pose, peaks);
+            (self.run.pose, self.run.peaks) = (pose, peaks);
         }
-        let mut now = self.now(block, &excitation);
+        let mut now = self.run.now(block, &excitation);
         if let Some(Foreseen { function, .. }) = foreseen {
-            now = self.apply(function, &now, observer)?;
+            now = self.run.apply(&self.setup, function, &now, observer)?;
         }
         // At the beginning no offset is known.
         let mut offsets =
             offsets.filter(|o| foreseen.is_none() && *o != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
-        while self.ending.is_none() {
+        while self.run.ending.is_none() {
             let surfaces = self.all_surfaces().into_iter().zip(offsets);
             let fallen = surfaces.filter_map(|(function, offset)| {
                 let below = indicator_of(function?, &now, offset);
                 (below <= 0.0).then_some((function?, below))
             });
             let Some((function, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            now = self.apply(function, &now, observer)?;
+            now = self.run.apply(&self.setup, function, &now, observer)?;
             offsets = self.offsets(&now);
         }
-        self.peaks.include(&now.channels_called());
-        let (since, last, foreseen) = (self.pose.time, Some(self.pose), self.foresee(inputs, until));
-        self.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
+        self.run.peaks.include(&now.channels_called());
+        let (since, last, foreseen) = (self.run.pose.time, Some(self.run.pose), self.foresee(inputs, until));
+        self.run.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
     }
 
     /// Time (s) of the last completed step, or of a later event.
     pub fn last_completed(&self) -> f64 {
-        self.piece.and_then(|piece| piece.last).map_or(self.pose.time, |last| last.time)
+        self.run.piece.and_then(|piece| piece.last).map_or(self.run.pose.time, |last| last.time)
     }
 
     /// Includes the peaks since the last call. `inputs` are linear in time over that step.
     ///
     /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
     pub fn complete_step(&mut self, inputs: &Inputs) {
-        if self.ending.is_some() {
+        if self.run.ending.is_some() {
             return;
         }
-        let (system, excitation) = (Arc::clone(&self.system), self.excitation(inputs));
-        let block = &system.block;
-        let there = self.now(block, &excitation);
+        let (block, excitation) = (&self.setup.system.block, self.excitation(inputs));
+        let there = self.run.now(block, &excitation);
         let channels = there.channels_called();
         if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
             return;
         }
-        let last = self.piece.and_then(|piece| piece.last);
+        let last = self.run.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
             let mode = AnyMode::of(block, &last);
             match mode.extended() {
                 Some(mode) => {
-                    self.accumulate_step::<EXTENDED>(Motion::under(mode, block, &last, &excitation), &last, &there)
+                    self.run.accumulate_step::<EXTENDED>(Motion::under(mode, block, &last, &excitation), &last, &there)
                 }
-                None => self.accumulate_step::<4>(Motion::under(mode, block, &last, &excitation), &last, &there),
+                None => self.run.accumulate_step::<4>(Motion::under(mode, block, &last, &excitation), &last, &there),
             }
         }
-        self.peaks.include(&channels);
-        if let Some(piece) = &mut self.piece {
-            piece.last = Some(self.pose);
+        self.run.peaks.include(&channels);
+        if let Some(piece) = &mut self.run.piece {
+            piece.last = Some(self.run.pose);
         }
-    }
-
-    /// Includes the peaks of a step from the pose `last` to `there`.
-    fn accumulate_step<const N: usize>(&mut self, motion: Motion<impl MotionMode, N>, last: &Pose, there: &Evaluation) {
-        let here = motion.at(last.time, motion.state_at(last));
-        let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
-        let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
-        // An importer may take steps of any length, so the rates of all channels are compared.
-        let near = 0.0;
-        let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
-        inside.include_in(&mut self.peaks, &here, there, near);
-        self.accumulate_slip(&here, there);
-        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at_called(elapsed));
-        self.accumulate_plastic(&here, there);
     }
 
     /// The observation and the energies, with exact derivatives in a direction. Its components are `states`, the values of `inputs`, and
@@ -248,9 +231,9 @@ impl Simulation {
         if self.is_frozen() {
             (states[1], states[3], states[5]) = (0.0, 0.0, 0.0);
         }
-        let time = if self.ending.is_some() { 0.0 } else { time };
+        let time = if self.run.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(inputs, time);
-        let now = self.now(block, &excitation);
+        let now = self.run.now(block, &excitation);
         let x = &now.instant;
         let dual = |value: f64, i: usize| Dual64::new(value, states[i]);
         let motion = [dual(x.theta, 0), dual(x.theta_dot, 1), dual(x.v, 2), dual(x.v_dot, 3)];
@@ -275,8 +258,8 @@ impl Simulation {
             }
             None => instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing),
         };
-        let held_since = self.ending.map_or(self.pose.time, |(_, ended)| ended);
-        let support_heights = Motion::from_pose(block, &self.pose, &excitation).support_heights(held_since);
+        let held_since = self.run.ending.map_or(self.run.pose.time, |(_, ended)| ended);
+        let support_heights = Motion::from_pose(block, &self.run.pose, &excitation).support_heights(held_since);
         let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         let seen = observe(block, now.regime, &x, support_heights, forcing);
         let (kinetic, potential) = energy(block, now.regime, &now.forcing, &x);
@@ -302,6 +285,22 @@ impl Simulation {
             let follows = function.follows_from_state(now.body.foundation) && !jumps;
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
+    }
+}
+
+impl RunState {
+    /// Includes the peaks of a step from the pose `last` to `there`.
+    fn accumulate_step<const N: usize>(&mut self, motion: Motion<impl MotionMode, N>, last: &Pose, there: &Evaluation) {
+        let here = motion.at(last.time, motion.state_at(last));
+        let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
+        let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
+        // An importer may take steps of any length, so the rates of all channels are compared.
+        let near = 0.0;
+        let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
+        inside.include_in(&mut self.peaks, &here, there, near);
+        self.accumulate_slip(&here, there);
+        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at_called(elapsed));
+        self.accumulate_plastic(&here, there);
     }
 }
 

@@ -13,16 +13,15 @@ mod pulses;
 mod swings;
 mod transposed;
 
-use std::sync::Arc;
-
 use crate::block::{Block, Foundation, Regime};
-use crate::excitation::{Excitation, Inputs, Wave};
+use crate::excitation::{Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
+use crate::simulation::state::{RunState, Setup};
 use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
@@ -41,8 +40,6 @@ pub use next::{BatchKind, Next};
 pub struct Lane {
     /// The caller's mark of the run.
     pub tag: usize,
-    /// Owned, so that a step can borrow it while the simulation changes: cloning the `Arc` at each step costs more than a swing.
-    system: Arc<System>,
     simulation: Simulation,
     /// Time of the next stop (s).
     until: f64,
@@ -74,7 +71,7 @@ pub struct Lane {
 
 /// Limits of the steps of a run under a mode, without a pulse.
 fn limits(simulation: &Simulation, mode: impl MotionMode) -> Limits {
-    Limits::of(simulation.block(), simulation.settings.tolerance, mode, 0.0)
+    Limits::of(simulation.block(), simulation.setup.settings.tolerance, mode, 0.0)
 }
 
 impl Lane {
@@ -93,7 +90,6 @@ impl Lane {
         Lane {
             tag,
             mode,
-            system: Arc::clone(&simulation.system),
             simulation,
             until: time,
             stop: time,
@@ -120,27 +116,28 @@ impl Lane {
     #[inline(always)]
     pub fn send(&mut self, until: f64, inputs: &Inputs) {
         (self.until, self.budget) = (until, MAX_STEPS);
-        self.stop = self.simulation.pose.time;
-        if self.stop < until && self.simulation.ending.is_none() {
+        self.stop = self.simulation.run.pose.time;
+        if self.stop < until && self.simulation.run.ending.is_none() {
             self.begin_piece(inputs);
         }
     }
 
     #[inline(always)]
     fn begin_piece(&mut self, inputs: &Inputs) {
-        let Simulation { pulse, pose, system, counts, .. } = &mut self.simulation;
+        let Simulation { setup, run: RunState { pose, counts, .. } } = &mut self.simulation;
+        let Setup { pulse, system: System { block, .. }, .. } = &*setup;
         self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
         self.since = pose.time;
-        let on_supports = system.block.foundation == Foundation::Viscoelastic;
+        let on_supports = block.foundation == Foundation::Viscoelastic;
         let wave = if on_supports && inputs.is_ground_motion() && !pulse.acts_at(pose.time) {
             self.without_moment = true;
             let Inputs { time, a_gx, a_gz, .. } = *inputs;
             self.transposed.set_ground(time, [a_gx, a_gz]);
             None
         } else {
-            let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
+            let excitation = setup.excitation(pose.time, inputs);
             if !on_supports {
-                self.swing.begin_piece(&system.block, &excitation);
+                self.swing.begin_piece(block, &excitation);
             }
             let ground = excitation.without_moment().filter(|_| on_supports);
             self.without_moment = ground.is_some();
@@ -164,10 +161,10 @@ impl Lane {
         if let NextStep::Landing(_) = self.next {
             return Next::Alone;
         }
-        let time = self.simulation.pose.time;
-        if time >= self.until || self.simulation.ending.is_some() {
-            if self.simulation.ending.is_none() || self.simulation.is_frozen() {
-                self.simulation.pose.time = self.until;
+        let time = self.simulation.run.pose.time;
+        if time >= self.until || self.simulation.run.ending.is_some() {
+            if self.simulation.run.ending.is_none() || self.simulation.is_frozen() {
+                self.simulation.run.pose.time = self.until;
             }
             return Next::Arrived;
         }
@@ -187,12 +184,12 @@ impl Lane {
         };
         let longest = self.limits[regime_index(regime)?].longest.min(self.longest_under_pulse);
         self.longest = longest;
-        let (time, stop) = (self.simulation.pose.time, self.stop);
+        let (time, stop) = (self.simulation.run.pose.time, self.stop);
         let size = stop - time;
         if self.budget == 0 || !is_resolved(size, longest) {
             return None;
         }
-        let control = &self.simulation.control;
+        let control = &self.simulation.run.control;
         let short = match self.next {
             NextStep::Open { .. } => control.short_step(size, longest),
             NextStep::NotShort
@@ -217,22 +214,23 @@ impl Lane {
     /// The solver cannot go on: see [`SimulationError`].
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let single = self.mode.is_some();
-        let Lane { system, simulation, stop, since, attempt, next, swing, budget, .. } = self;
-        let block = &system.block;
+        let Lane { simulation, stop, since, attempt, next, swing, budget, .. } = self;
+        let Simulation { setup, run } = simulation;
+        let block = &setup.system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
-            true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
+            true => setup.excitation(*since, inputs),
             false => swing.excitation,
         };
         let outcome = if let NextStep::Landing(pivot) = *next {
-            Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), simulation.now(block, &excitation)))
+            Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), run.now(block, &excitation)))
         } else {
             let (begins_piece, first) = (next.begins_piece(), next.first_step(*attempt));
-            let input = StepsInput::of_piece(block, &excitation, [*stop; 2]);
-            simulation.steps(&StepsInput { begins_piece, single, first, ..input }, budget)
+            let input = StepsInput::of_piece(setup, &excitation, [*stop; 2]);
+            run.steps(&StepsInput { begins_piece, single, first, ..input }, budget)
         };
         let done = match outcome {
-            Ok(StepsOutcome::Event(function, now)) => simulation.apply(function, &now, observer).map(|_| ()),
+            Ok(StepsOutcome::Event(function, now)) => run.apply(setup, function, &now, observer).map(|_| ()),
             Ok(StepsOutcome::Lasts) => Ok(()),
             Err(error) => Err(error),
         };
@@ -248,36 +246,36 @@ impl Lane {
 
     #[inline(always)]
     fn block(&self) -> &Block {
-        &self.system.block
+        self.simulation.block()
     }
 
     /// Time at the end of the step that comes next (s).
     #[inline(always)]
     fn end_time(&self) -> f64 {
-        if self.attempt.last { self.stop } else { self.simulation.pose.time + self.attempt.size }
+        if self.attempt.last { self.stop } else { self.simulation.run.pose.time + self.attempt.size }
     }
 
     /// Comes to the end of a step.
     #[inline]
     fn arrive(&mut self, batch: &StepBatch, lane: usize, short: bool) {
         if short {
-            self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
+            self.simulation.run.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
             self.accept(batch, lane);
         }
-        let Lane { simulation, transposed, .. } = self;
-        simulation.counts.steps += 1;
-        simulation.events_in_this_instant = 0;
-        simulation.pose.time = transposed.step[1];
+        let Lane { simulation: Simulation { run, .. }, transposed, .. } = self;
+        run.counts.steps += 1;
+        run.events_in_this_instant = 0;
+        run.pose.time = transposed.step[1];
         let [theta, theta_dot, w, w_dot] = &batch.state;
-        simulation.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
+        run.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
         let [input, dashpots] = &batch.sums;
         let [theta, reaction, horizontal, uplift, friction_demand] = &batch.peaks;
         transposed.sums = [input[lane], dashpots[lane], friction_demand[lane], 0.0];
         transposed.peaks = [theta[lane], reaction[lane], horizontal[lane], uplift[lane]];
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut run.peaks;
         [*theta, *reaction, *horizontal, *uplift] = transposed.peaks;
-        [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = transposed.sums;
+        [run.sums.input, run.sums.dashpots, *friction_demand, _] = transposed.sums;
         self.next = NextStep::Open { begins_piece: false };
         self.budget -= 1;
     }
@@ -285,29 +283,29 @@ impl Lane {
     /// Accepts a step of order 8.
     #[inline]
     fn accept(&mut self, batch: &StepBatch, lane: usize) {
-        let Lane { simulation, attempt, longest, .. } = self;
-        simulation.control.accept(attempt, size_factor(batch.root[lane]), *longest);
-        simulation.counts.evaluations += EVALUATIONS_PER_STEP;
+        let Lane { simulation: Simulation { run, .. }, attempt, longest, .. } = self;
+        run.control.accept(attempt, size_factor(batch.root[lane]), *longest);
+        run.counts.evaluations += EVALUATIONS_PER_STEP;
     }
 
     /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
     /// whether it does.
     fn reject(&mut self, root: f64) -> bool {
-        let Lane { simulation, attempt, stop, .. } = self;
+        let Lane { simulation: Simulation { run, .. }, attempt, stop, .. } = self;
         let factor = size_factor(root);
-        if attempt.size * factor < shortest(simulation.pose.time, *stop) {
+        if attempt.size * factor < shortest(run.pose.time, *stop) {
             return false;
         }
-        *attempt = simulation.control.reject(attempt, factor);
-        simulation.counts.evaluations += EVALUATIONS_PER_STEP;
-        simulation.counts.rejected += 1;
+        *attempt = run.control.reject(attempt, factor);
+        run.counts.evaluations += EVALUATIONS_PER_STEP;
+        run.counts.rejected += 1;
         self.next = NextStep::Shorter;
         true
     }
 
     /// Rejects the short step; a step of order 8 follows.
     fn rule_out_short_step(&mut self) {
-        self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
+        self.simulation.run.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         self.next = NextStep::NotShort;
     }
 }
@@ -347,7 +345,7 @@ fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]
             rejected |= u32::from(fails && run.reject(batch.root[lane])) << lane;
         } else if (batch.failed | batch.eventful) >> lane & 1 == 1 {
             if batch.failed >> lane & 1 == 1 {
-                run.simulation.control.reject_short(run.attempt.size, batch.root[lane]);
+                run.simulation.run.control.reject_short(run.attempt.size, batch.root[lane]);
             }
             run.rule_out_short_step();
         }
@@ -355,7 +353,7 @@ fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]
     for (lane, mut step) in std::mem::take(&mut batch.accepted) {
         let run = &mut group[lane];
         run.accept(&batch, lane);
-        run.simulation.counts.steps += 1;
+        run.simulation.run.counts.steps += 1;
         step.end_time = run.end_time();
         run.next = NextStep::Made(step);
     }

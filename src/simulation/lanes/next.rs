@@ -81,13 +81,14 @@ pub(super) fn regime_index(regime: Regime) -> Option<usize> {
 }
 
 /// The way in which runs in the present contacts are stepped together; none for other runs.
-pub(super) fn lane_mode(Simulation { pose, system, .. }: &Simulation) -> Option<LaneMode> {
+pub(super) fn lane_mode(simulation: &Simulation) -> Option<LaneMode> {
+    let (block, pose) = (simulation.block(), &simulation.run.pose);
     let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-    if !gripping || forces::switch(&system.block) {
+    if !gripping || forces::switch(block) {
         return None;
     }
     let regime = pose.contacts.regime();
-    match system.block.foundation {
+    match block.foundation {
         Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
         Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
     }

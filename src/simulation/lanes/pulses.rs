@@ -60,7 +60,7 @@ impl Task for OfForm<'_> {
         let wave = Wave::<Wide<V>>::in_lanes(self.form, |lane| wave_of(self.runs[lane], self.form));
         let it = Wide::each(|lane| if wave_of(self.runs[lane], self.form).is_some() { 1.0 } else { 0.0 });
         let lanes = Wide::default().less(it);
-        let time = Wide::each(|lane| self.runs[lane].simulation.pose.time);
+        let time = Wide::each(|lane| self.runs[lane].simulation.run.pose.time);
         let size = Wide::each(|lane| self.runs[lane].attempt.size);
         let end_time = Wide::each(|lane| self.runs[lane].end_time());
         let Pulses { stages, end, rates } = self.pulses;

@@ -37,10 +37,10 @@ impl LaneSwing {
         let mut swing = LaneSwing {
             excitation: Excitation::none(),
             longest: 0.0,
-            allowed: allowed_error(simulation.block(), simulation.settings.tolerance),
+            allowed: allowed_error(simulation.block(), simulation.setup.settings.tolerance),
             offset: 0.0,
             away: 0.0,
-            visible: visible(simulation.settings.tolerance),
+            visible: visible(simulation.setup.settings.tolerance),
         };
         swing.turn(simulation);
         swing
@@ -49,7 +49,7 @@ impl LaneSwing {
     /// Adopts the pivot of a run.
     #[inline]
     pub fn turn(&mut self, simulation: &Simulation) {
-        if let Some(pivot) = simulation.pose.contacts.regime().pivot() {
+        if let Some(pivot) = simulation.run.pose.contacts.regime().pivot() {
             (self.offset, self.away) = (simulation.block().offset(pivot), -pivot.sign());
         }
     }
@@ -123,8 +123,9 @@ impl Task for GroupSwing<'_> {
             away: self.each(|lane| lane.swing.away),
         };
         let excitation = Excitation::in_lanes(self.is_wave, |lane| &self.runs[lane].swing.excitation);
-        let (time, stop) = (self.each(|lane| lane.simulation.pose.time), self.each(|lane| lane.stop));
-        let start = [self.each(|lane| lane.simulation.pose.state[0]), self.each(|lane| lane.simulation.pose.state[1])];
+        let (time, stop) = (self.each(|lane| lane.simulation.run.pose.time), self.each(|lane| lane.stop));
+        let start =
+            [self.each(|lane| lane.simulation.run.pose.state[0]), self.each(|lane| lane.simulation.run.pose.state[1])];
         let remaining = stop - time;
         let most: Wide<V> = self.each(|lane| lane.swing.longest);
         let longest = remaining.in_lanes(remaining.less(most), most);
@@ -142,13 +143,13 @@ impl Task for GroupSwing<'_> {
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
         let usual = is_decided.and(advances).and(is_finite);
 
-        let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
+        let peak_theta: Wide<V> = self.each(|lane| lane.simulation.run.peaks.theta);
         let (highest, mut taken) = highest_rotation(usual, &swings, &bounds, pivoting.away, part, peak_theta);
         let mass: Wide<V> = self.each(|lane| lane.block().mass);
         let mut peaks = ForcePeaks {
-            reaction: self.each(|lane| lane.simulation.peaks.reaction),
-            horizontal: self.each(|lane| lane.simulation.peaks.horizontal),
-            friction_demand: self.each(|lane| lane.simulation.peaks.friction_demand),
+            reaction: self.each(|lane| lane.simulation.run.peaks.reaction),
+            horizontal: self.each(|lane| lane.simulation.run.peaks.horizontal),
+            friction_demand: self.each(|lane| lane.simulation.run.peaks.friction_demand),
             evaluations: zero,
         };
         let others = taken.except(peaks.are_above(bounds.reaction, bounds.horizontal, [mass, pivoting.gravity]));
@@ -176,7 +177,7 @@ impl Task for GroupSwing<'_> {
                 *known = Some(Box::new(swings.of_lane(lane)));
             }
         }
-        let input = self.each::<V>(|lane| lane.simulation.sums.input) + swings.work(part);
+        let input = self.each::<V>(|lane| lane.simulation.run.sums.input) + swings.work(part);
         SwingBatch {
             taken,
             lands: taken & lands.bits(),
@@ -250,22 +251,22 @@ impl Lane {
     /// Comes to the end of a swing.
     #[inline]
     pub(super) fn arrive_by_swing(&mut self, batch: &SwingBatch, lane: usize) {
-        let Lane { simulation, next, budget, .. } = self;
+        let Lane { simulation: Simulation { setup, run }, next, budget, .. } = self;
         let [end, theta, theta_dot] = [batch.end[0][lane], batch.end[1][lane], batch.end[2][lane]];
-        simulation.counts.evaluations += 1 + batch.evaluations[lane] as u64;
-        simulation.counts.steps += 1;
-        simulation.raise_rotation(batch.highest[lane]);
-        simulation.raise_rotation(theta.abs());
+        run.counts.evaluations += 1 + batch.evaluations[lane] as u64;
+        run.counts.steps += 1;
+        run.peaks.include_rotation(batch.highest[lane], &setup.system.block);
+        run.peaks.include_rotation(theta.abs(), &setup.system.block);
         let [reaction, horizontal, friction_demand] = batch.peaks;
-        let peaks = &mut simulation.peaks;
+        let peaks = &mut run.peaks;
         (peaks.reaction, peaks.horizontal, peaks.friction_demand) =
             (reaction[lane], horizontal[lane], friction_demand[lane]);
-        simulation.sums.input = batch.input[lane];
-        simulation.pose.state = State::from([theta, theta_dot, 0.0, 0.0]);
-        if end > simulation.pose.time {
-            (simulation.pose.time, simulation.events_in_this_instant) = (end, 0);
+        run.sums.input = batch.input[lane];
+        run.pose.state = State::from([theta, theta_dot, 0.0, 0.0]);
+        if end > run.pose.time {
+            (run.pose.time, run.events_in_this_instant) = (end, 0);
         }
-        *next = match simulation.pose.contacts.regime().pivot() {
+        *next = match run.pose.contacts.regime().pivot() {
             Some(pivot) if batch.lands >> lane & 1 == 1 => NextStep::Landing(pivot),
             Some(_) | None => NextStep::Open { begins_piece: false },
         };
@@ -276,10 +277,10 @@ impl Lane {
     #[inline]
     pub(super) fn swing_kind(&self) -> Option<BatchKind> {
         let LaneSwing { excitation, longest, away, .. } = &self.swing;
-        let remaining = self.stop - self.simulation.pose.time;
+        let remaining = self.stop - self.simulation.run.pose.time;
         let can = excitation.has_series() && self.budget > 0 && is_resolved(remaining, *longest);
         // Without an excitation, and as if at the base all the time.
-        let [theta, theta_dot, ..] = self.simulation.pose.state.0;
+        let [theta, theta_dot, ..] = self.simulation.run.pose.state.0;
         let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);
         let last = away * (theta + theta_dot * size) - 0.5 * alpha * p * p * size * size;
         can.then(|| BatchKind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })

@@ -6,6 +6,7 @@ use crate::numerics::wide::Four;
 use crate::simulation::Simulation;
 use crate::simulation::lanes::regime_index;
 use crate::simulation::limits::Limits;
+use crate::simulation::state::RunState;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
@@ -35,7 +36,7 @@ pub struct TransposedInputs {
 impl TransposedInputs {
     /// Reads the numbers that only events and steps of single runs change.
     pub fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
-        let Simulation { pose, sums, peaks, .. } = simulation;
+        let RunState { pose, sums, peaks, .. } = &simulation.run;
         let block = simulation.block();
         let Body { mass, gravity, r0, b, h, p, omega_v, xi_v, i0, eccentricity, weight_fraction, .. } = block.body;
         let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =

@@ -408,7 +408,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let [work_weight, fraction, gap_rounding, _] = self.transposed(|lane| &lane.transposed.limits);
         let rounding = self.rounding(&group, gap_rounding);
         let [time, end_time, size, longest] = self.transposed(|lane| &lane.transposed.step);
-        let state = Numbers(self.transposed(|lane| &lane.simulation.pose.state.0));
+        let state = Numbers(self.transposed(|lane| &lane.simulation.run.pose.state.0));
         let [input, dashpots, friction_demand, _] = self.transposed(|lane| &lane.transposed.sums);
         let [theta, reaction, horizontal, uplift] = self.transposed(|lane| &lane.transposed.peaks);
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];

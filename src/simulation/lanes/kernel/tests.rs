@@ -48,9 +48,9 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let group = task.group::<V>();
         let motion = GroupMotion { mode: task.mode, group: &group, pulses: task.pulses };
         let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
-        let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
+        let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.run.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
-        let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
+        let (time, end_time) = (each(&|case| case.lane.simulation.run.pose.time), each(&|case| case.lane.end_time()));
         let lifted = task.lifted();
         let [start, stop] = task.ends(&group, [time, end_time]);
         let forcing_at = ForcingAt { excitation: &start.0, time, forcing: start.1 };
@@ -92,13 +92,14 @@ impl Case {
     /// What a run finds alone.
     fn alone(&self, mode: impl MotionMode) -> Found {
         let Case { lane, inputs, there } = self;
-        let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
+        let Simulation { setup, run } = &lane.simulation;
+        let (system, pose, mut peaks) = (&setup.system, &run.pose, run.peaks);
         let excitation = lane.simulation.excitation(inputs);
         let motion = Motion::under(mode, &system.block, pose, &excitation);
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), instant::State::from(*there));
         let duration = there.time - here.time;
-        let tolerance = lane.simulation.settings.tolerance;
+        let tolerance = lane.simulation.setup.settings.tolerance;
         let Limits { longest, .. } = Limits::<4>::of(&system.block, tolerance, mode, excitation.frequency());
         let [start, end] = peaks.channels_at_ends(&here, &there, near_a_peak(duration, longest));
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
@@ -184,11 +185,11 @@ prop_compose! {
         let initial = Initial::default();
         let pulse = Pulse { start: pulse.start + time, ..pulse };
         let mut simulation = Simulation::new(block, Settings::default(), pulse, &initial, time, &inputs);
-        simulation.pose.state = instant::State::from(state(here));
-        simulation.pose.contacts = Contacts::FULL;
+        simulation.run.pose.state = instant::State::from(state(here));
+        simulation.run.pose.contacts = Contacts::FULL;
         for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
             let creep = Creep { depth: depth * free, since: time - depth / block.creep_rate };
-            simulation.pose.contacts.set(corner, Contact::Lifted(creep));
+            simulation.run.pose.contacts.set(corner, Contact::Lifted(creep));
         }
         let mut lane = Lane::new(simulation, 0);
         lane.send(time + 100.0, &inputs);
@@ -198,15 +199,15 @@ prop_compose! {
         let mut case = Case { lane, inputs, there: state(there) };
         // Peaks near those of the step.
         let of = |state: [f64; 4]| {
-            let pose = &case.lane.simulation.pose;
+            let pose = &case.lane.simulation.run.pose;
             let excitation = case.lane.simulation.excitation(&inputs);
             let seen = Motion::from_pose(&block, pose, &excitation).at(time, instant::State::from(state));
             let mut peaks = Peaks::default();
             peaks.include(&seen.channels_called());
             peaks
         };
-        let (a, b) = (of(case.lane.simulation.pose.state.0), of(case.there));
-        case.lane.simulation.peaks = Peaks {
+        let (a, b) = (of(case.lane.simulation.run.pose.state.0), of(case.there));
+        case.lane.simulation.run.peaks = Peaks {
             theta: peaks[0] * a.theta.max(b.theta),
             reaction: peaks[1] * a.reaction.max(b.reaction),
             horizontal: peaks[2] * a.horizontal.max(b.horizontal),
