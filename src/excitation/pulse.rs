@@ -91,10 +91,7 @@ impl Pulse {
 
     /// Returns its acceleration at `time` (m/s²).
     pub fn acceleration(&self, time: f64) -> f64 {
-        match self.acts_at(time) {
-            true => self.wave().map_or(self.amplitude, |wave| wave.at(time)),
-            false => 0.0,
-        }
+        if self.acts_at(time) { self.wave().map_or(self.amplitude, |wave| wave.at(time)) } else { 0.0 }
     }
 
     /// Returns its velocity at `time` (m/s), zero before it begins.

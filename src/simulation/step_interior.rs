@@ -1,12 +1,12 @@
 //! A step → the motion between its ends, and the first event function that reaches zero.
 
-use crate::block::{Body, Corner, Foundation, Regime};
+use crate::block::{Body, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
 use crate::numerics::roots::{self, Sample};
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{EventFunction, extended_event_functions, landing, lift_off, quarter_turn, watched};
+use crate::system::events::{EventFunction, extended_event_functions, quarter_turn, watched};
 use crate::system::instant::{Powers, State};
 use crate::system::motion_mode::MotionMode;
 use crate::system::swing::Swing;
@@ -51,10 +51,11 @@ fn rounding(mode: impl MotionMode, function: EventFunction, body: &Body, [start,
 /// Whether a function may fall through zero between the samples at both ends of a step. On supports their bounds decide.
 #[inline(always)]
 fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
-    match mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
-        true => roots::may_fall_by_bounds(start, end, rounding, duration),
+    if mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
+        roots::may_fall_by_bounds(start, end, rounding, duration)
+    } else {
         // The gap of a block that tilts on a rigid base has no round-off, and one that slides or is held may soon be back at zero.
-        false => roots::may_fall(start, end, rounding, duration),
+        roots::may_fall(start, end, rounding, duration)
     }
 }
 
@@ -102,7 +103,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
     let duration = there.time - here.time;
     let mode = inside.motion.mode();
     // In flight, heights of corners may turn faster than the motion that limits steps.
-    let bounded = inside.is_on_supports();
+    let bounded = mode.is_static() && mode.foundation() == Foundation::Viscoelastic;
     let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
     let turns_far = turn_in_flight::<4, 4>(mode, &here.state, &there.state, duration) > SMALL_TURN;
     for function in watched(mode).into_iter().flatten() {
@@ -144,7 +145,7 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let sample = |elapsed| function.sample(&inside.at_called(elapsed));
+        let sample = |elapsed| function.sample(&inside.at(elapsed));
         let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
@@ -207,12 +208,6 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
         }
     }
 
-    /// Whether the mode is one on supports that the compiler knows. It then leaves out all work that a single quantity does not need.
-    #[inline(always)]
-    fn is_on_supports(&self) -> bool {
-        L::STATIC && self.motion.mode().foundation() == Foundation::Viscoelastic
-    }
-
     /// Value and rate of an event function `elapsed` seconds after the beginning of the step.
     #[inline]
     fn sample(&mut self, function: EventFunction, elapsed: f64) -> Sample {
@@ -221,8 +216,6 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
                 let state = self.state(elapsed);
                 quarter_turn::remaining_angle([state[0], state[1]])
             }
-            EventFunction::Reaction(corner) if self.is_on_supports() => self.reaction(corner, elapsed),
-            EventFunction::Gap(corner) if self.is_on_supports() => self.gap(corner, elapsed),
             EventFunction::Reaction(_)
             | EventFunction::Gap(_)
             | EventFunction::Held(_)
@@ -231,20 +224,8 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             | EventFunction::Friction(_)
             | EventFunction::Speed
             | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => function.sample(&self.at_called(elapsed)),
+            | EventFunction::Restraint(_) => function.sample(&self.at(elapsed)),
         }
-    }
-
-    #[inline(never)]
-    fn reaction(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at(elapsed);
-        lift_off::on_support(now.body, &now.instant, corner)
-    }
-
-    #[inline(never)]
-    fn gap(&mut self, corner: Corner, elapsed: f64) -> Sample {
-        let now = self.at(elapsed);
-        landing::gap(&now.instant, now.support_heights, corner)
     }
 
     /// A candidate of [`Channels::candidates`], with its channel, `elapsed` seconds after the beginning of the step.
@@ -255,29 +236,11 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
                 let state = self.state(elapsed);
                 Channels { theta: Sample { value: state[0], rate: state[1] }, ..Channels::default() }
             }
-            Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand if self.is_on_supports() => {
-                self.forces(elapsed)
-            }
-            Channel::Uplift if self.is_on_supports() => self.uplift(elapsed),
             Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
-                self.at_called(elapsed).channels_called()
+                self.at(elapsed).channels_called()
             }
         };
         channels.candidates()[number].1
-    }
-
-    /// The channels that are forces or their ratio, and zeros.
-    #[inline(never)]
-    fn forces(&mut self, elapsed: f64) -> Channels {
-        let Channels { reaction, horizontal, friction_demand, .. } = self.at(elapsed).channels();
-        Channels { reaction, horizontal, friction_demand, ..Channels::default() }
-    }
-
-    /// The heights of the corners above their supports, and zeros.
-    #[inline(never)]
-    fn uplift(&mut self, elapsed: f64) -> Channels {
-        let Channels { uplift, .. } = self.at(elapsed).channels();
-        Channels { uplift, ..Channels::default() }
     }
 
     /// Includes the peaks from `here` to `there`, which lie in the step. See [`Peaks::channels_at_ends`].
@@ -301,12 +264,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
-    pub(super) fn at_called(&mut self, elapsed: f64) -> Evaluation<'a> {
-        self.at(elapsed)
-    }
-
-    #[inline(always)]
-    fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
+    pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
         let start = match self.between {
             Between::Swing(start, _) => start,
             Between::Known(_) | Between::Within(..) => self.dense().time,

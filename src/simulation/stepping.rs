@@ -275,7 +275,7 @@ impl RunState {
         if let Some(EventCrossing { elapsed, function, .. }) = event
             && elapsed < size
         {
-            there = inside.at_called(elapsed);
+            there = inside.at(elapsed);
             there.time = event_time(function, here.time, elapsed);
             work = inside.work(elapsed);
             if N > 4 {
@@ -290,7 +290,7 @@ impl RunState {
         }
         if N > 4 {
             self.sums.add(std::array::from_fn(|i| *beyond.0.get(6 + i).unwrap_or(&0.0)));
-            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at_called(elapsed));
+            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at(elapsed));
             self.accumulate_plastic(here, &there);
         } else {
             work[0] += here.footing.free_work(&there.footing);

@@ -218,9 +218,12 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// Returns the heights of free supports (m), and their rates (m/s). Zeros for touching corners.
     #[inline(always)]
     pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
-        Corner::each(|corner| match self.mode.regime().touches(corner) {
-            true => Sample::default(),
-            false => self.contacts.top(corner, self.body, time),
+        Corner::each(|corner| {
+            if self.mode.regime().touches(corner) {
+                Sample::default()
+            } else {
+                self.contacts.top(corner, self.body, time)
+            }
         })
     }
 

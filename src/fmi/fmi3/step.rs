@@ -132,9 +132,10 @@ impl Instance {
         let after = version.early_return.then_some(step.time);
         while unit.time() < step.until {
             if let Some(updater) = version.updater.filter(|_| unit.needs_substep()) {
-                let time = match version.sets_inputs || !unit.rests() {
-                    true => next_update(unit.time(), unit.interval().max(step.size / MAX_UPDATES), step.until),
-                    false => step.until,
+                let time = if version.sets_inputs || !unit.rests() {
+                    next_update(unit.time(), unit.interval().max(step.size / MAX_UPDATES), step.until)
+                } else {
+                    step.until
                 };
                 unit.begin_setting_ahead(time);
                 if version.sets_inputs {

@@ -106,14 +106,16 @@ pub fn first_fall(
         let time = duration * f64::from(passed) / f64::from(pieces);
         let right = if passed == pieces { last } else { (time, function(time)) };
         let floor = if muted { -rounding } else { 0.0 };
-        let found = match muted && !rises {
-            true => (right.1.value < floor).then_some([left, right]),
-            false => first_below(floor, [left, right], piece, HALVINGS, &mut function),
+        let found = if muted && !rises {
+            (right.1.value < floor).then_some([left, right])
+        } else {
+            first_below(floor, [left, right], piece, HALVINGS, &mut function)
         };
         if let Some([above, below]) = found {
-            return Some(match muted {
-                true => fall_after_zero(left.0, below, &mut function),
-                false => fall([above, below], &mut function),
+            return Some(if muted {
+                fall_after_zero(left.0, below, &mut function)
+            } else {
+                fall([above, below], &mut function)
             });
         }
         muted &= right.1.value <= rounding;

@@ -299,7 +299,7 @@ impl RunState {
         let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
         inside.include_in(&mut self.peaks, &here, there, near);
         self.accumulate_slip(&here, there);
-        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at_called(elapsed));
+        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
         self.accumulate_plastic(&here, there);
     }
 }

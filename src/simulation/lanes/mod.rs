@@ -218,10 +218,7 @@ impl Lane {
         let Simulation { setup, run } = simulation;
         let block = &setup.system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
-        let excitation = match on_supports {
-            true => setup.excitation(*since, inputs),
-            false => swing.excitation,
-        };
+        let excitation = if on_supports { setup.excitation(*since, inputs) } else { swing.excitation };
         let outcome = if let NextStep::Landing(pivot) = *next {
             Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), run.now(block, &excitation)))
         } else {
@@ -237,9 +234,10 @@ impl Lane {
         self.next = NextStep::Open { begins_piece: false };
         // There may have been an event.
         self.mode = lane_mode(&self.simulation);
-        match on_supports {
-            true => self.transposed.read(&self.simulation, &self.limits),
-            false => self.swing.turn(&self.simulation),
+        if on_supports {
+            self.transposed.read(&self.simulation, &self.limits)
+        } else {
+            self.swing.turn(&self.simulation)
         }
         done
     }

@@ -119,12 +119,13 @@ where
         let block = &self.system.block;
         let before = placement.velocities;
         let zero = T::from(0.0);
-        let land = |rate: T| match block.friction.value() > 0.0 {
-            true => {
+        let land = |rate: T| {
+            if block.friction.value() > 0.0 {
                 let foot = Foot::Corner(corner);
                 impact::landing_with_friction(block, corner, foot, placement.theta, before, rate)
+            } else {
+                impact::landing_with_grip(block, corner, placement.theta, before, rate)
             }
-            false => impact::landing_with_grip(block, corner, placement.theta, before, rate),
         };
         let mut rate = self.rebound(placement.corners[corner.index()].1);
         // The energy after the landing is quadratic in the rate.

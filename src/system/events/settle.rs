@@ -121,9 +121,10 @@ where
         let now = trial.now();
         let support = self.support(pivot.other()).rate;
         let rate = (after.corners[i].1 - support).value();
-        let opens = match rate.abs() > friction::speed_rounding(block) {
-            true => rate > 0.0,
-            false => (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0,
+        let opens = if rate.abs() > friction::speed_rounding(block) {
+            rate > 0.0
+        } else {
+            (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0
         };
         (opens.then_some(after), counts)
     }

@@ -78,16 +78,7 @@ pub fn observe_restraints<P: Scalar, T: CombinesWith<P>>(
     if body.restraints.is_empty() {
         return [ObservedRestraint::of_all(T::from(0.0)); MAX];
     }
-    observe_restraints_called(body, states, *x)
-}
-
-#[inline(never)]
-fn observe_restraints_called<P: Scalar, T: CombinesWith<P>>(
-    body: &Body<P>,
-    states: &States<T>,
-    x: Instant<T>,
-) -> [ObservedRestraint<T>; MAX] {
-    restraints::observe(body, states, &Kinematics::of(&x))
+    restraints::observe(body, states, &Kinematics::of(x))
 }
 
 /// Returns the powers per mass (m²/s³) dissipated by restraints.
@@ -98,19 +89,10 @@ pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
     x: &Instant<T>,
 ) -> restraints::RestraintEnergies<T> {
     if states.dissipate() {
-        powers_called(body, states, *x)
+        restraints::powers(body, states, &Kinematics::of(x))
     } else {
         restraints::RestraintEnergies::of_all(T::from(0.0))
     }
-}
-
-#[inline(never)]
-fn powers_called<P: Scalar, T: CombinesWith<P>>(
-    body: &Body<P>,
-    states: &States<T>,
-    x: Instant<T>,
-) -> restraints::RestraintEnergies<T> {
-    restraints::powers(body, states, &Kinematics::of(&x))
 }
 
 /// Returns kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²).

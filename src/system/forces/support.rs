@@ -40,12 +40,13 @@ pub fn power<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, regime: Regime, [lef
 /// It is `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` for a touching corner, and the second term alone for a lifted one.
 pub fn energy<P: Elementary, T: CombinesWith<P>>(body: &Body<P>, regime: Regime, height: [T; 2]) -> T {
     let Body { gravity, omega_v, .. } = *body;
-    let energy = |corner: Corner| match regime.touches(corner) {
-        true => {
+    let energy = |corner: Corner| {
+        if regime.touches(corner) {
             let v = height[corner.index()];
             v * v * (omega_v * omega_v * 0.25) - v * (gravity * body.weight_fraction[corner.index()])
+        } else {
+            T::from(-(gravity * body.weight_fraction[corner.index()] * 0.5 * body.free_height(corner)))
         }
-        false => T::from(-(gravity * body.weight_fraction[corner.index()] * 0.5 * body.free_height(corner))),
     };
     match body.foundation {
         Foundation::Rigid => T::from(0.0),

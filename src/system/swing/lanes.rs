@@ -294,9 +294,10 @@ impl<V: Simd> Swings<V> {
     pub fn work(&self, fraction: Wide<V>) -> Wide<V> {
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = self.series;
         let order = order.min(ORDER);
-        let of_x = match forcing.terms > 2 {
-            true => self.work_of_wave(fraction),
-            false => linear([forcing.x[0], forcing.x[1]], x, order, fraction),
+        let of_x = if forcing.terms > 2 {
+            self.work_of_wave(fraction)
+        } else {
+            linear([forcing.x[0], forcing.x[1]], x, order, fraction)
         };
         linear(forcing.moment, theta, order, fraction) - linear(forcing.z, q, order, fraction) - of_x
     }

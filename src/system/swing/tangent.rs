@@ -130,9 +130,10 @@ impl DirectionsTask for Task<'_> {
         let stretch = ((lever.x * x[0] + lever.q * q[0]) * (1.0 / square.re)).eps;
         let turn = ((lever.x * q[0] - lever.q * x[0]) * (1.0 / square.re)).eps;
         let inertia_change = inertia.eps.times(1.0 / inertia.re);
-        let varied = match excitation.is_linear() {
-            true => Changes::of::<2>(excitation, time, size),
-            false => Changes::of::<{ ORDER + 1 }>(excitation, time, size),
+        let varied = if excitation.is_linear() {
+            Changes::of::<2>(excitation, time, size)
+        } else {
+            Changes::of::<{ ORDER + 1 }>(excitation, time, size)
         };
         let gravity = body.gravity;
         let weight = [forcing.z[0] + gravity.re, forcing.z[1]];

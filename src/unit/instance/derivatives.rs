@@ -310,9 +310,10 @@ fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]:
 /// A pulse that begins and ends at zero has derivatives at these times; the direction decides whether it acts.
 fn acting_pulse(pulse: Pulse<DirectionalDual>, time: DirectionalDual) -> Option<Pulse<DirectionalDual>> {
     let since = time - pulse.start;
-    let acts = match pulse.ends_at_zero() {
-        true => [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps[0] >= 0.0)),
-        false => pulse.value().acts_at(time.re),
+    let acts = if pulse.ends_at_zero() {
+        [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps[0] >= 0.0))
+    } else {
+        pulse.value().acts_at(time.re)
     };
     acts.then_some(pulse)
 }
