@@ -36,7 +36,7 @@ impl<V: Simd> Ends<V> {
         self.start.value.max(self.end.value)
     }
 
-    /// The greater of the points of the control polygon of the cubic with these ends that are not ends themselves.
+    /// The greater of the two inner control points of the cubic with these ends.
     #[inline(always)]
     fn polygon(self) -> Wide<V> {
         let Ends { start, end, duration } = self;

@@ -60,14 +60,14 @@ impl<V: Simd> ForcePair for Pairs<V> {
     }
 }
 
-/// Swings up to a part, with what acts on them.
+/// Swings up to a fraction, and the forces that act on them.
 pub struct SwingSegments<'a, V: Simd> {
     pub pivoting: &'a Pivoting<Wide<V>>,
     pub mass: Wide<V>,
     pub excitation: &'a Excitation<Wide<V>>,
     pub time: Wide<V>,
     pub swings: &'a Swings<V>,
-    pub part: Wide<V>,
+    pub fraction: Wide<V>,
 }
 
 impl<V: Simd> ForceSegment for SwingSegments<'_, V> {
@@ -76,9 +76,9 @@ impl<V: Simd> ForceSegment for SwingSegments<'_, V> {
     #[inline(always)]
     fn include_at(&self, peaks: &mut ForcePeaks<Wide<V>>, lanes: Lanes<V>, place: Wide<V>) {
         if lanes.any() {
-            let part = place * self.part;
-            let time = self.time + part * self.swings.size();
-            peaks.include(lanes, self.mass, self.pivoting.forces(self.swings.at(part), &self.excitation.at(time)));
+            let fraction = place * self.fraction;
+            let time = self.time + fraction * self.swings.size();
+            peaks.include(lanes, self.mass, self.pivoting.forces(self.swings.at(fraction), &self.excitation.at(time)));
             peaks.evaluations = (peaks.evaluations + 1.0).in_lanes(lanes, peaks.evaluations);
         }
     }

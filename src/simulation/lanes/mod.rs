@@ -13,7 +13,7 @@ mod pulses;
 mod swings;
 mod transposed;
 
-use crate::block::{Block, Foundation, Regime};
+use crate::block::{Block, Foundation};
 use crate::excitation::{Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
@@ -29,11 +29,11 @@ use crate::system::events::{Event, EventFunction};
 use crate::system::instant::State;
 use crate::system::motion_mode::{Gripping, MotionMode};
 use kernel::StepBatch;
-use next::{LaneMode, NextStep, lane_mode, regime_index};
+use next::{LaneMode, NextStep, lane_mode};
 use swings::LaneSwing;
 use transposed::TransposedInputs;
 
-pub use next::{BatchKind, Next};
+pub use next::{BatchKind, Next, Stance};
 
 /// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
@@ -174,15 +174,15 @@ impl Lane {
         self.kind().map_or(Next::Alone, Next::Together)
     }
 
-    /// The kind of the step that comes next, if it can be taken in a lane.
+    /// The kind of the next step, if a lane can take it.
     #[inline]
     fn kind(&mut self) -> Option<BatchKind> {
-        let regime = match self.mode? {
-            LaneMode::Steps(regime) if self.without_moment => regime,
+        let stance = match self.mode? {
+            LaneMode::Steps(stance) if self.without_moment => stance,
             LaneMode::Steps(_) => return None,
             LaneMode::Swings => return self.swing_kind(),
         };
-        let longest = self.limits[regime_index(regime)?].longest.min(self.longest_under_pulse);
+        let longest = self.limits[stance.index()].longest.min(self.longest_under_pulse);
         self.longest = longest;
         let (time, stop) = (self.simulation.run.pose.time, self.stop);
         let size = stop - time;
@@ -205,10 +205,10 @@ impl Lane {
             self.attempt = control.attempt(size, longest, shortest(time, stop)).instead_of(short);
         }
         self.transposed.step = [time, self.end_time(), self.attempt.size, longest];
-        Some(BatchKind::Step { regime, short: is_short })
+        Some(BatchKind::Step { stance, short: is_short })
     }
 
-    /// Takes a step alone under the inputs of [`Lane::send`], or rests as long as that lasts, and reports each event to `observer`.
+    /// Takes a step alone, or rests as long as that lasts. The inputs are those of [`Lane::send`]; `observer` receives each event.
     ///
     /// # Errors
     /// The solver cannot go on: see [`SimulationError`].
@@ -308,17 +308,17 @@ impl Lane {
     }
 }
 
-/// Takes the next step, of this kind, of each run of a group of at most one run per lane.
+/// Takes the next step of each run of a group. All are of this kind; there is at most one run per lane.
 ///
 /// Returns a bit for each run that has stepped, or for which another kind of step comes next; the others must take the step alone.
 pub fn step_group(width: VectorWidth, kind: BatchKind, group: &mut [Box<Lane>]) -> u32 {
     match kind {
-        BatchKind::Step { regime, short } => step(width, regime, short, group),
+        BatchKind::Step { stance, short } => step(width, stance, short, group),
         BatchKind::Swing { is_wave, .. } => swing(width, is_wave, group),
     }
 }
 
-/// Takes a swing of each run of a group; returns a bit for each run that has taken it.
+/// Takes a swing of each run of a group. Returns a bit for each run that has taken it.
 fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     let mut batch = swings::swing(width, is_wave, group);
     for (lane, run) in group.iter_mut().enumerate() {
@@ -331,9 +331,9 @@ fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     batch.taken
 }
 
-/// Takes a step on supports of each run of a group; returns the bits of [`step_group`].
-fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]) -> u32 {
-    let mut batch = kernel::step(width, regime, short, group);
+/// Takes a step on supports of each run of a group. Returns the bits of [`step_group`].
+fn step(width: VectorWidth, stance: Stance, short: bool, group: &mut [Box<Lane>]) -> u32 {
+    let mut batch = kernel::step(width, stance, short, group);
     let mut rejected = 0;
     for (lane, run) in group.iter_mut().enumerate() {
         if batch.taken >> lane & 1 == 1 {

@@ -22,19 +22,19 @@ pub enum Next {
 /// The way in which runs are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LaneMode {
-    /// By steps on supports, in this regime.
-    Steps(Regime),
+    /// By steps on supports, standing so.
+    Steps(Stance),
     /// By swings about a corner of the rigid base.
     Swings,
 }
 
-/// The kind of a step: runs whose next steps are of the same kind are stepped together.
+/// The kind of a step. Runs whose next steps are of the same kind are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BatchKind {
     /// A step on supports.
     Step {
-        /// The regime.
-        regime: Regime,
+        /// How the blocks stand.
+        stance: Stance,
         /// Whether it is a short step, or one of order 8.
         short: bool,
     },
@@ -51,12 +51,10 @@ impl BatchKind {
     /// The number of kinds.
     pub const COUNT: usize = 10;
 
-    const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
-
     /// Its number, from 0.
     pub fn number(self) -> usize {
         match self {
-            BatchKind::Step { regime, short } => regime_index(regime).unwrap_or(0) + if short { 0 } else { 3 },
+            BatchKind::Step { stance, short } => stance.index() + if short { 0 } else { 3 },
             BatchKind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
         }
     }
@@ -64,23 +62,45 @@ impl BatchKind {
     /// The kind of a number.
     pub fn numbered(number: usize) -> BatchKind {
         match number {
-            0..6 => BatchKind::Step { regime: BatchKind::REGIMES[number % 3], short: number < 3 },
+            0..6 => BatchKind::Step { stance: Stance::ALL[number % 3], short: number < 3 },
             _ => BatchKind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
         }
     }
 }
 
-/// Returns the index of a regime among those in which blocks are stepped together; `None` in flight.
-pub(super) fn regime_index(regime: Regime) -> Option<usize> {
-    match regime {
-        Regime::FullContact => Some(0),
-        Regime::TiltingLeft => Some(1),
-        Regime::TiltingRight => Some(2),
-        Regime::Separated => None,
+/// A regime in which lanes take steps: any but flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stance {
+    /// Both corners touch.
+    FullContact,
+    /// Only L touches.
+    OnLeft,
+    /// Only R touches.
+    OnRight,
+}
+
+impl Stance {
+    const ALL: [Stance; 3] = [Stance::FullContact, Stance::OnLeft, Stance::OnRight];
+
+    /// Returns that of a regime; `None` in flight.
+    #[inline]
+    pub(super) fn of(regime: Regime) -> Option<Stance> {
+        match regime {
+            Regime::FullContact => Some(Stance::FullContact),
+            Regime::TiltingLeft => Some(Stance::OnLeft),
+            Regime::TiltingRight => Some(Stance::OnRight),
+            Regime::Separated => None,
+        }
+    }
+
+    /// Returns its index, from 0.
+    #[inline]
+    pub(super) fn index(self) -> usize {
+        self as usize
     }
 }
 
-/// The way in which runs in the present contacts are stepped together; none for other runs.
+/// How a run in its present contacts is stepped with others; `None` if alone.
 pub(super) fn lane_mode(simulation: &Simulation) -> Option<LaneMode> {
     let (block, pose) = (simulation.block(), &simulation.run.pose);
     let gripping = pose.footing.grips() && pose.contacts.held().is_none();
@@ -89,12 +109,12 @@ pub(super) fn lane_mode(simulation: &Simulation) -> Option<LaneMode> {
     }
     let regime = pose.contacts.regime();
     match block.foundation {
-        Foundation::Viscoelastic => regime_index(regime).is_some().then_some(LaneMode::Steps(regime)),
+        Foundation::Viscoelastic => Stance::of(regime).map(LaneMode::Steps),
         Foundation::Rigid => regime.pivot().is_some().then_some(LaneMode::Swings),
     }
 }
 
-/// The step that comes next from here, as far as earlier ones from here determine it.
+/// The next step, as far as earlier attempts determine it.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
 pub(super) enum NextStep {
@@ -103,11 +123,11 @@ pub(super) enum NextStep {
         /// Whether the smooth piece begins here.
         begins_piece: bool,
     },
-    /// A step of order 8, since a short one makes too great an error or may hold an event or a peak.
+    /// A step of order 8. A short one makes too great an error, or may hold an event or a peak.
     NotShort,
-    /// The lane's attempt of order 8, which is shorter than one that made too great an error.
+    /// The lane's attempt of order 8. A longer one made too great an error.
     Shorter,
-    /// This step of order 8, which a lane has made; it may hold an event or a peak.
+    /// This step of order 8, made by a lane. It may hold an event or a peak.
     Made(DenseStep),
     /// This swing, which a lane has made, and in which something may happen.
     Swing {
@@ -115,7 +135,7 @@ pub(super) enum NextStep {
         /// Whether the smooth piece begins here.
         begins_piece: bool,
     },
-    /// None: the block has turned about this pivot and come down on the other corner, and the impact is to be applied.
+    /// None, but an impact. The block has turned about this pivot and come down on the other corner.
     Landing(Corner),
 }
 
@@ -128,7 +148,7 @@ impl NextStep {
         }
     }
 
-    /// The knowledge of the step for a run that takes it alone; `attempt` is that of the lane.
+    /// The known part of the step, for a run that takes it alone. `attempt` is that of the lane.
     pub(super) fn first_step(&self, attempt: Attempt) -> FirstStep<'_> {
         match self {
             NextStep::Open { .. } | NextStep::Landing(_) => FirstStep::Open,

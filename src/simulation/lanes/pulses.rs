@@ -10,7 +10,7 @@ use crate::simulation::lanes::Lane;
 /// The number of stages of a step, with its beginning.
 const MAX_STAGES: usize = 12;
 
-/// Accelerations (m/s²) by the pulses of a group in a step; zeros in lanes without one.
+/// Accelerations (m/s²) by the pulses of a group in a step. Zeros in lanes without a pulse.
 pub struct Pulses {
     /// At the times of the stages; the first is the beginning.
     pub stages: [Array; MAX_STAGES],

@@ -64,7 +64,7 @@ impl LaneSwing {
 
 /// Swings in all lanes.
 pub struct SwingBatch {
-    /// A bit for each lane in which the swing was taken; the numbers of the other lanes are meaningless.
+    /// A bit for each lane in which the swing was taken. The numbers of other lanes are meaningless.
     pub taken: u32,
     /// A bit for each of them that ends with a landing.
     lands: u32,
@@ -82,7 +82,7 @@ pub struct SwingBatch {
     pub known: [Option<Box<Swing>>; MAX_LANES],
 }
 
-/// Takes a swing of each run of a group, which has at least one run and at most one per lane.
+/// Takes a swing of each run of a group. It has at least one run, and at most one per lane.
 pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> SwingBatch {
     let count = group.len();
     let mut runs: [&Lane; MAX_LANES] = [&group[count - 1]; MAX_LANES];
@@ -134,17 +134,17 @@ impl Task for GroupSwing<'_> {
         let bounds = swings.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
-        let Ends { lands, part, is_decided } = Ends::of(&swings, &bounds, pivoting.away);
+        let Ends { lands, fraction, is_decided } = Ends::of(&swings, &bounds, pivoting.away);
         let size = swings.size();
         let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
-        let end_time = (time + part * size).in_lanes(ends_before, stop);
+        let end_time = (time + fraction * size).in_lanes(ends_before, stop);
         let advances = time.less(end_time);
-        let [theta, theta_dot] = swings.at(part);
+        let [theta, theta_dot] = swings.at(fraction);
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
         let usual = is_decided.and(advances).and(is_finite);
 
         let peak_theta: Wide<V> = self.each(|lane| lane.simulation.run.peaks.theta);
-        let (highest, mut taken) = highest_rotation(usual, &swings, &bounds, pivoting.away, part, peak_theta);
+        let (highest, mut taken) = highest_rotation(usual, &swings, &bounds, pivoting.away, fraction, peak_theta);
         let mass: Wide<V> = self.each(|lane| lane.block().mass);
         let mut peaks = ForcePeaks {
             reaction: self.each(|lane| lane.simulation.run.peaks.reaction),
@@ -155,8 +155,8 @@ impl Task for GroupSwing<'_> {
         let others = taken.except(peaks.are_above(bounds.reaction, bounds.horizontal, [mass, pivoting.gravity]));
         if others.any() {
             let segments =
-                SwingSegments { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, part };
-            let (forces, pressed) = (swings.forces(part, pivoting.gravity), pivoting.gravity * PRESSED);
+                SwingSegments { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, fraction };
+            let (forces, pressed) = (swings.forces(fraction, pivoting.gravity), pivoting.gravity * PRESSED);
             let mut holds = others;
             for &[n, _] in forces.coefficients() {
                 holds = holds.and(pressed.less(n));
@@ -177,7 +177,7 @@ impl Task for GroupSwing<'_> {
                 *known = Some(Box::new(swings.of_lane(lane)));
             }
         }
-        let input = self.each::<V>(|lane| lane.simulation.run.sums.input) + swings.work(part);
+        let input = self.each::<V>(|lane| lane.simulation.run.sums.input) + swings.work(fraction);
         SwingBatch {
             taken,
             lands: taken & lands.bits(),
@@ -195,8 +195,8 @@ impl Task for GroupSwing<'_> {
 struct Ends<V: Simd> {
     /// The lanes in which the block comes down.
     lands: Lanes<V>,
-    /// The part of the swing up to there; 1 elsewhere.
-    part: Wide<V>,
+    /// The fraction of the swing up to there; 1 elsewhere.
+    fraction: Wide<V>,
     /// The lanes in which this is clear, and the block stays upright.
     is_decided: Lanes<V>,
 }
@@ -206,31 +206,31 @@ impl<V: Simd> Ends<V> {
     fn of(swings: &Swings<V>, bounds: &LaneBounds<V>, away: Wide<V>) -> Ends<V> {
         let zero = Wide::default();
         let mut lands = bounds.is_certain.and(bounds.last.less(zero));
-        let mut part = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
+        let mut fraction = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
         let mut is_decided = bounds.is_certain;
         let others = zero.less(swings.size()).except(is_decided);
         if others.any() {
             let (stays, comes_down, after) = swings.first_landing(others, away);
             is_decided = is_decided.or(stays).or(comes_down);
-            (lands, part) = (lands.or(comes_down), after.in_lanes(comes_down, part));
+            (lands, fraction) = (lands.or(comes_down), after.in_lanes(comes_down, fraction));
         }
         let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
         if turned.any() {
             is_decided = is_decided.except(turned.except(swings.stays_upright(away)));
         }
-        Ends { lands, part, is_decided }
+        Ends { lands, fraction, is_decided }
     }
 }
 
-/// Returns the greatest rotations (rad) inside the swings of some lanes, up to a part, that exceed their `peak`, or zeros; and the lanes in
-/// which this is known.
+/// Returns the greatest rotations (rad) in some lanes, and where they are known. They lie inside the swings, up to a fraction, and are zero
+/// where they do not exceed their `peak`.
 #[inline(always)]
 fn highest_rotation<V: Simd>(
     lanes: Lanes<V>,
     swings: &Swings<V>,
     bounds: &LaneBounds<V>,
     away: Wide<V>,
-    part: Wide<V>,
+    fraction: Wide<V>,
     peak: Wide<V>,
 ) -> (Wide<V>, Lanes<V>) {
     let may_turn = lanes.except(bounds.is_greatest_at_end.or(bounds.theta.less(peak)));
@@ -238,12 +238,12 @@ fn highest_rotation<V: Simd>(
         return (Wide::default(), lanes);
     }
     let turns_back = may_turn.and(bounds.turns_back);
-    let highest = swings.top(turns_back, away, part, peak);
+    let highest = swings.top(turns_back, away, fraction, peak);
     let others = may_turn.except(turns_back);
     if !others.any() {
         return (highest, lanes);
     }
-    let (top, known) = swings.highest(others, away, part, peak);
+    let (top, known) = swings.highest(others, away, fraction, peak);
     (top.in_lanes(others, highest), lanes.except(others.except(known)))
 }
 
@@ -273,7 +273,7 @@ impl Lane {
         *budget -= 1;
     }
 
-    /// The kind of the swing that comes next, if it can be taken in a lane.
+    /// The kind of the next swing, if a lane can take it.
     #[inline]
     pub(super) fn swing_kind(&self) -> Option<BatchKind> {
         let LaneSwing { excitation, longest, away, .. } = &self.swing;

@@ -4,28 +4,29 @@ use crate::block::{Body, Contact, Corner, Creep};
 use crate::excitation::Ramp;
 use crate::numerics::wide::Four;
 use crate::simulation::Simulation;
-use crate::simulation::lanes::regime_index;
+use crate::simulation::lanes::Stance;
 use crate::simulation::limits::Limits;
 use crate::simulation::state::RunState;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
-/// The numbers of a run that steps on supports read, in fours, so that a few transpositions make vectors of several runs.
+/// The numbers of a run that steps on supports read. They stand in fours, of which a few transpositions make vectors of several runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TransposedInputs {
-    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), fractions of the weight on
-    /// both corners (1), and the displacement of the foot (m).
+    /// The body, and the displacement of its foot. Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²);
+    /// eccentricity (m), fractions of the weight on both corners (1), displacement (m).
     pub body: [Four; 3],
-    /// Weight of the works and fraction of the error of a short step in this regime; round-off of the zero of a gap (m); p (rad/s).
+    /// Limits of a step, and p. Weight of the works, fraction of the error of a short step in this regime (1), round-off of the zero of a
+    /// gap (m), p (rad/s).
     pub limits: Four,
-    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m). Zeros stand for a creep
+    /// The support of the lifted corner. Depth (m), beginning (s) and rate (1/s) of its creep, its free height (m). Zeros stand for a creep
     /// that has ended.
     pub lifted: Four,
     /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
     pub sums: Four,
     /// Peaks of θ (rad), N, H (N) and uplift (m).
     pub peaks: Four,
-    /// Reference time of the ground accelerations (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one.
+    /// The ground accelerations. Their reference time (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one (m/s²).
     pub ground: Four,
     /// The rate of the latter (m/s³).
     pub vertical_rate: f64,
@@ -43,7 +44,8 @@ impl TransposedInputs {
             pose.footing;
         let [left, right] = weight_fraction;
         self.body = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, left, right, offset]];
-        let Limits { work_weight, short_fraction, .. } = limits[regime_index(pose.contacts.regime()).unwrap_or(0)];
+        let Limits { work_weight, short_fraction, .. } =
+            limits[Stance::of(pose.contacts.regime()).map_or(0, Stance::index)];
         self.limits = [work_weight, short_fraction, EventFunction::Gap(Corner::Left).rounding(block), p];
         // The support under a corner that touches is not read.
         let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };

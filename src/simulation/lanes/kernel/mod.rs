@@ -14,7 +14,7 @@ use crate::numerics::wide::{Array, Four, Lanes, MAX_LANES, Simd, Task, VectorWid
 use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::pulses::Pulses;
-use crate::simulation::lanes::{Lane, regime_index};
+use crate::simulation::lanes::{Lane, Stance};
 use crate::simulation::peaks::Channels;
 use crate::system::evaluation::{self, Evaluation, ForcingAt};
 use crate::system::events::{EventFunction, ROUNDING, landing, lift_off, quarter_turn, watched};
@@ -28,7 +28,7 @@ struct Rounding<V> {
     quarter_turn: Wide<V>,
 }
 
-/// The supports that nothing touches: depth (m) and beginning (s) of their creep, their free heights (m).
+/// The supports of lifted corners: depth (m), beginning (s) of creep, free height (m).
 struct LiftedSupports<V> {
     depth: Wide<V>,
     since: Wide<V>,
@@ -37,7 +37,7 @@ struct LiftedSupports<V> {
 
 /// A step in all lanes.
 pub struct StepBatch {
-    /// A bit for each lane in which the step was taken; the numbers of the other lanes are meaningless.
+    /// A bit for each lane in which the step was taken. The numbers of other lanes are meaningless.
     pub taken: u32,
     /// The states at its end.
     pub state: [Array; 4],
@@ -47,17 +47,17 @@ pub struct StepBatch {
     pub peaks: [Array; 5],
     /// A bit for each lane in which the step made too great an error.
     pub failed: u32,
-    /// A bit for each lane in which a short step is accurate enough, but may hold an event or a peak.
+    /// A bit for each accurate short step that may hold an event or a peak.
     pub eventful: u32,
-    /// The accurate steps of order 8 that may hold an event or a peak, with their lanes.
+    /// The accurate steps of order 8 with a possible event or peak, and their lanes.
     pub accepted: Vec<(usize, DenseStep)>,
-    /// For a short step the factor by which its size may change, otherwise the root of its error, from which that factor follows.
+    /// The factor by which the size of a short step may change. For a step of order 8 it is the root of its error, from which the factor
+    /// follows.
     pub root: Array,
 }
 
-/// Takes a step of each run of a group, either a short one or one of order 8. A group has at least one run and at most one per
-/// lane.
-pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> StepBatch {
+/// Takes a step of each run of a group: short, or of order 8. A group has at least one run and at most one per lane.
+pub fn step(width: VectorWidth, stance: Stance, short: bool, group: &[Box<Lane>]) -> StepBatch {
     let count = group.len();
     let mut runs: [&Lane; MAX_LANES] = [&group[count - 1]; MAX_LANES];
     for (lane, run) in group.iter().enumerate() {
@@ -70,13 +70,16 @@ pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]
     } else {
         &Pulses::NONE
     };
-    match regime {
-        Regime::FullContact => width.run(StepTask { mode: Gripping::<true, true, false>, short, runs, count, pulses }),
-        Regime::TiltingLeft => width.run(StepTask { mode: Gripping::<true, false, false>, short, runs, count, pulses }),
-        Regime::TiltingRight => {
-            width.run(StepTask { mode: Gripping::<false, true, false>, short, runs, count, pulses })
+    match stance {
+        Stance::FullContact => {
+            width.run(StepTask { mode: Gripping::<true, true, false>, stance, short, runs, count, pulses })
         }
-        Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
+        Stance::OnLeft => {
+            width.run(StepTask { mode: Gripping::<true, false, false>, stance, short, runs, count, pulses })
+        }
+        Stance::OnRight => {
+            width.run(StepTask { mode: Gripping::<false, true, false>, stance, short, runs, count, pulses })
+        }
     }
 }
 
@@ -84,6 +87,8 @@ pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]
 /// around the stages for each method would double the compile time.
 struct StepTask<'g, L> {
     mode: L,
+    /// How the blocks stand under this mode.
+    stance: Stance,
     /// Whether the step is a short one.
     short: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
@@ -123,7 +128,7 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         Evaluation::of(self.mode, body, forcing_at, *footing, Numbers(state), support_heights)
     }
 
-    /// Includes the peaks of a step; returns the lanes in which a peak may be inside.
+    /// Includes the peaks at the ends of a step. Returns the lanes in which a peak may be inside.
     #[inline(always)]
     fn raise_peaks(
         &self,
@@ -249,7 +254,7 @@ impl<V: Simd, L: MotionMode> Stages<Wide<V>> for GroupMotion<'_, V, L> {
     }
 }
 
-/// Includes the ends of a step of quantities that share a peak; returns the lanes in which one may rise to a new peak inside.
+/// Includes the ends of quantities with a common peak. Returns the lanes in which one may rise to a new peak inside.
 #[inline(always)]
 fn raise<V: Simd, const N: usize>(peak: &mut Wide<V>, quantities: [Ends<V>; N]) -> u32 {
     let before = *peak;
@@ -273,8 +278,8 @@ fn pair<V: Simd>(start: [Sample<Wide<V>>; 2], end: [Sample<Wide<V>>; 2], duratio
     [Ends { start: start[0], end: end[0], duration }, Ends { start: start[1], end: end[1], duration }]
 }
 
-/// The lanes in which a short step with this [`short::squared_error`] makes at most a `fraction` of the allowed error, and the factors by which
-/// the sizes of the others may change.
+/// The lanes in which a short step keeps within a `fraction` of the allowed error. It has this [`short::squared_error`]. Returns also the
+/// factors by which the sizes of the others may change.
 #[inline(always)]
 fn within_error<V: Simd>(squared: Wide<V>, size: Wide<V>, fraction: Wide<V>) -> (u32, Wide<V>) {
     // Three roots and two quotients take long, and errors are rarely so great that they decide.
@@ -403,8 +408,8 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
     fn run<V: Simd>(self) -> StepBatch {
         let group = self.group::<V>();
         let motion = GroupMotion { mode: self.mode, group: &group, pulses: self.pulses };
-        let index = regime_index(self.mode.regime()).unwrap_or(0);
-        let weights = Numbers(self.transposed(|lane| &lane.limits[index].weights.0));
+        let stance = self.stance.index();
+        let weights = Numbers(self.transposed(|lane| &lane.limits[stance].weights.0));
         let [work_weight, fraction, gap_rounding, _] = self.transposed(|lane| &lane.transposed.limits);
         let rounding = self.rounding(&group, gap_rounding);
         let [time, end_time, size, longest] = self.transposed(|lane| &lane.transposed.step);

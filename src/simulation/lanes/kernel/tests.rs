@@ -223,9 +223,10 @@ prop_compose! {
 
 fn compare(mode: impl MotionMode, cases: &[Case]) -> Result<(), TestCaseError> {
     let runs: [&Lane; MAX_LANES] = std::array::from_fn(|i| &cases[i].lane);
+    let stance = Stance::of(mode.regime()).expect("no flight");
     for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
         let pulses = &Pulses::of(width, false, &runs);
-        let task = StepTask { mode, short: false, runs, count: width.lanes(), pulses };
+        let task = StepTask { mode, stance, short: false, runs, count: width.lanes(), pulses };
         let found = width.run(Look { task, cases });
         for (found, case) in found.iter().zip(cases) {
             prop_assert_eq!(found, &case.alone(mode), "{:?}", case);
