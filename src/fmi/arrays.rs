@@ -73,7 +73,7 @@ pub unsafe fn output_array<'a, T>(name: &str, pointer: *mut T, count: size_t) ->
 }
 
 impl<'a, T> OutputArray<'a, T> {
-    /// Returns an array for reading while this one is written: a copy if the two share memory.
+    /// Returns an array for reading while this one is written. It is a copy if the two share memory.
     ///
     /// # Safety
     /// As for [`read`].
@@ -119,8 +119,7 @@ impl OutputArray<'_, u8> {
     pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let (found, needed) = (self.count, bytes.len());
         let elements = self.elements().get_mut(..needed);
-        let elements =
-            elements.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state needs {needed}")))?;
+        let elements = elements.ok_or_else(|| Fault::new(format!("room for {found} bytes; expected {needed}")))?;
         elements.write_copy_of_slice(bytes);
         Ok(())
     }

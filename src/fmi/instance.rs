@@ -56,7 +56,7 @@ impl<V: Version> Instance<V> {
             .map(|name| {
                 Category::ALL.into_iter().find(|c| c.name().to_bytes() == name.as_bytes()).ok_or_else(|| {
                     let known = Category::ALL.map(|c| c.name().to_string_lossy()).join(", ");
-                    Fault::new(format!("log category {name:?} does not exist; there are {known}"))
+                    Fault::new(format!("log category {name:?} does not exist; expected one of {known}"))
                 })
             })
             .collect::<Result<Vec<_>, _>>()?;
@@ -78,7 +78,7 @@ impl<V: Version> Instance<V> {
         }
     }
 
-    /// Makes a block of the values, or refuses the call so that they can be corrected.
+    /// Makes a block of the values. A refusal lets the importer correct them.
     ///
     /// # Errors
     /// Those of [`Unit::exit_initialization_mode`].
@@ -300,7 +300,7 @@ impl<V: Version> Instance<V> {
         Ok(Status::Ok)
     }
 
-    /// Refuses a state of the other interface type, or one that only another version of FMI can reach.
+    /// Refuses a state of the other interface type, or of another version of FMI alone.
     ///
     /// # Errors
     /// The refused state, with the expected one.
@@ -312,7 +312,7 @@ impl<V: Version> Instance<V> {
         let phase = saved.phase();
         if !V::Call::lead_to(phase, expected) {
             return Err(Fault::new(format!(
-                "the state was saved in {phase:?}, to which no call of this version of FMI leads in {expected:?}"
+                "the state was saved in {phase:?}; expected one to which calls of this version of FMI lead in {expected:?}"
             )));
         }
         Ok(())

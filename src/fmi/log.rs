@@ -54,7 +54,7 @@ pub type Wanted = [bool; Category::ALL.len()];
 
 /// The importer's logger.
 pub trait Messenger {
-    /// Returns the categories that are logged after a call of `SetDebugLogging` with those `listed`, or all if `None`.
+    /// Returns the categories logged after a call of `SetDebugLogging`. They are those `listed`, or all if `None`.
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted;
 
     /// Sends a message.
@@ -109,7 +109,7 @@ impl<M: Messenger> Log<M> {
     }
 }
 
-/// A line of text on the stack that ends with 0 and contains no control characters.
+/// A line of text on the stack, without control characters. It ends with 0.
 struct Line {
     bytes: [u8; 1024],
     length: usize,

@@ -180,7 +180,7 @@ impl Metadata {
     }
 }
 
-/// Refuses a value that is not finite or outside the limits; the error names the limits.
+/// Refuses a value that is not finite or outside the limits. The error names them.
 #[inline]
 fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
     if value.is_finite() && min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max) {

@@ -163,8 +163,8 @@ fn undeclared_dependencies_are_refused() {
         instance.set(name, value);
     }
     assert_eq!(call!(instance, exit_initialization_mode), OK);
-    refuses(reference("theta_ddot"), alpha, 1.0, &["dimensionless.alpha is a parameter", "only an input"]);
-    refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "only an output"]);
+    refuses(reference("theta_ddot"), alpha, 1.0, &["dimensionless.alpha is a parameter", "expected an input"]);
+    refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "expected an output"]);
 }
 
 /// Reading derivatives has no side effect.

@@ -284,9 +284,7 @@ fn legality_of_every_call_of_model_exchange() {
                 }
                 Some(_) => status == ERROR && logs(state) && all_of(&instance) == before,
                 None if name == "fmi2CancelStep" => status == ERROR && logs("no step is ever in progress"),
-                None => {
-                    status == ERROR && logs("the instance is one for Model Exchange") && all_of(&instance) == before
-                }
+                None => status == ERROR && logs("found an instance for Model Exchange") && all_of(&instance) == before,
             };
             if !right {
                 wrong.push(format!("{name} in {state}: {status}, {messages:?}"));

@@ -249,14 +249,19 @@ fn undeclared_dependencies_are_refused() {
         instance.refuses(status, words);
         assert_eq!(found, -1.5, "nothing is written");
     };
-    refuses("dimensionless.alpha", "gamma", 1, &["dimensionless.alpha", "only an output or a calculated parameter"]);
-    refuses("theta", "theta", 1, &["theta", "only an input or a parameter"]);
+    refuses(
+        "dimensionless.alpha",
+        "gamma",
+        1,
+        &["dimensionless.alpha", "expected an output or a calculated parameter"],
+    );
+    refuses("theta", "theta", 1, &["theta", "expected an input or a parameter"]);
     refuses("theta", "foundation", 1, &["foundation"]);
     refuses("theta", "record.samples", 1, &["record.samples", "UInt64"]);
-    refuses("theta", "indicator.L", 1, &["indicator.L", "only an input or a parameter"]);
+    refuses("theta", "indicator.L", 1, &["indicator.L", "expected an input or a parameter"]);
     refuses("indicator.L", "gamma", 1, &["indicator.L", "no output"]);
     refuses("theta", ARRAYS[0], 4, &["= 4", "expected 5"]);
     assert_eq!(call!(instance, exit_initialization_mode), OK);
-    refuses("theta", "gamma", 1, &["gamma", "only an input"]);
+    refuses("theta", "gamma", 1, &["gamma", "expected an input"]);
     refuses("theta", ARRAYS[0], 1, &["does not exist"]);
 }

@@ -169,7 +169,7 @@ fn sizes_are_reported_and_checked() {
 #[test]
 fn functions_of_the_other_interface_are_refused() {
     let block = ready(&RELEASED);
-    let other = "this belongs to Co-Simulation; the instance is one for Model Exchange";
+    let other = "found an instance for Model Exchange; expected one for Co-Simulation";
     block.refuses(block.try_step(0.0, 0.1).0, &["fmi3DoStep", other]);
     block.refuses(call!(block, enter_step_mode), &["fmi3EnterStepMode", other]);
     block.refuses(call!(block, set_time, 0.5 / 0.0), &["time = inf"]);

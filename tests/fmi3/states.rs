@@ -219,7 +219,7 @@ fn legality_of_every_call_in_every_state() {
             let messages = block.messages();
             let word = match states {
                 "" => "",
-                "-" => "this belongs to Co-Simulation",
+                "-" => "expected one for Co-Simulation",
                 _ => state,
             };
             let is_logged = messages.len() == 1 && messages[0].2.contains(name) && messages[0].2.contains(word);

@@ -318,7 +318,7 @@ def test_model_exchange_has_the_bits_of_the_native_unit(both, variables):
     # The draft has these functions of Co-Simulation in the resource of Model Exchange.
     refused(block.enterStepMode, words=["fmi3EnterStepMode", "Co-Simulation"])
     refused(block.getOutputDerivatives, [(0, 1)], words=["fmi3GetOutputDerivatives", "Co-Simulation"])
-    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; there are 11"])
+    refused(block.setContinuousStates, [0.0] * 3, words=["fmi3SetContinuousStates", "room for 3 states; expected 11"])
     refused(block.setTime, float("nan"), words=["fmi3SetTime", "NaN"])
     saved, before = block.getFMUState(), output_bits(block, variables)
     block.setContinuousStates([0.01] * STATES)
@@ -368,10 +368,10 @@ def test_misuse_has_a_status_and_a_message_and_changes_nothing(wasm, variables):
         (block.setFloat64, (mass, [float("nan")]), ["mass = NaN"]),
         (block.setFloat64, ([2**32 - 1], [1.0]), ["4294967295", "does not exist"]),
         (block.getFloat64, ([2**32 - 1],), ["4294967295", "does not exist"]),
-        (block.getFloat32, (mass,), ["mass", "Float64, not Float32"]),
-        (block.setUInt16, (mass, [1]), ["mass", "Float64, not UInt16"]),
-        (block.getBinary, (mass,), ["mass", "Float64, not Binary"]),
-        (block.getString, (mass,), ["mass", "Float64, not String"]),
+        (block.getFloat32, (mass,), ["mass", "Float64; expected Float32"]),
+        (block.setUInt16, (mass, [1]), ["mass", "Float64; expected UInt16"]),
+        (block.getBinary, (mass,), ["mass", "Float64; expected Binary"]),
+        (block.getString, (mass,), ["mass", "Float64; expected String"]),
         (block.setString, (text, []), ["nValues = 0"]),
         (block.setDebugLogging, (True, ["nothing"]), ['"nothing" does not exist']),
         (block.setFMUState, (b"",), ["fmi3SetFMUState", "refused"]),

@@ -82,7 +82,7 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// Runs a call on an instance: checks the handle, the turn and the state, and turns faults and panics into a status and a message.
+/// Runs a call on an instance after checks of handle, turn and state. Faults and panics become a status and a message.
 ///
 /// # Safety
 /// `handle` is null or comes from [`create`] for the same version and has not been freed.

@@ -122,24 +122,24 @@ impl fmi::Call for Call {
 }
 
 impl Call {
-    /// Returns the reason why the call is illegal in a state, with the states in which it is legal.
+    /// Returns the reason for a refusal, with the states that allow the call.
     #[cold]
     fn refusal(self, phase: Phase, interface: Interface) -> String {
         let phases = self.phases();
         match (phases, self.interface()) {
             (NEVER, _) => "no step is ever in progress, steps are synchronous".into(),
             (_, Some(Interface::ModelExchange)) if interface == Interface::CoSimulation => {
-                "this belongs to Model Exchange; the instance is one for Co-Simulation".into()
+                "found an instance for Co-Simulation; expected one for Model Exchange".into()
             }
             (_, Some(Interface::CoSimulation)) if interface == Interface::ModelExchange => {
-                "this belongs to Co-Simulation; the instance is one for Model Exchange".into()
+                "found an instance for Model Exchange; expected one for Co-Simulation".into()
             }
             _ => {
                 let allowed =
                     |phase: &Phase| phases & phase.bit() != 0 && <Call as fmi::Call>::lead_to(*phase, interface);
                 let allowed = Phase::ALL.into_iter().filter(allowed);
                 let allowed: Vec<&str> = allowed.map(name).collect();
-                format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
+                format!("not allowed in state {}; expected {}", name(phase), allowed.join(", "))
             }
         }
     }

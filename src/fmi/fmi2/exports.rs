@@ -59,7 +59,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     unsafe { boundary::free_instance(component) }
 }
 
-/// Functions of an instance: each has a line with its name, its call, its other arguments and its body.
+/// Functions of an instance. Each has a line with its name, its call, its other arguments and its body.
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident $call:ident($($argument:ident: $type:ty),*) = $body:expr;)*) => {$(
         $(#[$doc])*
@@ -203,7 +203,7 @@ functions! {
     };
     /// Always refused, since no status is an integer.
     fmi2GetIntegerStatus GetIntegerStatus(kind: fmi2StatusKind, _value: *mut fmi2Integer) = |_| {
-        Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
+        Err(Fault::new(format!("{:?} is no Integer; expected another call, since no status is one", status_kind(kind)?)))
     };
     /// Returns whether the run has ended.
     fmi2GetBooleanStatus GetBooleanStatus(kind: fmi2StatusKind, value: *mut fmi2Boolean) = |instance| {

@@ -66,7 +66,7 @@ impl Instance {
         match kind {
             StatusKind::LastSuccessfulTime => Ok(self.unit.time()),
             StatusKind::DoStepStatus | StatusKind::PendingStatus | StatusKind::Terminated => {
-                Err(Fault::new(format!("{kind:?} is no Real; fmi2LastSuccessfulTime is")))
+                Err(Fault::new(format!("{kind:?} is no Real; expected fmi2LastSuccessfulTime")))
             }
         }
     }
@@ -79,7 +79,7 @@ impl Instance {
         match kind {
             StatusKind::Terminated => Ok(self.unit.phase() == Phase::StepFailed),
             StatusKind::DoStepStatus | StatusKind::PendingStatus | StatusKind::LastSuccessfulTime => {
-                Err(Fault::new(format!("{kind:?} is no Boolean; fmi2Terminated is")))
+                Err(Fault::new(format!("{kind:?} is no Boolean; expected fmi2Terminated")))
             }
         }
     }
@@ -93,7 +93,7 @@ impl Instance {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
             (StatusKind::DoStepStatus, _) => Ok(Status::Ok),
             (StatusKind::PendingStatus | StatusKind::LastSuccessfulTime | StatusKind::Terminated, _) => {
-                Err(Fault::new(format!("{kind:?} is no fmi2Status; fmi2DoStepStatus is")))
+                Err(Fault::new(format!("{kind:?} is no fmi2Status; expected fmi2DoStepStatus")))
             }
         }
     }

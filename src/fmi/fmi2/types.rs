@@ -28,7 +28,7 @@ pub type fmi2Char = c_char;
 pub type fmi2String = *const fmi2Char;
 /// A byte of a serialized state.
 pub type fmi2Byte = c_char;
-/// An enumeration of C. Any integer may come in, so it is not an enum in Rust.
+/// An enumeration of C. Any integer may come in, unlike with an enum of Rust.
 pub type fmi2Status = c_int;
 /// `fmi2Type`, an integer for the same reason.
 pub type fmi2Type = c_int;

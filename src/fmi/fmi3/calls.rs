@@ -154,7 +154,7 @@ impl fmi::Call for Call {
 }
 
 impl Call {
-    /// Returns the reason why the call is illegal in a state, with the states in which it is legal.
+    /// Returns the reason for a refusal, with the states that allow the call.
     #[cold]
     fn refusal(self, phase: Phase, interface: Interface) -> String {
         let phases = self.phases();
@@ -163,7 +163,7 @@ impl Call {
                 Interface::CoSimulation => "Co-Simulation",
                 Interface::ModelExchange => "Model Exchange",
             };
-            return format!("this belongs to {}; the instance is one for {}", called(needed), called(interface));
+            return format!("found an instance for {}; expected one for {}", called(interface), called(needed));
         }
         if phases == NEVER {
             return self.missing().into();
@@ -171,7 +171,7 @@ impl Call {
         let allowed = |phase: &Phase| phases & phase.bit() != 0 && <Call as fmi::Call>::lead_to(*phase, interface);
         let allowed = Phase::ALL.into_iter().filter(allowed);
         let allowed: Vec<&str> = allowed.map(name).collect();
-        format!("not allowed in {}; it is in {}", name(phase), allowed.join(", "))
+        format!("not allowed in {}; expected {}", name(phase), allowed.join(", "))
     }
 
     /// Returns the only interface type that has the call, or `None` if both have it.

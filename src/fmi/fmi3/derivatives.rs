@@ -104,7 +104,7 @@ fn is_time(reference: &u32) -> bool {
 fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
     references.iter().find_map(|&reference| fmi3_variable(reference)).map_or(Ok(()), |variable| {
         Err(Fault::new(format!(
-            "{} is no output and no calculated parameter; only these are differentiated",
+            "{} is no output; expected an output or a calculated parameter to differentiate",
             variable.name()
         )))
     })

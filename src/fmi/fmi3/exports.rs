@@ -123,7 +123,7 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     unsafe { boundary::free_instance(instance) }
 }
 
-/// Functions of an instance: each has a line with its name, its call, its other arguments and its body.
+/// Functions of an instance. Each has a line with its name, its call, its other arguments and its body.
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident $call:ident($($argument:ident: $type:ty),*) = $body:expr;)*) => {$(
         $(#[$doc])*

@@ -72,7 +72,7 @@ impl Fmi3 {
         match references.iter().find(|&reference| !self.required.contains(reference)) {
             None => Ok(()),
             Some(reference) => Err(Fault::new(format!(
-                "value reference {reference} is not among the requiredIntermediateVariables; inside a step these are set and read"
+                "value reference {reference} is set or read inside a step; expected one of the requiredIntermediateVariables"
             ))),
         }
     }
@@ -107,7 +107,9 @@ impl Instance {
     /// Event Mode was not requested at instantiation.
     pub fn begin_event(&mut self) -> Answer {
         if !self.version.event_mode {
-            return Err(Fault::new("eventModeUsed was false at instantiation; events are handled inside the FMU"));
+            return Err(Fault::new(
+                "eventModeUsed was false at instantiation; expected true, since the FMU handles events itself",
+            ));
         }
         self.enter_event_mode()
     }

@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-6;
 /// Maximum number of intervals between updates in one step. In a longer step the intervals are longer.
 const MAX_UPDATES: f64 = 1e6;
 
-/// Returns the time of the next update (s): an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
+/// Returns the time of the next update (s). It is an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
 fn next_update(time: f64, interval: f64, until: f64) -> f64 {
     let next = (time + interval).max(time.next_up());
     if next + ROUNDING * interval < until { next } else { until }
@@ -34,7 +34,7 @@ pub struct StepOutcome {
     size: f64,
     /// Its planned end (s); `None` before it has begun.
     end: Option<f64>,
-    /// Its actual end (s): the planned one, or the time at which the importer leaves it.
+    /// Its actual end (s): the planned one, or where the importer leaves it.
     until: f64,
     /// Whether an event is to be handled.
     pub event: bool,
@@ -108,7 +108,7 @@ impl Instance {
         done(step).map(ControlFlow::Break)
     }
 
-    /// Advances a step to the importer's next update, or returns `None` if the step is done.
+    /// Advances a step to the importer's next update. Returns `None` if the step is done.
     fn take_substeps(
         &mut self,
         step: &mut StepOutcome,

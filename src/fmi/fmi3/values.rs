@@ -54,7 +54,7 @@ pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
 pub(super) fn mismatch(reference: u32, wanted: &str) -> Fault {
     match known(reference) {
         Ok((name, found)) => {
-            Fault::new(format!("{name} (value reference {reference}) is of type {found}, not {wanted}"))
+            Fault::new(format!("{name} (value reference {reference}) is of type {found}; expected {wanted}"))
         }
         Err(fault) => fault,
     }
@@ -160,7 +160,9 @@ impl Instance {
         for (metadata, &value) in inputs() {
             if metadata.causality != Causality::Input {
                 let name = metadata.name;
-                return Err(Fault::new(format!("{name} is no input; only inputs are asked for inside a step")));
+                return Err(Fault::new(format!(
+                    "{name} is no input; expected an input, which alone is set inside a step"
+                )));
             }
             metadata.admits(value).map_err(Fault::new)?;
         }

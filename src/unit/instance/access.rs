@@ -70,10 +70,12 @@ impl Unit {
             return Ok(());
         }
         if !metadata.is_settable() {
-            return Err(Fault::new(format!("{name} is {}, which cannot be set", causality.one())));
+            return Err(Fault::new(format!("{name} is {}; expected an input or a parameter to set", causality.one())));
         }
         if self.phase.is_initialized() && *variability == Variability::Fixed {
-            return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
+            return Err(Fault::new(format!(
+                "{name} is a fixed parameter; expected it to be set before initialization ends"
+            )));
         }
         Ok(())
     }
@@ -106,7 +108,7 @@ impl Unit {
         }
     }
 
-    /// Returns the value of a variable of this type; Integers and Booleans (0 or 1) as real numbers.
+    /// Returns the value of a variable of this type. Integers and Booleans (0 or 1) become real numbers.
     ///
     /// # Errors
     /// A reference to no variable of this type, or values that make no block or record.
@@ -127,7 +129,9 @@ impl Unit {
                 }
                 let (_, acting) = self.preview()?;
                 let Unit { simulation, observed, .. } = self;
-                let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
+                let simulation = simulation
+                    .as_ref()
+                    .ok_or_else(|| Fault::new("found no block; expected the call after initialization"))?;
                 Ok(source(output).value(observed, simulation, &acting))
             }
         }
@@ -143,39 +147,39 @@ pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fau
     }
 }
 
-/// Returns the reason why a value reference is not that of a variable of this type.
+/// Returns the refusal of a value reference that is of no variable of this type.
 #[cold]
 #[inline(never)]
 fn unknown(reference: u32, kind: Kind, found: Option<&Metadata>) -> Fault {
     Fault::new(match found {
         Some(Metadata { name, kind: found, .. }) => {
-            format!("{name} (value reference {reference}) is of type {found}, not {kind}")
+            format!("{name} (value reference {reference}) is of type {found}; expected {kind}")
         }
         None => format!("value reference {reference} does not exist; expected 1 to {}", VARIABLES.len()),
     })
 }
 
-/// Returns the Real output with this value reference. `ability` completes "only an output …".
-pub(super) fn output(reference: u32, ability: &str) -> Result<Output, Fault> {
+/// Returns the Real output with this value reference; an error says what was `wanted`.
+pub(super) fn output(reference: u32, wanted: &str) -> Result<Output, Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Output(output) => Ok(output),
         Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an output {ability}", causality.one())))
+            Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
         }
     }
 }
 
-/// Returns the input with this value reference. `ability` completes "only an input …".
+/// Returns the input with this value reference; an error says what was `wanted`.
 #[inline(always)]
-pub(super) fn input(reference: u32, ability: &str) -> Result<(Input, &'static Metadata), Fault> {
+pub(super) fn input(reference: u32, wanted: &str) -> Result<(Input, &'static Metadata), Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Input(input) => Ok((input, metadata)),
         Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an input {ability}", causality.one())))
+            Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
         }
     }
 }

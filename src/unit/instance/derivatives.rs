@@ -24,7 +24,7 @@ use rocking_records::{Record, Unit as RecordUnit};
 pub struct Direction {
     /// Components of variables.
     numbers: [f64; VARIABLES.len()],
-    /// Nonzero components of the samples of the horizontal and the vertical record in arrays, by their indices.
+    /// Nonzero components of the samples in arrays, by their indices. The horizontal record comes first.
     samples: [BTreeMap<usize, f64>; 2],
     /// Component of the start time.
     time: f64,
@@ -48,7 +48,7 @@ impl Direction {
             Role::Derived(_) | Role::Output(_) | Role::Text(_) => {
                 let (name, found) = (metadata.name, metadata.causality.one());
                 return Err(Fault::new(format!(
-                    "{name} is {found}; while initializing only an input or a parameter is a direction"
+                    "{name} is {found}; expected an input or a parameter, as direction while initializing"
                 )));
             }
         }
@@ -56,7 +56,7 @@ impl Direction {
         Ok(())
     }
 
-    /// Adds components of a variable that exists only in FMI 3.0, from the value with index `first` on.
+    /// Adds components of a variable of FMI 3.0 alone, from the index `first` on.
     ///
     /// # Errors
     /// A variable without derivatives, or a component that is not finite.
@@ -71,7 +71,7 @@ impl Direction {
             Fmi3Variable::IntermediateInterval => {}
             Fmi3Variable::RecordSamples | Fmi3Variable::Indicator(_) => {
                 return Err(Fault::new(format!(
-                    "{name} is no real parameter; while initializing only an input or a parameter is a direction"
+                    "{name} is no real parameter; expected an input or a parameter, as direction while initializing"
                 )));
             }
         }
@@ -125,7 +125,7 @@ impl Derivatives {
     fn of(&self, reference: u32) -> Result<f64, Fault> {
         match self {
             Derivatives::Present(observed, energies, slip) => {
-                Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
+                Ok(source(output(reference, "an output to differentiate")?).sensitivity(observed, energies, slip))
             }
             Derivatives::Initial(initial) => match unknown(reference)? {
                 Unknown::Output(Output::EventsLastTime) => Ok(initial.time),
@@ -151,9 +151,7 @@ fn unknown(reference: u32) -> Result<Unknown, Fault> {
         Role::Derived(parameter) => Ok(Unknown::Derived(derived(parameter))),
         Role::Input(_) | Role::Parameter(_) | Role::Text(_) => {
             let (name, found) = (metadata.name, metadata.causality.one());
-            Err(Fault::new(format!(
-                "{name} is {found}; only an output or a calculated parameter can be differentiated"
-            )))
+            Err(Fault::new(format!("{name} is {found}; expected an output or a calculated parameter to differentiate")))
         }
     }
 }
@@ -183,7 +181,7 @@ impl Unit {
         Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
     }
 
-    /// Returns exact derivatives in Initialization Mode, in a direction that may have components of FMI 3.0 only.
+    /// Returns exact derivatives in Initialization Mode. Their direction may have components of FMI 3.0 alone.
     ///
     /// # Errors
     /// A reference to no output or calculated parameter, or values that make no block or record.
@@ -204,13 +202,13 @@ impl Unit {
         time: f64,
     ) -> Result<Derivatives, Fault> {
         finite(Fmi3Variable::Time.name(), time)?;
-        unknowns.iter().try_for_each(|&reference| output(reference, "can be differentiated").map(|_| ()))?;
+        unknowns.iter().try_for_each(|&reference| output(reference, "an output to differentiate").map(|_| ()))?;
         let (mut along, mut states) = (Inputs::default(), None::<ContinuousStates>);
         for (&reference, &component) in knowns.iter().zip(direction) {
             finite(known(reference, Kind::Real)?.name, component)?;
             match known(reference, Kind::Real)?.role {
                 Role::Output(output) if let Some(i) = state(output) => states.get_or_insert_default()[i] += component,
-                _ => along[input(reference, "or a state is a direction")?.0].value += component,
+                _ => along[input(reference, "an input or a state as direction")?.0].value += component,
             }
         }
         let (records, _) = self.with_records(&Inputs { time: self.time(), ..Inputs::default() }, self.time());

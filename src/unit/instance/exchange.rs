@@ -19,7 +19,7 @@ pub struct AfterEvent {
     /// True at each event of Model Exchange: derivatives change, redundant states are projected, and some importers restart
     /// their solver only then.
     pub states_changed: bool,
-    /// Time of the next kink of the excitation or of the next predicted event (s), whichever is earlier.
+    /// Time of the next kink of the excitation or predicted event (s), the earlier one.
     pub next_time: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Unit {
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
         self.preview()?;
         let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
-            return Err(Fault::new("there is no block yet"));
+            return Err(Fault::new("found no block; expected the call after initialization"));
         };
         let time = simulation.time();
         let (acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
@@ -128,7 +128,7 @@ impl Unit {
         Ok(derivatives)
     }
 
-    /// Returns the value of an output that needs no equations of motion: a continuous state in Model Exchange, or the rotation.
+    /// Returns the value of an output that needs no equations of motion. It is a continuous state in Model Exchange, or the rotation.
     pub(super) fn state_output(&self, output: Output) -> Option<f64> {
         match self.interface {
             Interface::ModelExchange => state(output).filter(|_| self.phase.is_initialized()).map(|i| self.states[i]),
@@ -157,7 +157,7 @@ impl Unit {
         Ok(simulation.indicators(&inputs))
     }
 
-    /// Accepts a step of the importer's solver, over which inputs are taken as linear in time.
+    /// Accepts a step of the importer's solver. Inputs count as linear in time over it.
     pub fn complete_step(&mut self) {
         let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
             return;
@@ -184,5 +184,5 @@ pub fn counted(found: usize, expected: usize, what: &str) -> Result<(), Fault> {
     if found == expected {
         return Ok(());
     }
-    Err(Fault::new(format!("room for {found} {what}; there are {expected}")))
+    Err(Fault::new(format!("room for {found} {what}; expected {expected}")))
 }

@@ -38,7 +38,7 @@ impl Unit {
         Ok(())
     }
 
-    /// Returns an event indicator of Model Exchange; a constant in Co-Simulation, where the importer watches none.
+    /// Returns an event indicator of Model Exchange. It is a constant in Co-Simulation, where the importer watches none.
     fn indicator(&mut self, number: usize) -> Result<f64, Fault> {
         match self.interface() {
             Interface::CoSimulation => Ok(1.0),
@@ -54,10 +54,12 @@ impl Unit {
         let metadata = variable.metadata();
         let name = metadata.name;
         if self.values.fmi3.of(variable).is_empty() {
-            return Err(Fault::new(format!("{name} is no real parameter, which alone can be set here")));
+            return Err(Fault::new(format!("{name} is set; expected a real parameter")));
         }
         if self.phase().is_initialized() {
-            return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
+            return Err(Fault::new(format!(
+                "{name} is a fixed parameter; expected it to be set before initialization ends"
+            )));
         }
         values.iter().try_for_each(|&value| metadata.admits(value)).map_err(Fault::new)?;
         self.values.fmi3.of_mut(variable).copy_from_slice(values);

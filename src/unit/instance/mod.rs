@@ -52,9 +52,9 @@ pub struct Unit {
     rates_are_new: bool,
     /// The block in motion; before initialization ends, a preview from the present values.
     simulation: Option<Simulation>,
-    /// Inputs plus the FMU's own records at the present time, if they are known; see [`Unit::acting`].
+    /// Inputs plus the FMU's own records now, if they are known. See [`Unit::acting`].
     acting: Option<Inputs>,
-    /// The inputs at the end of the present part of a step, if they are known in advance; see [`substeps`].
+    /// The inputs at the end of the present substep, if known in advance. See [`substeps`].
     at_end: Option<Inputs>,
     /// Planned end of a communication step that was left early (s).
     left: Option<f64>,
@@ -76,7 +76,7 @@ const CLOCK_ROUNDING: f64 = 1e-9;
 /// Largest fraction of a communication step that a master's clock may skip.
 const MAX_SKIPPED: f64 = 1e-3;
 
-/// Returns the largest accepted error (s) of a master's clock near `time` (s), for a communication step of `step` (s).
+/// Returns the largest accepted error (s) of a master's clock. It is near `time` (s), for a communication step of `step` (s).
 fn clock_slack(step: f64, time: f64) -> f64 {
     (CLOCK_ROUNDING * step.max(time.abs())).min(MAX_SKIPPED * step)
 }
@@ -178,7 +178,7 @@ impl Unit {
         self.forget();
     }
 
-    /// Makes a block of the values, or refuses the call so that they can be corrected.
+    /// Makes a block of the values. A refusal lets the importer correct them.
     ///
     /// Returns the parameters that were set but are not read, each with the setting that it needs.
     ///
@@ -196,7 +196,7 @@ impl Unit {
         Ok(self.values.unread().collect())
     }
 
-    /// Returns the sizes of the block that are read but were not set, each with its start value.
+    /// Returns the sizes of the block that are read but unset, with their start values.
     pub fn unset_sizes(&self) -> Vec<(&'static str, f64)> {
         self.values.unset_sizes().map(|variable| (variable.name(), self.values[variable])).collect()
     }
@@ -206,7 +206,7 @@ impl Unit {
         self.phase = Phase::Terminated;
     }
 
-    /// Advances by `step` (s) from `time` (s), the present time up to a master's rounding, and reports each event.
+    /// Advances by `step` (s) from `time` (s) and reports each event. `time` is the present one, up to a master's rounding.
     ///
     /// Allocates no memory unless it fails.
     ///
@@ -232,7 +232,9 @@ impl Unit {
     /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
     fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
         let Unit { experiment, simulation, left, .. } = self;
-        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
+        let Some(simulation) = simulation else {
+            return Err(Fault::new("found no block; expected the call after initialization"));
+        };
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
             return Err(Fault::new(format!("communicationStepSize = {step:?} at t = {present:?} s; expected > 0 s")));
@@ -241,17 +243,21 @@ impl Unit {
         // A NaN would pass the comparison with the present time.
         if !time.is_finite() || (time - present).abs() > slack {
             return Err(Fault::new(format!(
-                "currentCommunicationPoint = {time:?} s; the FMU is at t = {present:?} s and takes at most {slack:e} s off"
+                "currentCommunicationPoint = {time:?} s; expected t = {present:?} s, the time of the FMU, to {slack:e} s"
             )));
         }
         let until = time + step;
         if let Some(stop) = experiment.stop
             && until > stop + clock_slack(step, stop)
         {
-            return Err(Fault::new(format!("a step to t = {until:?} s passes stopTime = {stop:?} s")));
+            return Err(Fault::new(format!(
+                "found a step to t = {until:?} s; expected none past stopTime = {stop:?} s"
+            )));
         }
         if until == time {
-            return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
+            return Err(Fault::new(format!(
+                "communicationStepSize = {step:e} s is lost in t = {time:?} s; expected a longer step"
+            )));
         }
         simulation.set_time(time);
         // The rest of a step left early ends exactly at that step's planned end, if `time + step` is near it.
@@ -259,7 +265,7 @@ impl Unit {
         Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
     }
 
-    /// Advances to `until` (s) under the inputs and the FMU's own records, from sample to sample.
+    /// Advances to `until` (s), from sample to sample of the FMU's own records.
     ///
     /// `advance` steps over one interval between samples, and returns its progress and whether it stopped there.
     fn advance_by_intervals(
@@ -269,7 +275,7 @@ impl Unit {
     ) -> Result<(Progress, bool), Fault> {
         let Unit { phase, simulation, inputs, acting, ground, observed, .. } = self;
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
-            return Err(Fault::new("there is no block yet"));
+            return Err(Fault::new("found no block; expected the call after initialization"));
         };
         (*acting, *observed) = (None, ObservationCache::default());
         let mut piece = (!ground.is_empty()).then(|| ground.piece_at(simulation.time()));
@@ -317,7 +323,7 @@ impl Unit {
         }
     }
 
-    /// Returns inputs plus the FMU's own records at `time` (s), and the end of their validity (s).
+    /// Returns inputs plus the FMU's own records at `time` (s), and their end (s).
     fn with_records(&self, inputs: &Inputs, time: f64) -> (Inputs, f64) {
         self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, time))
     }
@@ -329,7 +335,9 @@ impl Unit {
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let acting = self.acting();
         let Unit { phase, simulation, observed, .. } = self;
-        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
+        let Some(simulation) = simulation else {
+            return Err(Fault::new("found no block; expected the call after initialization"));
+        };
         *observed = ObservationCache::default();
         simulation.settle(&acting, observer).map_err(|error| {
             *phase = Phase::Error;
@@ -400,7 +408,7 @@ impl Unit {
         self.observed = ObservationCache::default();
     }
 
-    /// Returns the block in motion and the inputs that act on it; before initialization ends, a preview from the present values.
+    /// Returns the block in motion and the inputs that act on it. Before initialization ends they are a preview from the present values.
     fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
         if self.simulation.is_none() {
             let block = self.block()?;
@@ -422,7 +430,10 @@ impl Unit {
             self.simulation = Some(simulation);
         }
         let acting = self.acting();
-        let simulation = self.simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
+        let simulation = self
+            .simulation
+            .as_ref()
+            .ok_or_else(|| Fault::new("found no block; expected the call after initialization"))?;
         Ok((simulation, acting))
     }
 
@@ -433,7 +444,7 @@ impl Unit {
     }
 }
 
-/// Returns the inputs plus the records' line at `time` (s), and the end of that line (s).
+/// Returns the inputs plus the records' line at `time` (s), and its end (s).
 fn with_ground(inputs: &Inputs, ground: &Ground, time: f64) -> (Inputs, f64) {
     if ground.is_empty() {
         return (*inputs, f64::INFINITY);

@@ -16,7 +16,7 @@ impl Unit {
     #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let (_, metadata) = input(reference, "has set derivatives")?;
+            let (_, metadata) = input(reference, "an input with derivatives")?;
             first_order(metadata, order)?;
             if !value.is_finite() {
                 return Err(Fault::new(format!("derivative of {} = {value}; expected a finite number", metadata.name)));
@@ -44,7 +44,7 @@ impl Unit {
         references: &'a [u32],
         orders: &[i32],
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
-        let output = |reference| output(reference, "has derivatives in time");
+        let output = |reference| output(reference, "an output with derivatives in time");
         for (&reference, &order) in references.iter().zip(orders) {
             output(reference)?;
             first_order(known(reference, Kind::Real)?, order)?;

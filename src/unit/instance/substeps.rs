@@ -52,7 +52,7 @@ impl Unit {
         end == f64::INFINITY && simulation.rests(&inputs)
     }
 
-    /// Begins a part that ends at `end` (s), with the inputs at its end equal to the present ones.
+    /// Begins a part that ends at `end` (s). The inputs there are the present ones until they are set.
     ///
     /// They can be set by [`Unit::set_ahead`] until [`Unit::end_setting_ahead`].
     pub fn begin_setting_ahead(&mut self, end: f64) {
@@ -67,7 +67,7 @@ impl Unit {
         }
     }
 
-    /// Makes the inputs linear between their present values and those at the end of the part.
+    /// Makes the inputs linear from their present values to those at the end.
     pub fn end_setting_ahead(&mut self) {
         self.phase = Phase::StepComplete;
         if let Some(at_end) = &self.at_end {
@@ -75,7 +75,7 @@ impl Unit {
         }
     }
 
-    /// Advances to the end of the part, to `until` (s), or, if `after` (s) is given, to the first later event.
+    /// Advances to the end of the part, to `until` (s), or to an event. That event is the first one later than `after` (s), if given.
     ///
     /// Allocates no memory unless it fails.
     ///
