@@ -202,7 +202,7 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     if target.ends_with("-windows-gnu") {
         flags.push("\u{1f}-Clink-arg=-Wl,--no-insert-timestamp");
     }
-    // With musl Rust links the C library statically by default, and makes no shared libraries then.
+    // For musl targets Rust links the C library statically by default, which rules out shared libraries.
     if target.ends_with("-musl") {
         flags.push("\u{1f}-Ctarget-feature=-crt-static");
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, Corner, Foundation, Restraints};
 use crate::numerics::scalar::{Elementary, Scalar};
 
-/// The numbers that equations of motion, event functions and steps read: of one block, or of one per lane.
+/// The numbers that equations of motion, event functions and steps read.
 ///
 /// Lanes hold several blocks on foundations of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

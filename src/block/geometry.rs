@@ -77,7 +77,9 @@ pub enum Foot {
 /// Position of the centre of mass relative to a point of the base (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lever<T> {
-    /// Horizontal distance X, positive to the right of the point: `R0 sin(α+θ)` from L, `−R0 sin(α−θ)` from R.
+    /// Horizontal distance X, positive to the right of the point.
+    ///
+    /// It is `R0 sin(α+θ)` from L, and `−R0 sin(α−θ)` from R.
     pub x: T,
     /// Height Q over the point: `R0 cos(α+θ)` from L, `R0 cos(α−θ)` from R.
     pub q: T,

@@ -288,7 +288,7 @@ impl<T: Elementary> Block<T> {
         self.omega_v / self.p
     }
 
-    /// Slenderness angle of a corner (rad), `arctan((b ± e_x)/h)` with + on L. At this rotation the centre of mass is over the corner.
+    /// Slenderness angle of a corner (rad), at which the centre of mass is over it. It is `arctan((b ± e_x)/h)` with + on L.
     pub fn alpha_of(&self, corner: Corner) -> T {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
     }
@@ -322,7 +322,7 @@ impl<T: Elementary> Block<T> {
         momentum / (gamma + 1.0 + (cross + square) * uneven)
     }
 
-    /// Least coefficient of friction at which a corner that slides on a rigid base may jam (1).
+    /// Least coefficient of friction that may jam a sliding corner (1), on a rigid base.
     ///
     /// `2 √(k (k + 1))` with k = I0/(M R²) and the distance R of the centre of mass from the farther corner.
     pub fn jamming_friction(&self) -> T {

@@ -48,7 +48,7 @@ pub struct Common<T = f64> {
     pub epsilon: T,
     /// Gravity g (m/s²).
     pub gravity: T,
-    /// Distance e_x of the mass centre from the middle (m), positive to the right; `|e_x| < b`.
+    /// Distance e_x of the mass centre from the middle (m), `|e_x| < b`. Positive to the right.
     pub eccentricity: T,
     /// Coulomb's coefficient of friction μ of the feet (1); 0 means no limit.
     pub friction: T,

@@ -235,7 +235,7 @@ impl<T: Elementary> Excitation<T> {
 }
 
 impl<T: Elementary> Excitation<T> {
-    /// Returns the integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
+    /// Returns the integrals of the horizontal forcing between two times. They are `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
     pub fn horizontal_drift(&self, from: T, to: T) -> (T, T) {
         let duration = to - from;
         let start = self.x.at(from - self.time);

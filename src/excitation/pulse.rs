@@ -20,12 +20,12 @@ pub enum PulseShape {
     OneSine = 2,
     /// Type B: one cosine in acceleration, `a_p = ω_p v_p`.
     OneCosine = 3,
-    /// Type C1: `v_g = v_p [sin(ω_p t + φ) − sin φ]`, which brings the ground back after one and a half half-cycles.
+    /// Type C1: `v_g = v_p [sin(ω_p t + φ) − sin φ]`. It brings the ground back after one and a half half-cycles.
     C1 = 4,
     /// Type C2: the same with one more cycle.
     C2 = 5,
-    /// Half a sine, `a_p sin ω_p t`, T_p/2 long (G. W. Housner, The behavior of inverted pendulum structures during earthquakes,
-    /// BSSA 53 (1963) 403–417).
+    /// Half a sine, `a_p sin ω_p t`, T_p/2 long (G. W. Housner, The behavior of inverted pendulum structures during earthquakes, BSSA 53
+    /// (1963) 403–417).
     HalfSine = 6,
     /// Constant `a_p`, T_p long (Housner, 1963).
     Rectangular = 7,
@@ -326,7 +326,7 @@ fn gaussian<T: Scalar>(x: T) -> T {
 }
 
 impl<T: Elementary> Wave<T> {
-    /// Returns the velocity and displacement of a body at rest after this acceleration: `(∫ a dt, ∫∫ a dt dt)` in m/s and m.
+    /// Returns `(∫ a dt, ∫∫ a dt dt)` of this acceleration, in m/s and m. They are velocity and displacement of a body that was at rest.
     pub(super) fn drift(&self, from: T, to: T) -> (T, T) {
         let Wave { form, amplitude, omega, phase, origin, cycles } = *self;
         let duration = to - from;

@@ -36,7 +36,7 @@ pub fn short_factor<R: Real>(error: R) -> R {
     R::from(1.0) / error.sqrt().sqrt()
 }
 
-/// Returns the shortest useful step from `time` to `stop`: the clock's resolution at the later one.
+/// Returns the shortest useful step towards a stop. It is the clock's resolution at the later of `time` and `stop`.
 pub fn shortest(time: f64, stop: f64) -> f64 {
     (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE)
 }
@@ -46,7 +46,7 @@ pub fn is_resolved(remaining: f64, longest: f64) -> bool {
     f64::EPSILON * remaining < longest
 }
 
-/// Returns the least value at an end of a step, over a peak, for a new peak inside.
+/// Returns the least value at an end, over a peak, with a new peak inside.
 ///
 /// In a step h an oscillation of amplitude A and circular frequency ω rises by at most A (ωh)²/8 above its ends. The margin is eight
 /// times larger, since the value may be a sum of larger ones, and at most half, the rise of a sinusoid in the longest step.

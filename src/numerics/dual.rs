@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::numerics::scalar::Scalar;
 
-/// `re + eps ε` with `ε² = 0`: a number and its derivative with respect to time or a parameter.
+/// `re + eps ε` with `ε² = 0`: a number and its derivative. It is with respect to time or a parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dual<R> {
     /// The number.

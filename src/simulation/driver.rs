@@ -24,8 +24,8 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventFunction, EventKind, Transition, TransitionCounts};
 use crate::system::instant::Pose;
 
-/// Bound on the time that a call advances, as a multiple of [`MAX_STEPS`] over the fastest circular frequency. It is far more than the
-/// longest step, and little enough for the clock to resolve the motion.
+/// Bound on the time that a call advances, times the fastest circular frequency over [`MAX_STEPS`]. It is far more than the longest step,
+/// and little enough for the clock to resolve the motion.
 const OUT_OF_REACH: f64 = 1e3;
 
 impl Simulation {
@@ -133,7 +133,7 @@ impl Simulation {
         self.apply_pending(inputs, observer, Rates::of)
     }
 
-    /// Applies a pending event, and returns the result of `inspect` for the block right after it.
+    /// Applies a pending event. Returns the result of `inspect` for the block right after it.
     fn apply_pending<R>(
         &mut self,
         inputs: &Inputs,
@@ -206,7 +206,7 @@ impl Simulation {
 }
 
 impl RunState {
-    /// Returns the stop, or an earlier one if the clock would not resolve the motion up to it. No call reaches that one: by then the block
+    /// Returns the stop, or an earlier one up to which the clock resolves the motion. No call reaches an earlier one: by then the block
     /// rests, or the call has failed.
     fn within_reach(&self, body: &Body, stop: f64) -> f64 {
         let Body { omega_v, p, .. } = *body;

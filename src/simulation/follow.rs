@@ -161,7 +161,7 @@ fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &
     ReachedEvent { function, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
 }
 
-/// The numbers of states under modes that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
+/// Size of a state with the horizontal motion: `[θ, θ̇, w, ẇ, u, u̇]`.
 const EXTENDED: usize = 6;
 
 /// Times inside a step at which the block is looked at.

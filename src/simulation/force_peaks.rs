@@ -11,7 +11,7 @@ use crate::system::evaluation::Evaluation;
 /// Least reaction, over the weight, that presses a corner on despite the series' error.
 pub(super) const PRESSED: f64 = 1e-6;
 
-/// Most rounds of the search for a peak of the friction demand, which takes two or three.
+/// Maximum number of rounds of a search for a peak of the friction demand. It takes two or three.
 const MAX_ROUNDS: u32 = 8;
 
 /// The least fraction of a peak that a force must reach to be searched for.
@@ -78,7 +78,7 @@ impl Runs<f64> for bool {
     }
 }
 
-/// Two forces per mass (m/s²) over a fraction of a step, as polynomials on [0, 1].
+/// Two forces per mass (m/s²) as polynomials on [0, 1], a fraction of a step.
 pub(super) trait ForcePair {
     type Number: Real;
     type Runs: Runs<Self::Number>;

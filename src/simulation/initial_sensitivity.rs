@@ -71,8 +71,8 @@ impl Start {
     }
 }
 
-/// Leans the upright block at rest on the rigid base to the side of its tilt or throw. It stands on that corner. Displacements and the
-/// rates of the centre of mass change as there; accelerations and reactions would jump, and are those of rest.
+/// Leans a block at rest on the rigid base as it tilts or is thrown. It stands on that corner. Displacements and the rates of the centre of
+/// mass change as there; accelerations and reactions would jump, and are those of rest.
 fn lean(rest: &mut Evaluation<DirectionalDual>, &Initial { theta, theta_dot, .. }: &Initial<DirectionalDual>) {
     let lean = if theta.eps[0] != 0.0 { theta.eps[0] } else { theta_dot.eps[0] };
     if lean == 0.0 {

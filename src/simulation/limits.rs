@@ -18,7 +18,7 @@ pub(super) struct Limits<const N: usize = 4> {
     pub(super) short_fraction: f64,
 }
 
-/// Error of a short step over that of other steps, in the motion and in the works.
+/// Error of a short step over that of other steps, in motion and works.
 ///
 /// Frequent stops, as under a record, add up the errors of more steps than the motion needs. A loose tolerance lifts this limit.
 const SHORT_FRACTION: f64 = 0.1;

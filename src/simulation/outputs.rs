@@ -31,7 +31,7 @@ pub struct Observation<T> {
     pub v_dot: T,
     /// v̈ (m/s²).
     pub v_ddot: T,
-    /// Horizontal displacement of the centre of mass relative to the ground (m), positive to the right.
+    /// Horizontal displacement of the centre of mass (m), positive to the right. It is relative to the ground.
     pub u: T,
     /// u̇ (m/s).
     pub u_dot: T,
@@ -41,7 +41,7 @@ pub struct Observation<T> {
     pub reaction: [T; 2],
     /// Horizontal reaction H on the block (N), positive to the right.
     pub horizontal: T,
-    /// Moment of the reactions about the middle of the base at rest (N.m), positive clockwise: `b (N_L − N_R)`.
+    /// Moment of the reactions, `b (N_L − N_R)` (N.m), positive clockwise. It is about the middle of the base at rest.
     pub base_moment: T,
     /// Heights of the corners L, R above their places at rest (m).
     pub corner: [T; 2],

@@ -73,7 +73,7 @@ impl RestForceSeries {
     }
 }
 
-/// Two polynomials over the first `fraction` of a step, from their coefficients over the whole step.
+/// Restricts two polynomials over a step to its first `fraction`.
 #[inline(always)]
 fn pair(fraction: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
     let (mut powers, mut power) = ([[0.0; 2]; ORDER + 1], 1.0);

@@ -147,7 +147,7 @@ impl Simulation {
         self.run.pose.time
     }
 
-    /// Present state `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`crate::system::dynamics`].
+    /// Present state `[θ, θ̇, w, ẇ]`. The meaning of w depends on the regime: see [`crate::system::dynamics`].
     pub fn state(&self) -> &State {
         &self.run.pose.state
     }
@@ -291,7 +291,7 @@ impl Simulation {
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// The change of the forcing in a direction of inputs, and of time by the pulse.
+    /// The derivative of the forcing in a direction of the inputs and of time.
     pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
         let block = self.block();
         let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);

@@ -37,7 +37,7 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
     first.abs().max(between.abs()).max(last.abs())
 }
 
-/// Round-off of a watched function with the values `start` and `end` at the ends of a step.
+/// Round-off of a watched function with these samples at the ends of a step.
 ///
 /// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
@@ -48,7 +48,7 @@ fn rounding(mode: impl MotionMode, function: EventFunction, body: &Body, [start,
     if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(body) }
 }
 
-/// Whether a function may fall through zero between the samples at both ends of a step. On supports their bounds decide.
+/// Whether a function with these samples at the ends may fall through zero. On supports their bounds decide.
 #[inline(always)]
 fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     if mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
@@ -86,8 +86,7 @@ pub(super) struct EventCrossing {
     pub(super) elapsed: f64,
     /// The event function.
     pub(super) function: EventFunction,
-    /// Whether the function begins at zero and seems to fall, against its rate in the mode. It rises for a time that is too short for this
-    /// step.
+    /// Whether the function begins at zero and seems to fall, against its rate there. It rises for a time too short for this step.
     pub(super) rise_unseen: bool,
 }
 

@@ -37,13 +37,13 @@ pub(super) enum Finished {
     Lasts,
 }
 
-/// The fraction of a step tried next if a function rises and falls unseen within it. Such a function begins at zero.
+/// The fraction tried of a step in which a function rises and falls unseen. Such a function begins at zero.
 const SHORTENED: f64 = 0.125;
 
 /// The fraction of the longest step below which such a rise is none. The fall is then placed at the end of the step.
 const SHORTEST_RISE: f64 = 1e-10;
 
-/// The fraction of a step that the clock must resolve for a shorter one to be tried.
+/// The fraction of a step that the clock must resolve to try it.
 const MIN_SHORTENED: f64 = 1e-2;
 
 impl RunState {
@@ -162,7 +162,7 @@ impl RunState {
         self.control.short_step(stop - self.pose.time, limits.longest)
     }
 
-    /// Takes a short step to `stop` if nothing happens on the way, and returns whether it did.
+    /// Takes a short step to `stop`, unless something happens on the way. Returns whether it did.
     #[inline(always)]
     fn short_step<'a, L: MotionMode, const N: usize>(
         &mut self,

@@ -195,8 +195,8 @@ impl RunState {
         }
     }
 
-    /// Includes N, H and the friction demand up to a fraction of a swing in the peaks. Returns the fraction at which the corner lifts if
-    /// that comes before.
+    /// Includes the forces up to a fraction of a swing in the peaks. They are N, H and the friction demand. Returns the fraction at which
+    /// the corner lifts, if that comes before.
     ///
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]

@@ -20,8 +20,8 @@ pub struct Initial<T = f64> {
     pub theta: T,
     /// θ̇ (rad/s).
     pub theta_dot: T,
-    /// `(v, v̇)` of the centre of mass (m, m/s); `None` for the vertical equilibrium at `theta`. There the supports that touch carry the
-    /// weight, and the middle of the base (or the one touching corner) does not move vertically.
+    /// `(v, v̇)` of the centre of mass (m, m/s). `None` stands for the vertical equilibrium at `theta`, in which the supports that touch
+    /// carry the weight, and the middle of the base (or the one touching corner) does not move vertically.
     pub vertical: Option<(T, T)>,
 }
 

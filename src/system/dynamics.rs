@@ -156,7 +156,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// Returns the reactions of the supports under a foot, their sum, and their moment about the mass centre.
+    /// Returns the reactions of the supports, their sum, and their moment about the mass centre.
     #[inline(always)]
     fn supports(&self, foot: Foot) -> ([T; 2], T, T) {
         match foot {
@@ -247,7 +247,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, friction_power: zero, ..x }
     }
 
-    /// Solves the equations of full contact with a corner held on a support of known motion.
+    /// Solves the equations of full contact with a held corner, whose motion is known.
     ///
     /// The reaction of the other corner accelerates the centre of mass; both motions together determine the rotation. Horizontally the
     /// middle of the base holds the block, or slides. Filippov's solution mixes full contact, with H = H_f at the middle, and the regime on
@@ -287,7 +287,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         x
     }
 
-    /// Returns the motion of a block on a foot from `[θ̈, v̈, ẅ]` and the vertical reactions.
+    /// Returns the motion that follows from `[θ̈, v̈, ẅ]` and the vertical reactions.
     #[inline(always)]
     fn moving(
         &self,

@@ -67,8 +67,8 @@ pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
     restraints: States<T>,
 }
 
-/// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
-/// [dissipative](forces::dissipated) forces since the beginning of the step; the dampers' is the last.
+/// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode. They are `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// [dissipative](forces::dissipated) forces since the beginning of the step, the dampers' last.
 pub const DAMPED: usize = 6 + forces::DISSIPATIVE;
 
 /// Number of these of a block without dampers: that of a vector of the processor.

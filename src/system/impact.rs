@@ -4,7 +4,7 @@ use crate::block::{Block, Body, Corner, Foot, Lever, Regime};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar, greatest, least};
 use crate::system::instant::Instant;
 
-/// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
+/// Velocities of the block relative to the ground. `u̇` and `v̇` are those of the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Velocities<T = f64> {
     /// u̇ (m/s), positive to the right.
@@ -23,8 +23,7 @@ impl<T: Elementary> Velocities<T> {
     }
 }
 
-/// Returns v̇ of the centre of mass (m/s) and θ̇ (rad/s) after the landing of `corner`. They follow from those before; θ̇ is positive
-/// clockwise.
+/// Returns v̇ of the centre of mass (m/s) and θ̇ (rad/s) after a landing. They follow from those before; θ̇ is positive clockwise.
 ///
 /// Eqs. (14)–(19) with the sign of J12 corrected, and their mirror image (28): linear and angular momentum change by the impulses of H and N
 /// at the landing corner only, the corner's vertical velocity by the factor ε, and the horizontal constraint moves from the standing corner
@@ -45,7 +44,9 @@ pub fn landing<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot:
     (j11 * v_dot + j12 * theta_dot, j21 * v_dot + j22 * theta_dot)
 }
 
-/// Returns v̇ of a corner (m/s) from v̇ of the centre of mass and θ̇: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
+/// Returns v̇ of a corner (m/s) from v̇ of the centre of mass and θ̇.
+///
+/// `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
 pub fn corner_rate<T: Elementary>(body: &Body<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
     v_dot + lever(body, corner, theta).x * theta_dot
 }
@@ -170,7 +171,7 @@ pub fn thrown_by_grip<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, corner: Cor
     across * q * (x.u_dot - q * x.theta_dot) / (q * q + body.i0)
 }
 
-/// Returns the height of the centre of mass over the foot (m): `R0 cos(α + sθ)` over a corner without eccentricity.
+/// Returns the height of the centre of mass over the foot (m). Without eccentricity it is `R0 cos(α + sθ)` over a corner.
 pub fn height_over<T: Elementary>(body: &Body<T>, foot: Foot, theta: T) -> T {
     let (sin, cos) = theta.sin_cos();
     body.lever(foot, sin, cos).q

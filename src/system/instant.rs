@@ -74,7 +74,7 @@ pub enum Footing<T> {
         /// Displacement of the foot to the right since the start (m), by flights and slides.
         offset: T,
     },
-    /// No hold: in flight, and while a support that bears the block again does not grip yet.
+    /// No hold: in flight, and on a support that does not grip yet.
     Free {
         /// Horizontal displacement of the centre of mass since the start (m).
         u: T,

@@ -177,7 +177,7 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> MotionMode for Grip
     }
 }
 
-/// Evaluates `$body` with `$mode` of the mode's own type, or as `$any` if it has none.
+/// Evaluates `$body` with `$mode` of the mode's own type, or of that of `$any`.
 macro_rules! dispatch_mode {
     ($any:expr, $mode:ident => $body:expr) => {{
         let any = $any;

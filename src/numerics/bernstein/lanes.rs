@@ -161,8 +161,8 @@ impl<V: Simd> Bernsteins<V> {
         (place, lanes)
     }
 
-    /// The place and size of the greatest value inside the interval in some lanes, and the lanes in which they are known. The value exceeds
-    /// `most` and both ends; if none does, the result is one that does not. See [`highest`](super::Bernstein::highest).
+    /// Place and size of the greatest value inside the interval in some lanes. Returns also the lanes in which they are known. The value
+    /// exceeds `most` and both ends; if none does, the result is one that does not. See [`highest`](super::Bernstein::highest).
     #[inline(always)]
     pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);

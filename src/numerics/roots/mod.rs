@@ -236,7 +236,7 @@ fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) 
     sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, |t| function(t).value)
 }
 
-/// Returns the time at value zero on the cubic of time over value with these ends. NaN unless the function falls at both.
+/// Returns the time at value zero on the cubic t(value) with these ends. NaN unless the function falls at both.
 fn interpolated_fall((low, left): TimedSample, (high, right): TimedSample) -> f64 {
     if !(left.rate < 0.0 && right.rate < 0.0) {
         return f64::NAN;

@@ -114,7 +114,7 @@ fn reduced<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     const HALF_PI: [f64; 2] = [1.5707963267341256, 6.077100506506192e-11];
     /// Least reduced angle, relative to the angle, for which one round suffices.
     const NO_CANCELLATION: f64 = 1.0 / 65536.0;
-    /// Greatest reduced angle (rad): `libm` chooses the multiple of π/2 by 20 bits after the first.
+    /// Greatest reduced angle (rad). `libm` chooses the multiple of π/2 by 20 bits after the first.
     const BETWEEN: f64 = std::f64::consts::FRAC_PI_4 - 1e-5;
     const LARGE: f64 = 1e6;
 
@@ -166,8 +166,9 @@ fn sin_cos_by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array;
 /// Greatest magnitude for [`exp_in_range`]. Beyond it `libm`, which compares the upper 32 bits, tests for overflow and underflow.
 const EXP_RANGE: f64 = f64::from_bits((0x4086_232b << 32) - 1);
 
-/// The exponential function with the operations of `libm::exp` in their order: FreeBSD's e_exp.c (Copyright (C) 2004 by Sun Microsystems,
-/// Inc.; permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is preserved).
+/// The exponential function with the operations of `libm::exp` in their order. These are FreeBSD's e_exp.c (Copyright (C) 2004 by Sun
+/// Microsystems, Inc.; permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
+/// preserved).
 #[inline(always)]
 fn exp_in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
     /// Up to this magnitude `k = 0`.

@@ -38,11 +38,11 @@ pub const STATES: usize = 6 + WORKS;
 /// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
 pub type ContinuousStates = [f64; STATES];
 
-/// Depth of a corner below the rigid base at which its landing is found, over R0. It is far less than the height of the last bounce, which
-/// begins with 1e-9 p.
+/// Depth below the rigid base, over R0, at which a landing is found. It is far less than the height of the last bounce, which begins with
+/// 1e-9 p.
 const SMALLEST_GAP: f64 = 1e-20;
 
-/// Largest rate of an indicator that an event left without one, times p and its rounding.
+/// Largest rate of an indicator that counts as none, over p and its rounding.
 const NO_RATE: f64 = 1e3;
 
 /// The indicator in place of a function that is not watched at present.

@@ -29,8 +29,7 @@ impl ExchangePiece {
     }
 }
 
-/// The next event, if it follows so soon that no solver need resolve the motion before. Such are the ever shorter impacts of rocking that
-/// dies out, and bounces.
+/// The next event, if no solver need resolve the motion before. Such are the ever shorter impacts of rocking that dies out, and bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::simulation) struct Foreseen {
     /// The block right before the event.

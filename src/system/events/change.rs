@@ -92,7 +92,7 @@ impl Path {
         self.regimes.into_iter().flatten()
     }
 
-    /// Whether the pose passed through so many regimes that none of them lasts.
+    /// Whether the pose passed through more regimes than an instant can hold.
     pub fn overflows(&self) -> bool {
         self.overflows
     }

@@ -153,7 +153,7 @@ where
         counts + self.touch_down(placement, land(rate), rates)
     }
 
-    /// Returns the vertical rate of a corner after its landing on the rigid base (m/s, upwards).
+    /// Returns the vertical rate of a corner after landing on the rigid base (m/s).
     fn rebound(&self, rate: T) -> T {
         let zero = T::from(0.0);
         self.rest_if_slow(greatest(-self.system.block.epsilon * rate, zero), zero)

@@ -12,7 +12,9 @@ use crate::system::events::placement::Placement;
 use crate::system::impact;
 use crate::system::instant::{Footing, Instant};
 
-/// Returns the distance of a gripping foot from sliding (m/s²): `μ N ± H` per mass, with + for a `push` from L.
+/// Returns the distance of a gripping foot from sliding (m/s²).
+///
+/// It is `μ N ± H` per mass, with + for a `push` from L.
 #[inline(never)]
 pub(super) fn margin<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
 where

@@ -46,7 +46,7 @@ pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
     ROUNDING * size(body)
 }
 
-/// Returns the least force per mass (m/s²) on a touching corner if the foot gripped now. Positive if it presses the corner on its support.
+/// Returns the least force on a touching corner, per mass (m/s²), after a grip now. Positive if it presses the corner on its support.
 ///
 /// It is the reaction right after the horizontal impulse, which turns the block, less a reserve for a corner that this throws up. A
 /// support of stiffness K catches a mass M thrown up with v̇ if its force is above `√(K M) v̇`; with less, the corner would leave, land and

@@ -15,7 +15,7 @@ use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
 use crate::system::instant::{Footing, Held, Instant};
 
-/// Returns the acceleration (m/s²) that would press a held corner on if it were let go.
+/// Returns the acceleration (m/s²) that would press a released corner on.
 ///
 /// Its rate is unknown and set to zero, so that only a sign change between samples is found, which suffices for a monotone function.
 pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {

@@ -68,7 +68,7 @@ pub enum EventFunction {
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
-    /// The speed of the standing corner while the other is held and the base slides (m/s).
+    /// The speed of a sliding foot's standing corner while the other is held (m/s).
     StandingSlide,
     /// A function of a restraint.
     Restraint(restraints::RestraintFunction),
@@ -174,8 +174,8 @@ impl EventFunction {
         }
     }
 
-    /// Whether an event may leave the function at zero, with a rate independent of inputs' rates. Value and rate then follow from the state
-    /// and its rate.
+    /// Whether value and rate follow from the state and its rate alone. An event may leave such a function at zero, with a rate independent
+    /// of inputs' rates.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
             EventFunction::Gap(_) | EventFunction::Slide | EventFunction::Speed | EventFunction::StandingSlide => true,

@@ -11,7 +11,7 @@ pub fn reaction<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, direction: f64, n
     normal * (body.friction * -direction)
 }
 
-/// Returns the power per mass (m²/s³) dissipated by friction at a foot with this `rate` (m/s).
+/// Returns the power per mass dissipated by friction (m²/s³). The foot has this `rate` (m/s).
 #[inline(always)]
 pub fn power<T: Scalar>(horizontal: T, rate: T) -> T {
     -(horizontal * rate)

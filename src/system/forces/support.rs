@@ -23,7 +23,7 @@ where
     reaction(body, Corner::Left, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
 }
 
-/// Returns the power per mass (m²/s³) dissipated by the dashpots under the touching corners: `ξ_v ω_v Σ v̇_I²`.
+/// Returns the power per mass dissipated by the dashpots (m²/s³). It is `ξ_v ω_v Σ v̇_I²` over the touching corners.
 #[inline(always)]
 pub fn power<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, regime: Regime, [left, right]: [T; 2]) -> T {
     let squares = match regime {

@@ -41,7 +41,7 @@ impl Swing {
         fraction
     }
 
-    /// The fraction of the swing after which a block that leaves the base, or is off it, lands.
+    /// The fraction of the swing after which a block on or off the base lands.
     pub fn first_landing(&self, corner: Corner) -> Zero {
         let theta = self.away_from(corner, 1.0);
         let zeros = match theta {
@@ -65,8 +65,7 @@ impl Swing {
         Bernstein::of(rest, self.order).zero()
     }
 
-    /// The fraction of the swing at which the rotation away from a corner peaks, if below `fraction`. The peak exceeds `most` (rad) and
-    /// both ends.
+    /// The fraction of the swing, below `fraction`, at which the rotation off a corner peaks. The peak exceeds `most` (rad) and both ends.
     pub fn highest(&self, corner: Corner, bounds: &Bounds, fraction: f64, most: f64) -> Option<f64> {
         if bounds.turns_back {
             return self.top(-corner.sign(), fraction, most);
@@ -74,7 +73,7 @@ impl Swing {
         Bernstein::of(self.away_from(corner, fraction), self.order).highest(most).map(|place| place * fraction)
     }
 
-    /// The fraction of the swing at which the rotation peaks, if θ̈ always points to the base.
+    /// The fraction at which the rotation peaks if θ̈ always points to the base.
     ///
     /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
     fn top(&self, away: f64, fraction: f64, most: f64) -> Option<f64> {
@@ -101,7 +100,7 @@ impl Swing {
         Some(place)
     }
 
-    /// The series of the rotation away from a corner, over the first `fraction` of the swing.
+    /// The series of the rotation off a corner, over the first `fraction` of the swing.
     fn away_from(&self, corner: Corner, fraction: f64) -> Series {
         let (mut theta, mut power) = (self.theta, -corner.sign());
         for term in &mut theta {

@@ -80,7 +80,7 @@ impl<V: Simd> Swings<V> {
         Swings { series, orders: Wide::default() }
     }
 
-    /// Makes the swings from `[θ, θ̇]` on in place, since a copy costs more than a term. See [`Swing::of`].
+    /// Makes the swings from `[θ, θ̇]` on in place. A copy would cost more than a term. See [`Swing::of`].
     #[inline(always)]
     pub fn make(
         &mut self,
@@ -201,8 +201,7 @@ impl<V: Simd> Swings<V> {
         fraction
     }
 
-    /// The lanes in which the block certainly stays up, those in which it lands, and the fraction of the landing. See
-    /// [`Swing::first_landing`].
+    /// The lanes without and with a landing, and the fractions of the landings. See [`Swing::first_landing`].
     #[inline(always)]
     pub fn first_landing(&self, lanes: Lanes<V>, away: Wide<V>) -> (Lanes<V>, Lanes<V>, Wide<V>) {
         let Swing { order, ref theta, .. } = self.series;

@@ -137,7 +137,7 @@ fn shortening<T: Real>(fraction: T) -> T {
     fraction.sqrt().sqrt().sqrt().sqrt() * SAFETY
 }
 
-/// `∫ s' dτ` and `∫ τ s' dτ` over a fraction, for a series s of this order.
+/// `∫ s' dτ` and `∫ τ s' dτ` over a fraction, for a series s.
 #[inline(always)]
 fn way_and_moment<T: Real>(series: &Series<T>, order: usize, fraction: T) -> [T; 2] {
     let (mut way, mut moment) = (T::from(0.0), T::from(0.0));
@@ -205,7 +205,7 @@ impl<T: Real> Swing<T> {
         if self.forcing.terms > 2 { ORDER } else { self.order.min(ORDER) }
     }
 
-    /// The series of N/M and H/M (m/s²) up to a fraction of the swing, and their degree.
+    /// The series of N/M and H/M (m/s²) up to a fraction, and their degree.
     #[inline(always)]
     fn force_series(&self, fraction: T, gravity: T) -> (Row<[T; 2]>, usize) {
         let Swing { size, ref x, ref q, ref forcing, .. } = *self;
@@ -288,7 +288,7 @@ impl Swing {
         swing
     }
 
-    /// Adds powers until the [tail](Swing::tail) is below `allowed`, in units of the swing, and returns it.
+    /// Adds powers until the [tail](Swing::tail) is below `allowed`, in units of the swing. Returns the tail.
     #[inline]
     fn extend(&mut self, gravity: f64, scale: f64, allowed: f64) -> f64 {
         let weight = self.forcing.z[0] + gravity;
@@ -331,7 +331,7 @@ impl Swing {
         Pair::of(forces, degree)
     }
 
-    /// Work of the excitation per unit mass (m²/s²) over a fraction of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
+    /// Work of the excitation per unit mass (m²/s²) over a fraction of the swing. It is the integral of `−a_x u̇ − a_z v̇ + m θ̇`.
     #[inline]
     pub fn work(&self, fraction: f64) -> f64 {
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;

@@ -171,7 +171,8 @@ pub fn static_stiffness<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematic
     ties.all().iter().map(|tie| stiffness_at_rest(body, tie, kinematics)).sum()
 }
 
-/// Returns the vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z, `r k` in place of k where it yields.
+/// Returns the vertical stiffness (N/m) of a tie at rest. It is `k z² + T (1 − z²)/L` with its vertical direction z, and `r k` in place of
+/// k where it yields.
 fn stiffness_at_rest<T: Elementary>(body: &Body<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
@@ -209,7 +210,8 @@ pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     all
 }
 
-/// Returns the energy stored in the ties per mass (m²/s²): `½ k (s − s_p)²` of each stretched tie and `½ h s_p²` of each that is not broken.
+/// Returns the energy stored in the ties per mass (m²/s²). It is `½ k (s − s_p)²` of each stretched tie and `½ h s_p²` of each that is not
+/// broken.
 pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     body: &Body<P>,
     states: &TieStates,
@@ -252,7 +254,7 @@ pub fn work_to(link: Link<f64, f64>, length: f64) -> f64 {
     stiffness * (0.5 * first * first + beyond * (first + 0.5 * hardening * beyond))
 }
 
-/// Returns the power per mass (m²/s³) dissipated by the ties of a kind: `(T − F) ṡ` by the dashpots beside the force F of the spring,
+/// Returns the power per mass (m²/s³) dissipated by the ties of a kind. It is `(T − F) ṡ` by the dashpots beside the force F of the spring,
 /// and `F_y |ṡ_p|` by yielding.
 pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     body: &Body<P>,

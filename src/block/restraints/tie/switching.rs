@@ -110,7 +110,7 @@ pub fn of_pull(state: TieState) -> Option<TieFunction> {
     }
 }
 
-/// Returns the elongation (m) that separates a taut tie stretched by `length` (m) from yielding: `F_y/k − σ (s − s_p/(1 − r))`.
+/// Returns the elongation (m) that separates a taut tie from yielding. Stretched by `length` (m), it is `F_y/k − σ (s − s_p/(1 − r))`.
 fn margin<T: Elementary>(link: Link<T, T>, length: T, direction: YieldDirection) -> T {
     let Tie { stiffness, yield_force, hardening, .. } = *link.tie;
     let plastic = plastic(link, length);
