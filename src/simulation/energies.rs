@@ -126,8 +126,8 @@ impl EnergySums {
     pub(super) fn energies(&self, (kinetic, potential): (f64, f64), mass: f64) -> Energies {
         let &EnergySums { initial, input, dashpots, friction, restraints, impacts, constraint } = self;
         let [kinetic, potential, initial, input, dashpots, friction, impacts, constraint] =
-            [kinetic, potential, initial, input, dashpots, friction, impacts, constraint].map(|part| part * mass);
-        let restraints = restraints.map(|part| part * mass);
+            [kinetic, potential, initial, input, dashpots, friction, impacts, constraint].map(|energy| energy * mass);
+        let restraints = restraints.map(|energy| energy * mass);
         let total = kinetic + potential;
         Energies {
             total,

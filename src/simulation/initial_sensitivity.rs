@@ -65,7 +65,7 @@ impl Start {
         };
         let seen = if is_frozen { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);
-        let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);
+        let [kinetic, potential] = [kinetic, potential].map(|energy| (energy * block.mass).eps[0]);
         let energies = Energies { total: kinetic + potential, kinetic, potential, ..Energies::default() };
         InitialDerivatives { observed: seen.map(|x| x.eps), energies, peaks }
     }

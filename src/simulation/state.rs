@@ -328,7 +328,7 @@ impl Simulation {
         self.shown(inputs, |now| {
             let block = now.body;
             let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
-            let [kinetic, potential] = [kinetic.eps, potential.eps].map(|part| part * block.mass);
+            let [kinetic, potential] = [kinetic.eps, potential.eps].map(|energy| energy * block.mass);
             Energies::changing(kinetic, potential, powers(now))
         })
     }

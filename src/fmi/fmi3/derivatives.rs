@@ -103,7 +103,10 @@ fn is_time(reference: &u32) -> bool {
 /// Refuses variables that exist only in FMI 3.0 as unknowns, since none is an output.
 fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
     references.iter().find_map(|&reference| fmi3_variable(reference)).map_or(Ok(()), |variable| {
-        Err(Fault::new(format!("{} is differentiated; expected an output or a calculated parameter", variable.name())))
+        Err(Fault::new(format!(
+            "{} is no output; expected an output or a calculated parameter to differentiate",
+            variable.name()
+        )))
     })
 }
 

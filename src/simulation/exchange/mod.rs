@@ -263,7 +263,7 @@ impl Simulation {
         let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         let seen = observe(block, now.regime, &x, support_heights, forcing);
         let (kinetic, potential) = energy(block, now.regime, &now.forcing, &x);
-        let [kinetic, potential] = [kinetic, potential].map(|part| part.eps * block.mass);
+        let [kinetic, potential] = [kinetic, potential].map(|energy| energy.eps * block.mass);
         let [_, _, _, _, _, _, works @ ..] = states;
         let energies = Energies::changing(kinetic, potential, works);
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }

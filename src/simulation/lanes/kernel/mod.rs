@@ -168,7 +168,7 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
     }
 
-    /// A event function of [`watched`] at an instant.
+    /// An event function of [`watched`] at an instant.
     #[inline(always)]
     fn sample(&self, function: EventFunction, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
         let x = &now.instant;
