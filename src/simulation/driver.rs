@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`Simulation::advance`] | to a time, over several smooth pieces of the excitation |
 //! | `smooth_piece` | to the end of a piece, over several modes of motion |
-//! | `Simulation::steps`, in [`stepping`](super::stepping) | under one mode, by steps or swings, to the first event |
+//! | `RunState::steps`, in [`stepping`](super::stepping) | under one mode, by steps or swings, to the first event |
 //! | `apply` | through an event, into the next regime |
 
 use crate::block::{Block, Body, Corner, Regime, restraints};
