@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::SOURCES;
 
-/// Date of sources outside any repository (s since 1970): 1980, the earliest date that a ZIP archive can hold.
+/// Date of sources outside any repository (s since 1970). It is 1980, the earliest date that a ZIP archive can hold.
 const UNKNOWN: i64 = 315_532_800;
 
 /// Returns the date of generation: SOURCE_DATE_EPOCH, the author's date of the sources' last commit, or a fixed date.

@@ -13,8 +13,7 @@ use crate::xml::{attribute, child};
 pub struct Description {
     pub guid: String,
     pub variables: Vec<Variable>,
-    /// modelDescription.xml of FMI 2.0: the file with its GUID, with Integers instead of enumerations, and without the parts that
-    /// only FMI 3.0 has.
+    /// modelDescription.xml of FMI 2.0, with its GUID. It has Integers instead of enumerations, and lacks the parts that only FMI 3.0 has.
     pub packed: String,
     /// modelDescription.xml of FMI 3.0.
     pub fmi3: Fmi3,
@@ -164,8 +163,8 @@ fn variable(root: Node, node: Node) -> Result<Variable, String> {
     Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, declared_type, items })
 }
 
-/// Returns the file for FMI 2.0: without the parts that only FMI 3.0 has, and with an Integer instead of each enumeration, which
-/// some importers do not support.
+/// Returns the file for FMI 2.0. It lacks the parts that only FMI 3.0 has, and has Integers instead of enumerations, which some importers
+/// do not support.
 fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
     let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
     // The comments describe the source file, not the packed one.
@@ -213,8 +212,8 @@ pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
         .collect()
 }
 
-/// Checks that ModelStructure lists every output once and in order, and the dependencies of its unknowns: inputs and states, or
-/// at initialization inputs and parameters.
+/// Checks that ModelStructure lists every output once and in order. The dependencies of its unknowns are inputs and states, or at
+/// initialization inputs and parameters.
 fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let structure = child(root, "ModelStructure")?;
     let indices = |list: &str| -> Result<Vec<usize>, String> {
@@ -299,7 +298,7 @@ impl Description {
         writeln!(code, "pub static DESCRIPTIONS: [&str; {}] = {descriptions:?};", descriptions.len())
     }
 
-    /// Writes one enumeration per kind, so that code for a kind does not compile if it leaves out a variable.
+    /// Writes one enumeration per kind. Code for a kind thus does not compile if it leaves out a variable.
     fn write_roles(&self, code: &mut String) -> std::fmt::Result {
         for (role_name, article) in ROLES {
             let of_role: Vec<&Variable> = self.variables.iter().filter(|v| role(v) == role_name).collect();
@@ -329,7 +328,7 @@ impl Description {
         Ok(())
     }
 
-    /// Writes the items of each enumeration, so that code for one does not compile if it leaves out an item.
+    /// Writes the items of each enumeration. Code for one thus does not compile if it leaves out an item.
     fn write_choices(&self, code: &mut String) -> std::fmt::Result {
         let mut written = BTreeSet::new();
         writeln!(code, "/// The enumerations of modelDescription.xml.\npub mod choices {{\n    use super::Choice;")?;

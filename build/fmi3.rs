@@ -176,7 +176,7 @@ impl File {
         self.element(type_name(of_type), &attributes, &starts, |file, start| file.leaf("Start", &[("value", start)]))
     }
 
-    /// `Unknown` with indices → one with value references, which are the same numbers, and with the dependencies of FMI 3.0.
+    /// `Unknown` with indices → one with value references and the dependencies of FMI 3.0. References are the same numbers.
     fn unknown(&mut self, element: &str, node: Node) -> Written {
         let mut attributes = vec![("valueReference", attribute(node, "index")?)];
         let of_fmi3 = node.attribute(FMI3_DEPENDENCIES).unwrap_or("");

@@ -21,7 +21,7 @@ pub enum Version {
 /// The target of [`Version::Wasm`], which is also its folder of binaries.
 const WASM: &str = "wasm32-wasip2";
 
-/// The model identifiers of the components for Co-Simulation and Model Exchange, and the feature that chooses the component.
+/// The model identifiers of the components for Co-Simulation and Model Exchange. The feature chooses the component.
 pub const COMPONENTS: [(&str, &str); 2] = [("rocking_block", ""), ("rocking_block_me", "model-exchange")];
 
 impl Version {
@@ -135,7 +135,7 @@ fn path_in_fmu(version: Version) -> Result<String, String> {
     Ok(format!("binaries/{folder}/rocking_block.{suffix}"))
 }
 
-/// Returns a cargo command without the environment of the outer cargo or clippy, but with the user's configuration.
+/// Returns a cargo command without the environment of the outer cargo or clippy. The user's configuration stays.
 pub fn inner_cargo() -> Result<Command, String> {
     const KEPT: [&str; 10] = [
         "CARGO_HOME",

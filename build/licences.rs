@@ -103,7 +103,7 @@ fn metadata() -> Result<Metadata, String> {
     MetadataCommand::parse(output_of(command)?).map_err(|e| format!("cargo metadata: {e}"))
 }
 
-/// Returns the root, the glue of WebAssembly, and their run-time dependencies, without build and test dependencies and macros.
+/// Returns the root, the glue of WebAssembly, and their run-time dependencies. Dependencies of builds and tests, and macros, are left out.
 ///
 /// `cargo tree` knows the optional dependencies that are really used; `cargo metadata` does not.
 fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageId>, String> {

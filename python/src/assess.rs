@@ -10,7 +10,7 @@ use rocking_studies::assess::{Kept, Plan, assess as assessed};
 use crate::options::{invalid, pool};
 use crate::work::wait;
 
-/// The numbers as JSON, the result in a few sentences, and the names and contents of the files.
+/// An assessment for Python. It has the numbers as JSON, the result in a few sentences, and the names and contents of the files.
 type Report<'py> = (String, String, Vec<(String, Bound<'py, PyBytes>)>);
 
 /// Returns the report on the object of a study; its paths are relative to the folder. Rows are kept in the folder of `keep`, for further

@@ -300,7 +300,7 @@ fn refused(error: SpecError) -> PyErr {
     }))
 }
 
-/// Warns of the first block whose supports are too soft to keep it upright, and of parameters beyond reason.
+/// Warns of supports too soft to keep a block upright, and of parameters beyond reason. The first such block is named.
 pub fn warn_of_blocks(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
     let soft = blocks.iter().find_map(engine::Block::soft_supports);
     warn(py, soft.into_iter().chain(doubts::of_blocks(blocks.iter().copied())), stack_level)

@@ -73,7 +73,7 @@ impl Blocks {
     }
 }
 
-/// Returns the unit of a real parameter; that of any tie or damper, `tie_8.stiffness`, is that of the first.
+/// Returns the unit of a real parameter. That of any tie or damper, `tie_8.stiffness`, is that of the first.
 #[pyfunction]
 pub fn parameter_unit(name: &str) -> PyResult<&'static str> {
     let of_link = name.split_once('.').and_then(|(link, parameter)| Some((link.split_once('_')?.0, parameter)));

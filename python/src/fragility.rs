@@ -11,7 +11,7 @@ use rocking_studies::intensity::Measure;
 use crate::options::{choice, finite, invalid, whole};
 use crate::work::wait;
 
-/// Lower and upper ends; an end that the data do not bound is the limit of the possible values.
+/// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
 type Ends = (f64, f64);
 
 /// Decided rows of a table, batch by batch; many are kept on disk.
@@ -26,8 +26,8 @@ impl CaseStore {
         CaseStore::default()
     }
 
-    /// Takes rows: their places in the table, the measure, the fraction that exceeded the limit, the peak of the blocks that rock and stand, and
-    /// the number of the ground motion, negative for rows with their own; a missing measure or peak is nan.
+    /// Takes rows of a table for a fit. Each has its place, the measure, the fraction that exceeded the limit, the peak of the blocks that
+    /// rock and stand, and the number of the ground motion, negative for rows with their own. A missing measure or peak is nan.
     fn push(
         &mut self,
         places: PyReadonlyArray1<i64>,
@@ -53,7 +53,7 @@ impl CaseStore {
     }
 }
 
-/// A curve with its uncertainty and predictive power; the Python class of the same name has the documentation.
+/// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
 pub struct Fragility(pub Assessment);
 
@@ -102,7 +102,7 @@ impl Fragility {
         measures.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), measure| (low.min(measure), high.max(measure)))
     }
 
-    /// Returns measures and fractions of all rows, or of some 10,000 of many in the order of their measures.
+    /// Returns measures and fractions of rows, in the order of their measures. Of many rows they are some 10,000.
     fn marks<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
         let rows = self.0.marks();
         [
@@ -220,11 +220,11 @@ fn ends(interval: Interval, least: f64, greatest: f64) -> Ends {
     (interval.low.unwrap_or(least), interval.high.unwrap_or(greatest))
 }
 
-/// A component of an export: its identifier, the measure of its curves, the factor on the measure of the record, limits with
-/// their curves, and a description.
+/// A component of an export. It has an identifier, the measure of its curves, the factor on the measure of the record, limits with their
+/// curves, and a description.
 type Curves<'py> = (String, String, f64, Vec<(String, PyRef<'py, Fragility>)>, String);
 
-/// Returns the text of each file for a program of loss assessment, and remarks on crossing curves.
+/// Returns the text of each file for a program of loss assessment. Remarks on crossing curves follow.
 #[pyfunction]
 pub fn export_fragility(program: &str, components: Vec<Curves>, g: f64) -> PyResult<(Vec<String>, Vec<String>)> {
     let program = choice("program", program, &[LossProgram::Pelicun, LossProgram::OpenQuake])?;

@@ -47,7 +47,7 @@ impl Ida {
         self.0.curves.iter().map(curve).collect()
     }
 
-    /// Returns the least level that overturns each curve, and the greatest below that does not; nan for both where none overturns.
+    /// Returns the least level that overturns each curve, and the greatest below that does not. Both are nan where none overturns.
     fn brackets(&self) -> Vec<(f64, f64)> {
         let bracket =
             |curve: &engine::IdaCurve| curve.overturning().map_or((f64::NAN, f64::NAN), |[low, high]| (low, high));

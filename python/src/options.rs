@@ -22,7 +22,7 @@ pub fn unspelled(error: SpecError) -> PyErr {
     PyValueError::new_err(error.spelled(str::to_owned))
 }
 
-/// Returns the choice of a word in any case; the error lists the words of all choices.
+/// Returns the choice of a word in any case. The error lists the words of all choices.
 pub fn choice<T: Words>(name: &str, found: &str, choices: &[T]) -> PyResult<T> {
     T::named(found).filter(|choice| choices.contains(choice)).ok_or_else(|| {
         let known: Vec<String> = choices.iter().map(|choice| format!("\"{}\"", choice.word())).collect();

@@ -14,7 +14,8 @@ use crate::table::{Column, columns};
 /// The name, θ, u, lateral force and moment of a landmark.
 type Named = (String, f64, f64, f64, f64);
 
-/// Columns, energies by the names of restraints in the closed cycle and before it, equivalent damping, recentring ratio and residual rotation.
+/// A pushover for Python. It has the columns, energies by the names of restraints in the closed cycle and before it, equivalent damping,
+/// recentring ratio and residual rotation.
 type CycleResults<'py> = (Vec<Column<'py>>, Vec<(String, f64, f64)>, f64, f64, f64);
 
 /// Turns a block slowly over a corner, then in cycles if there is an amplitude.

@@ -136,7 +136,7 @@ impl Record {
     }
 }
 
-/// Returns the requested intensity measures of a record: those without a period, and Sa and Sv at each of `periods` (s).
+/// Returns the requested intensity measures of a record. Sa and Sv are at each of `periods` (s), the others have no period.
 pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
     periods
         .iter()
@@ -153,7 +153,7 @@ pub fn intensity(py: Python, record: &Bound<Record>, periods: Vec<f64>, g: f64) 
     Ok(py.detach(|| measures.iter().map(evaluate).collect()))
 }
 
-/// A column of a table or a channel of a file, by its name or its number from 1.
+/// A column or a channel of a file, by its name or its number from 1.
 #[derive(FromPyObject)]
 pub enum ChoiceOption {
     Number(i64),
@@ -170,7 +170,7 @@ impl ChoiceOption {
     }
 }
 
-/// Returns samples and title of the component at `angle` (degrees) from a record towards a transverse one.
+/// Returns samples and title of a component. It is at `angle` (degrees) from a record towards a transverse one.
 #[pyfunction]
 pub fn rotate(
     py: Python,
@@ -183,7 +183,7 @@ pub fn rotate(
     Ok((PyArray1::from_slice(py, &acceleration).unbind(), title))
 }
 
-/// Returns the name of each intensity measure with a percentile of it over all directions of a pair of components.
+/// Returns each intensity measure's name and a percentile of it over all directions of two components.
 #[pyfunction]
 pub fn rot_d(
     py: Python,
@@ -221,7 +221,7 @@ pub fn fit_pulse(py: Python, record: &Bound<Record>, shape: &str) -> PyResult<Op
     }))
 }
 
-/// Samples, time step (s), title and start (s) of a file, and the reason to doubt them, if there is one.
+/// Samples, time step (s), title and start (s) of a file. The last one is the reason to doubt them, if any.
 type Reading = (Py<PyArray1<f64>>, f64, String, f64, Option<String>);
 
 /// Reads a record from a file.
@@ -264,7 +264,7 @@ pub fn read_record(
     Ok((PyArray1::from_slice(py, &acceleration).unbind(), time_step, title, start_time, doubt))
 }
 
-/// Converts errors of the operating system to an `OSError`, and errors in a file to a `ValueError`.
+/// Converts errors of the operating system to an `OSError`. Errors in a file become a `ValueError`.
 fn refused(error: RecordError) -> PyErr {
     let message = error.to_string();
     match &error {

@@ -61,13 +61,13 @@ fn hazard(levels: &PyReadonlyArray1<f64>, rates: &PyReadonlyArray1<f64>) -> PyRe
     HazardCurve::new(&levels.as_array().to_vec(), &rates.as_array().to_vec()).map_err(invalid)
 }
 
-/// Returns the name of a measure in the columns of tables, as `Sa(0.5 s)` for `sa(0.5)`; other names stay.
+/// Returns the name of a measure in the columns of tables, as `Sa(0.5 s)` for `sa(0.5)`. Other names stay.
 #[pyfunction]
 pub fn measure_name(im: &str) -> String {
     risk::canonical(im)
 }
 
-/// Returns the measure of the record behind a measure relative to a block, and the factor between them.
+/// Returns the record's measure behind one relative to a block, and the factor between them.
 #[pyfunction]
 pub fn measure_scale(im: &str, alpha: Option<f64>, p: Option<f64>, g: f64) -> PyResult<(String, f64)> {
     let Some(measure) = im.parse::<Measure>().ok().filter(|measure| Measure::OF_BLOCK.contains(measure)) else {
@@ -92,7 +92,8 @@ pub struct AnnualRate {
 
 #[pymethods]
 impl AnnualRate {
-    /// Integrates a fitted curve, a lognormal curve of a median and a dispersion, or a table of levels and probabilities.
+    /// Integrates a curve over the hazard. It is a fitted one, a lognormal one of a median and a dispersion, or a table of levels and
+    /// probabilities.
     #[new]
     #[pyo3(signature = (levels, rates, fit, lognormal, table))]
     fn new(

@@ -43,7 +43,7 @@ type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 /// The columns of a table, and the reason of the first failed run.
 type Columns<'py> = (Vec<Column<'py>>, Option<String>);
 
-/// Makes rows of several runs each in batches, in order; the thread unwinds once they are abandoned.
+/// Makes rows of several runs each in batches, in order. The thread unwinds once they are abandoned.
 fn batches<T: Send>(
     pool: &ThreadPool,
     count: u64,
@@ -68,8 +68,8 @@ fn batches<T: Send>(
     completed.unwrap_or_else(|never| match never {});
 }
 
-/// Computes the outcome of each block under each ground motion: columns with rows ordered block by block, then scale by
-/// scale, then pair by pair. `holds`, friction, the numbers of ties and dampers, and whether any yields, chooses the columns; by default those of the blocks.
+/// Computes the outcome of each block under each ground motion. Rows are ordered block by block, then scale by scale, then pair by pair.
+/// `holds`, friction, the numbers of ties and dampers, and whether any yields, chooses the columns; by default those of the blocks.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes<'py>(
@@ -172,7 +172,7 @@ impl runner::Study for Abandonable<'_> {
     }
 }
 
-/// Writes the missing rows of a study to its file, and returns the whole table and the reason of the first failed run.
+/// Writes the missing rows of a study to its file. Returns the whole table and the reason of the first failed run.
 fn written(
     study: &Sweep,
     pool: &ThreadPool,
@@ -292,7 +292,7 @@ impl Study {
         Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
     }
 
-    /// Returns the content of a part's file in CSV, the number of its rows, and the reason of the first failed run.
+    /// Returns a part as CSV, the number of its rows, and the reason of the first failed run.
     fn part_file<'py>(
         &self,
         py: Python<'py>,

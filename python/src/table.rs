@@ -23,10 +23,10 @@ pub fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Vec<Column<'py>>>
     table.into_columns().into_iter().map(|column| shown(py, column, rows)).collect()
 }
 
-/// The path of a file, the keys in the names of its folders with their values, and the part, such as "3 of 10".
+/// A file of a table. It has the path, the keys in the names of its folders with their values, and the part, such as "3 of 10".
 type FileOfTable = (OsString, Vec<(String, String)>, Option<String>);
 
-/// Returns the files of a folder or of a pattern, and whether they are the parts of one study.
+/// Returns the files of a folder or of a pattern. The second value says whether they are the parts of one study.
 #[pyfunction]
 pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<FileOfTable>, bool)> {
     let files = files(&path, partial).map_err(invalid)?;
@@ -63,7 +63,7 @@ pub fn is_needed(column: &str, named: Vec<String>) -> bool {
     fragility::is_needed(column, &named.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// Passes the columns that a fit over the named ones needs to a function, in batches of rows.
+/// Passes the columns that a fit needs to a function, in batches of rows.
 #[pyfunction]
 pub fn read_batches(py: Python, path: PathBuf, partial: bool, named: Vec<String>, each: &Bound<PyAny>) -> PyResult<()> {
     let is_wanted = |column: &str| is_needed(column, named.clone());

@@ -9,7 +9,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Interval between Python's checks of progress and signals: too long to cost time, too short to notice.
+/// Interval between Python's checks of progress and signals. It is too long to cost time and too short to notice.
 const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Progress of the work, and whether the caller still waits for it.

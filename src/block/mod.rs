@@ -336,7 +336,7 @@ impl<T: Elementary> Block<T> {
         (self.gamma * (self.alpha * 2.0).cos() + 1.0) / (self.gamma + 1.0)
     }
 
-    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29); π/2 if the supports are too soft for a lift-off.
+    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29). It is π/2 if the supports are too soft for a lift-off.
     pub fn separation_angle(&self) -> T {
         let sin = self.static_deflection() / self.b;
         if sin.value() < 1.0 { sin.asin() } else { T::from(std::f64::consts::FRAC_PI_2) }

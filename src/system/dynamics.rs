@@ -122,7 +122,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Posture { body, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
 
-    /// Solves eqs. (7)–(13) on supports, or Housner's equation on a rigid base, for a block on a foot.
+    /// Solves eqs. (7)–(13) on supports, or Housner's equation on a rigid base.
     #[inline(always)]
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
         let lever = self.body.lever(foot, self.sin, self.cos);

@@ -9,7 +9,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Real, Scalar};
 
-/// The state `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s. θ is positive clockwise (the block tilts to the right), w positive up.
+/// The state `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s. The rotation θ is positive clockwise (the block tilts to the right), w positive up.
 pub use crate::numerics::State;
 
 /// Powers integrated beside the state (m²/s³): of the excitation, and dissipated by the dashpots.

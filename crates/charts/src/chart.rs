@@ -129,7 +129,7 @@ pub struct Chart<'a> {
     pub marks: Vec<(Mark, (f64, f64))>,
     /// Curves, drawn in this order.
     pub curves: Vec<Curve>,
-    /// Ordinates θ/α of the unstable equilibria of a block on a rigid base, to the left and to the right, which lines mark.
+    /// Ordinates θ/α of the unstable equilibria of a block on a rigid base. Lines mark the left one and the right one.
     pub balance: Option<[f64; 2]>,
     /// Names of ordinates, in place of numbers.
     pub names: Vec<(f64, &'static str)>,

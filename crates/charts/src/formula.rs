@@ -2,10 +2,10 @@
 
 use crate::glyphs;
 
-/// Start and end of a subscript in a label under way: characters of Unicode's private use area.
+/// Start and end of a subscript in a label under way. They are characters of Unicode's private use area.
 const SUBSCRIPT: [char; 2] = ['\u{E000}', '\u{E001}'];
 
-/// Size of a subscript and its depth below the line, relative to the font size of the formula.
+/// Size of a subscript and its depth below the line. Both are relative to the font size of the formula.
 const SIZE: f64 = 0.72;
 const DEPTH: f64 = 0.22;
 

@@ -25,7 +25,7 @@ const CELLS: [usize; 2] = [150, 100];
 /// Darkest grey of the density, on which the fractiles stay visible.
 const DARKEST: f64 = 90.0;
 
-/// Draws a fragility curve with its band, the fractions of binned rows, and each row as a tick.
+/// Draws a fragility curve with its band and the fractions of binned rows. Each row is a tick.
 ///
 /// `blocks` describes the blocks; `heading` is name and unit of the measure.
 ///
@@ -95,7 +95,7 @@ pub fn curve(
     page(&[title, misfit(found, &unit), blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Names the groups of rows outside the band by more than half a row, and the test of the fit.
+/// Names the groups of rows outside the band by more than half a row. The test of the fit follows.
 fn misfit(found: &Assessment, unit: &str) -> String {
     let measures: Vec<f64> = found.groups.iter().map(|group| group.measure).collect();
     let bands = found.band(&measures).into_iter().map(|band| [band.low.unwrap_or(0.0), band.high.unwrap_or(1.0)]);
@@ -139,7 +139,8 @@ pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> R
     page(&[title.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles. Many curves are a density.
+/// Draws the peaks over the levels of a measure, with their fractiles. Each block under each ground motion is a curve. Many curves are a
+/// density.
 ///
 /// A curve leaves to the right edge at the level at which its block overturns, and returns at that at which it stands again.
 ///
@@ -196,7 +197,7 @@ pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureEr
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Returns the segments of a curve over its levels, from rest without shaking, with peaks beyond the right edge on it.
+/// Returns the segments of a curve over its levels, from rest without shaking. Peaks beyond the right edge are on it.
 fn segments(responses: &[Response], levels: &[f64], edge: f64) -> Vec<Vec<(f64, f64)>> {
     let mut segments = vec![vec![(0.0, 0.0)]];
     let mut is_outside = false;
@@ -270,7 +271,7 @@ fn density(found: &Ida, x: &Range<f64>, y: &Range<f64>) -> Vec<Tile> {
     counts.iter().enumerate().filter(|(_, count)| **count > 0).map(tile).collect()
 }
 
-/// Draws a fragility surface of two measures in grey, with the lines of 10, 50 and 90 %, and the rows.
+/// Draws a fragility surface of two measures in grey. It has the lines of 10, 50 and 90 %, and the rows.
 ///
 /// # Errors
 /// [`PictureError::Drawing`].
@@ -417,7 +418,7 @@ mod tests {
 
     use super::*;
 
-    /// A block that overturns at 0.2 and 0.3, stands at 0.4, and has a peak beyond the edge at 0.5.
+    /// A block that overturns at 0.2 and 0.3 and stands at 0.4. Its peak is beyond the edge at 0.5.
     #[test]
     fn curves_leave_and_return_at_their_levels() {
         let responses = [

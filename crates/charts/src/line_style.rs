@@ -185,8 +185,8 @@ mod tests {
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
-    /// Colour vision deficiencies are simulated by the matrices of Machado, Oliveira and Fernandes (2009); solid styles must
-    /// differ in lightness as well, for grey prints.
+    /// Colour vision deficiencies are simulated by the matrices of Machado, Oliveira and Fernandes (2009). Solid styles differ in lightness
+    /// as well, for grey prints.
     #[test]
     fn curves_differ_for_colour_blind_readers_and_in_grey() {
         let [protan, deutan, tritan] = [

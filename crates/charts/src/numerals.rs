@@ -12,7 +12,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     signed(readable(value, digits))
 }
 
-/// Formats a number as [`significant`] does, with the hyphen as minus sign, for text that other programs read.
+/// Formats a number as [`significant`] does, with the hyphen as minus sign. Other programs read it.
 pub fn readable(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 { "0".into() } else { format!("{rounded}") }

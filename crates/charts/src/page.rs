@@ -33,7 +33,7 @@ pub enum Symbol {
     Grey(u8),
 }
 
-/// Draws a page: a heading, a legend and, under them, an area of this height for the charts.
+/// Draws a page: a heading, a legend and an area of this height for the charts.
 ///
 /// The first line of the heading is larger; each is wrapped, and [`formula`] has marked its subscripts. `draw` gets the whole
 /// page and the area.

@@ -13,7 +13,7 @@ use rocking_studies::spec::pulse::text;
 /// Heights of the charts of accelerations and velocities.
 const HEIGHTS: [u32; 2] = [4600, 5200];
 
-/// Draws record and pulse from a pulse's duration before its start to a duration after its end.
+/// Draws record and pulse. The time goes from a pulse's duration before its start to a duration after its end.
 ///
 /// # Errors
 /// [`PictureError::Drawing`].

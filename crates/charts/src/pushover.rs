@@ -15,7 +15,7 @@ use rocking_studies::pushover::{Landmark, LandmarkKind, Pushover};
 /// Height of the chart.
 const HEIGHT: u32 = 9000;
 
-/// Returns the landmarks of a curve by rotation, without its beginning; those at one rotation stand together.
+/// Returns the landmarks of a curve by rotation, without its beginning. Those at one rotation stand together.
 pub fn groups(landmarks: &[Landmark]) -> Vec<&[Landmark]> {
     let named = landmarks.iter().position(|landmark| landmark.kind != LandmarkKind::AtRest).unwrap_or(landmarks.len());
     landmarks[named..].chunk_by(|one, next| one.at.theta == next.at.theta).collect()

@@ -23,7 +23,7 @@ const POWERS: [&str; 15] = [
     "1",
 ];
 
-/// Draws the hazard curve, the fragility curve with its band, and the measures from which the rate comes.
+/// Draws the hazard curve and the fragility curve with its band. The measures from which the rate comes are marked.
 ///
 /// `heading` is name and unit of the measure, `limit` the name of the probability; `band` gives the ends of the confidence interval
 /// at measures.

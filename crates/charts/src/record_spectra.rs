@@ -138,7 +138,7 @@ fn peaks(
     }
 }
 
-/// Returns true if a size has a mean and a band; those of a minority of the records would mislead.
+/// Returns true if a size has a mean and a band. Those of a minority of the records would mislead.
 fn counts(cell: &SizeStatistics) -> bool {
     cell.rocked > 0 && 2 * cell.rocked >= cell.ends.all()
 }

@@ -34,7 +34,7 @@ impl Words for Abscissa {
         &[("2pi/p", Abscissa::TwoPiOverP), ("omega_p/p", Abscissa::PulseRatio)];
 }
 
-/// A stretch of a curve, short enough that a picture cannot show more than four of its points.
+/// A stretch of a curve. It is so short that a picture cannot show more than four of its points.
 #[derive(Clone, Debug, Default)]
 struct Stretch {
     from: f64,
@@ -188,7 +188,7 @@ impl Curves {
         shown.map(|fill| (Symbol::Fill(fill), fill.name().into())).collect()
     }
 
-    /// Returns the abscissa above which no block of a curve separates, or `None` if none or the last one separates.
+    /// Returns the abscissa above which no block of a curve separates. There is none if no block or the last one separates.
     pub(super) fn limit(&self, curve: usize) -> Option<f64> {
         let curve = &self.curves[curve];
         let last = curve.iter().rposition(|stretch| stretch.has(Fill::Separated))?;

@@ -22,8 +22,8 @@ use crate::instance::{Instance, status};
 impl GuestCoSimulationInstance for Instance {
     common_methods!();
 
-    /// Updates happen if the importer allows early return, since it need not have the callback otherwise, and names variables, which
-    /// replaces the `NULL` of C.
+    /// Updates happen if the importer allows early return and names variables. It need not have the callback otherwise; a list without
+    /// names replaces the `NULL` of C.
     fn instantiate_co_simulation(
         instance_name: String,
         instantiation_token: String,

@@ -132,8 +132,7 @@ impl PeakSegments {
     }
 }
 
-/// Returns the derivatives of a peak at an end of the segment, or at a maximum inside. The time of an end may vary; at a maximum the rate
-/// is zero.
+/// Returns the derivatives of a peak at an end of a segment or inside it. The time of an end may vary; at a maximum the rate is zero.
 fn derivatives(observe: &ObserveInside, segment: &Segment, quantity: Quantity) -> [f64; BATCH] {
     // The maximum is bracketed by the neighbours of the highest of these instants.
     const PIECES: u32 = 8;

@@ -28,7 +28,7 @@ pub struct Parameters<T = f64> {
     pub scale: Option<T>,
 }
 
-/// Returns the names and units of the real parameters of the FMU, without the group where the name alone is clear.
+/// Returns the names and units of the real parameters of the FMU. The group is left out where the name alone is clear.
 fn known() -> impl Iterator<Item = (&'static str, &'static str)> {
     let of_users = |known: &&Metadata| known.causality == Causality::Parameter && known.kind == Kind::Real;
     VARIABLES.iter().filter(of_users).map(|known| {
@@ -207,7 +207,7 @@ impl Varied {
         Excitation::new(&inputs, acts.then_some(&self.pulse), self.block.mass)
     }
 
-    /// Returns the derivatives of a begin or end of `pulse` at `time` (s), if any, and whether it acts right before.
+    /// Returns the derivatives of a begin or end of `pulse` at `time` (s), if any. The second value says whether it acts right before.
     pub fn kink(&self, pulse: &Pulse, time: f64) -> Option<([f64; BATCH], bool)> {
         if pulse.shape == PulseShape::None {
             return None;

@@ -61,7 +61,7 @@ pub(super) fn choose<'s>(
     Ok(channels.swap_remove(index(source, &names, wanted)?))
 }
 
-/// Returns the name in a line such as `Chan  1:  90 Deg      (Sta Chn:  1)` or `Sta Chan  1: 340 deg (Rcrdr Chan  1)`.
+/// Returns the name in a line such as `Chan  1:  90 Deg      (Sta Chn:  1)`, or in `Sta Chan  1: 340 deg (Rcrdr Chan  1)`.
 pub(super) fn name_after_number(text: &str) -> Option<String> {
     let (start, name) = text.split_once(':')?;
     let mut words = start.split_whitespace().skip_while(|word| word.eq_ignore_ascii_case("sta"));

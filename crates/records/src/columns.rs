@@ -14,7 +14,7 @@ use super::text::{FileText, HEAD_LINES, Values, first_of, print_quantum, quoted}
 use super::time_axis::TimeAxis;
 use super::unit::Unit;
 
-/// Number of values from which a first number equal to their count is a count, not an acceleration.
+/// Number of values from which a first number may be their count. It is a count if it is equal, and no acceleration.
 const FEWEST_COUNTED: usize = 20;
 
 /// Reads the acceleration column and an optional time column, which must be evenly spaced.
@@ -108,7 +108,7 @@ fn check_seconds(source: &FileText<'_>, layout: &Layout<'_>, time: Option<usize>
     }
 }
 
-/// Passes every row of a delimited file to `visit` with its line number, beginning at line `first`.
+/// Passes every row of a delimited file to `visit` with its line number. The first is line `first`.
 fn delimited(
     source: &FileText<'_>,
     first: usize,
@@ -223,7 +223,7 @@ fn is_block_under_text(source: &FileText<'_>, layout: &Layout<'_>) -> bool {
     layout.names.is_empty() && layout.header < layout.first_row && is_block(&rows)
 }
 
-/// Returns the unit of the acceleration column, from its heading or from a line for all columns.
+/// Returns the unit of the acceleration column. It is in its heading or in a line for all columns.
 fn unit(source: &FileText<'_>, layout: &Layout<'_>, column: usize) -> Result<Option<(usize, Unit)>, RecordError> {
     let of_all = || match layout.stated {
         Some((line, unit)) => Ok(source.unit(line, unit)?.map(|unit| (line, unit))),

@@ -156,7 +156,7 @@ mod tests {
         crate::parse("made up", text.as_bytes(), &options).unwrap()
     }
 
-    /// The amplitude is |H|², `1/(1 + ((w² − w_1 w_2)/(w (w_2 − w_1)))⁸)` at the warped frequencies w, and the phase stays.
+    /// The amplitude is |H|², and the phase stays. It is `1/(1 + ((w² − w_1 w_2)/(w (w_2 − w_1)))⁸)` at the warped frequencies w.
     #[test]
     fn a_sine_in_the_middle_has_the_amplitude_of_the_closed_form() {
         let corners = [0.5, 8.0];

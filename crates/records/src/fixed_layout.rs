@@ -36,7 +36,7 @@ impl FromStr for FixedLayout {
     }
 }
 
-/// Reads `10F8.2`, with `nX,` before it, `kP` in it, and brackets around it or around its part behind the count.
+/// Reads `10F8.2`. It may have `nX,` before it, `kP` in it, and brackets around it or around its part behind the count.
 fn descriptor(text: &str) -> Option<FixedLayout> {
     let whole = text.strip_prefix('(').and_then(|inner| inner.strip_suffix(')'));
     if let Some(inner) = whole.filter(|inner| inner.matches('(').count() == inner.matches(')').count()) {

@@ -236,7 +236,7 @@ pub fn parse_with_doubt(
     Ok((record, doubt))
 }
 
-/// Detects the format by a line that no other format has, otherwise by the layout of the numbers.
+/// Detects the format by a line that no other format has. Otherwise the layout of the numbers decides.
 fn detect(source: &FileText<'_>, options: &ReadOptions) -> Format {
     let head = source.head();
     let first = head.first().copied().unwrap_or_default();

@@ -77,7 +77,7 @@ fn title(header: &[&str]) -> String {
     }
 }
 
-/// Returns count and time step (s) from the last line of the header; the time step may be missing.
+/// Returns count and time step (s) from the last line of the header. The time step may be missing.
 fn npts_and_dt(source: &FileText<'_>, line: usize, text: &str) -> Result<(usize, Option<f64>), RecordError> {
     let upper = text.to_ascii_uppercase();
     let after = |key: &str| {
@@ -101,7 +101,7 @@ fn npts_and_dt(source: &FileText<'_>, line: usize, text: &str) -> Result<(usize,
     Ok((count, time_step))
 }
 
-/// Returns the unit stated in a header line, as "… IN UNITS OF G.", "The units are (g)" or "Acceleration in g".
+/// Returns the unit stated in a header line, as "… IN UNITS OF G.". Others write "The units are (g)" or "Acceleration in g".
 fn unit_of(source: &FileText<'_>, line: usize, text: &str) -> Result<Option<Unit>, RecordError> {
     let upper = text.to_ascii_uppercase();
     for (name, found) in [("VELOCITY", "a velocity"), ("DISPLACEMENT", "a displacement")] {

@@ -28,7 +28,7 @@ impl Processing {
     }
 }
 
-/// The changes in words, as in `baseline removed, band-pass 0.1 to 25 Hz, resampled every 0.005 s`; empty without changes.
+/// The changes in words, empty without any. An example is `baseline removed, band-pass 0.1 to 25 Hz, resampled every 0.005 s`.
 impl fmt::Display for Processing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Processing { baseline, band_pass, resample } = self;

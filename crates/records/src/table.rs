@@ -207,7 +207,7 @@ fn stated_unit(line: &str) -> Option<&str> {
     is_unit(unit).then_some(unit)
 }
 
-/// Returns the units in a row such as `s, m/s2`, one per column; empty for any other row.
+/// Returns the units in a row such as `s, m/s2`, one per column. The list is empty for any other row.
 fn units(line: &str, separator: Separator, width: usize) -> Vec<&str> {
     let fields =
         if separator.split(line).len() == width { separator.split(line) } else { Separator::of(line).split(line) };
@@ -224,7 +224,7 @@ fn is_second(text: &str) -> bool {
     matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
 }
 
-/// Returns the headings of the columns, or an empty list if the line does not fit the columns.
+/// Returns the headings of the columns. The list is empty if the line does not fit the columns.
 fn names(line: &str, separator: Separator, width: usize) -> Vec<Heading<'_>> {
     let split = match separator {
         Separator::Byte(_) => separator.split(line),

@@ -4,7 +4,7 @@ use super::error::RecordError;
 use super::raw::StatedStep;
 use super::text::FileText;
 
-/// Largest deviation from even spacing, as a fraction of the time step, even if times are printed coarsely.
+/// Largest deviation from even spacing, as a fraction of the time step. It holds even if times are printed coarsely.
 const LARGEST_SHIFT: f64 = 0.1;
 
 /// Relative precision of times computed in single precision with a few operations.

@@ -162,7 +162,7 @@ pub(super) fn unit_of_pairs(
     Ok(source.unit(line, &unit)?.map(|unit| (line, unit)))
 }
 
-/// Returns the peak in a line such as `MAX  = -0.030 G, AT  23.180 SEC`, with its unit.
+/// Returns a peak with its unit, as in `MAX  = -0.030 G, AT  23.180 SEC`.
 fn peak(lines: &[(usize, &str)], key: &str) -> Option<(StatedPeak, String)> {
     let (line, rest) = value_of(lines, key)?;
     let mut words = rest.split_whitespace();

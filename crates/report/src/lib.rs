@@ -44,13 +44,13 @@ pub fn text(results: &Results) -> String {
     sentences::summary(&results.report, range(results)).into_iter().map(|sentence| sentence + "\n").collect()
 }
 
-/// Returns the least and greatest measure of the runs, also of those of the variants, under the same ground motions.
+/// Returns the least and greatest measure of the runs. Those of the variants count, too; they are under the same ground motions.
 fn range(results: &Results) -> [f64; 2] {
     let measures = results.table.numbers(&results.report.im).unwrap_or_default();
     rocking_studies::statistics::range(measures.into_iter().flatten()).unwrap_or([f64::NAN; 2])
 }
 
-/// Makes the files of a report, with their names: the page first, then its pictures and tables.
+/// Makes the files of a report, with their names. The page is first, then its pictures and tables.
 ///
 /// The bytes depend on the study alone.
 ///

@@ -54,7 +54,7 @@ pub fn years(years: f64) -> String {
     if years < 1e7 { significant(years, 3) } else { format!("{years:.1e}") }
 }
 
-/// Returns the name in a heading such as `PGV [m/s]`, and the suffix of a number in its unit.
+/// Returns name and suffix of a number under a heading such as `PGV [m/s]`.
 pub fn heading(heading: &str) -> (String, String) {
     let (name, unit) = split_heading(heading);
     let unit = unit.unwrap_or("1").replace('2', "²").replace('.', "·");
@@ -62,7 +62,7 @@ pub fn heading(heading: &str) -> (String, String) {
     (name.replace("alpha", "α"), suffix)
 }
 
-/// Writes a quantity such as `eta [1]` by its symbol and unit, of a block by the title of its parameter.
+/// Writes a quantity such as `eta [1]` by its symbol and unit. A parameter of a block has its title.
 pub fn quantity(of: &str) -> String {
     let (name, unit) = heading(of);
     let parameters = limits::properties::<BlockSpec>();
@@ -91,7 +91,7 @@ pub fn exceed(limit: &str) -> String {
     }
 }
 
-/// Writes the number of runs that exceed a limit, as a range if some have no known outcome.
+/// Writes the number of runs that exceed a limit. It is a range if some have no known outcome.
 pub fn exceeded(runs: &Counts) -> String {
     if runs.left_out == 0 { runs.exceeded.to_string() } else { format!("{} to {}", runs.exceeded, runs.at_most()) }
 }

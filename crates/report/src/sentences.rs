@@ -120,7 +120,7 @@ fn building(building: &BuildingResult) -> String {
     )
 }
 
-/// Names the variants with the fewest runs beyond the limit, if these are fewer than those of the object, and how far they slip.
+/// Names the variants with the fewest runs beyond the limit, and their slip. These runs are fewer than those of the object.
 fn best_variants(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
     // A run with an unknown outcome may exceed the limit.

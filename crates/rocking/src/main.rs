@@ -137,7 +137,7 @@ fn run() -> anyhow::Result<()> {
     }
 }
 
-/// Condenses an error of the command line to one line: the fault, and the expected values or options.
+/// Condenses an error of the command line to one line. It has the fault, and the expected values or options.
 fn one_line(error: &clap::Error) -> String {
     let text = error.render().to_string();
     let text = text.split("\n\nUsage:").next().unwrap_or_default();
@@ -174,7 +174,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
     }
 }
 
-/// Returns whether the reader of a table has closed its pipe, as in `rocking sweep study.toml --csv - | head`.
+/// Returns true if the reader of a table has closed its pipe. An example is `rocking sweep study.toml --csv - | head`.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     matches!(
         error.downcast_ref(),

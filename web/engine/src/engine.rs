@@ -80,7 +80,7 @@ pub struct Reply {
 /// A series of the plots: its name and its value in a row.
 type Series = (&'static str, fn(&Row) -> f64);
 
-/// The series of every history, in the order of the reply's numbers; those of friction and ties follow.
+/// The series of every history, in the order of the reply's numbers. Those of friction and ties follow.
 const SERIES: [Series; 12] = [
     ("t", |row| row.time),
     ("theta", |row| row.observation.theta),

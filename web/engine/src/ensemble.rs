@@ -102,7 +102,7 @@ fn parameter(name: &str) -> Parameter {
     Parameter::named(name).unwrap_or_else(|message| unreachable!("{message}"))
 }
 
-/// The parameters of the block, of the run and of the pulse with these amplitudes, as far as they differ from those of the FMU.
+/// The parameters of block, run and pulse that differ from those of the FMU. The pulse has these amplitudes.
 fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParameter> {
     let mut values: Vec<(&str, Vec<f64>)> = Vec::new();
     if inputs.spec.width.is_some() {

@@ -117,7 +117,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     fields.finish((inputs, vertical))
 }
 
-/// The parameters of the block without its ties, and the height of the body (m), if it is given.
+/// The parameters of the block without its ties. The second value is the height of the body (m), if it is given.
 fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
     let has_size = fields.one_of("shape", &["size", "ratios"]) == "size";
     let foundation = fields.choice("foundation");

@@ -58,7 +58,7 @@ fn slip(slip: f64) -> Option<String> {
     (slip > 0.0).then(|| format!("Its foot slips by up to {} mm.", significant(1e3 * slip, 3)))
 }
 
-/// The words for one and for several of the ties and dampers of a block, if it has any.
+/// The words for one and for several of a block's ties and dampers, if any.
 fn kinds(run: &Run) -> Option<[&'static str; 2]> {
     match Holds::of(&run.block) {
         Holds { ties: 0, dampers: 0, .. } => None,

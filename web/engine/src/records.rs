@@ -93,7 +93,8 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
         .collect()
 }
 
-/// Reads a dropped file, with a warning if its content is doubtful; an error appears beside the setting that resolves it, or beside the file.
+/// Reads a dropped file, with a warning if its content is doubtful. An error appears beside the setting that resolves it, or beside the
+/// file.
 fn read(
     fields: &mut Fields,
     direction: Direction,

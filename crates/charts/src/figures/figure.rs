@@ -63,7 +63,7 @@ impl Workers<'_> {
     }
 }
 
-/// Draws the page of a figure: number, caption, legend and, under them, an area of this height.
+/// Draws the page of a figure: number, caption, legend and an area of this height.
 ///
 /// `draw` gets the whole page and the area.
 pub(super) fn page(

@@ -56,7 +56,7 @@ pub struct Comparison {
     pub dashed: Base,
 }
 
-/// Returns the panels of Figure 6, 7 or 8 (pairs of charts in 6 and 7), or none for other figures.
+/// Returns the panels of Figure 6, 7 or 8. In 6 and 7 they are pairs of charts; other figures have none.
 pub fn comparisons(number: u8) -> Vec<Comparison> {
     let rigid = Base::HOUSNER;
     let support = |eta, xi_v, epsilon| Base::viscoelastic(eta, xi_v, epsilon);

@@ -76,7 +76,7 @@ pub const TOWER_P: f64 = 0.38;
 pub const TOWER_ALPHA: f64 = 0.15;
 /// Stiffness ratios of the bridge tower (1). The paper's.
 pub const TOWER_ETA: [f64; 3] = [40.0, 60.0, 100.0];
-/// Stiffness ratios of the bridge tower on pads with S = 5 and 10 (1), only in the table (values of the paper).
+/// Stiffness ratios of the bridge tower on pads with S = 5 and 10 (1). They are values of the paper, and only in the table.
 pub const PAD_ETA: [f64; 2] = [305.0, 863.0];
 /// Damping ratio and restitution of the bridge tower (1). Chosen.
 pub const TOWER_SUPPORT: [f64; 2] = [0.1, 0.0];
@@ -108,7 +108,7 @@ pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
     Block::from_dimensionless(&Dimensionless { alpha, p, supports: base.supports }, &common)
 }
 
-/// Returns a run from rest until the block has come to rest or overturned, without rows in between.
+/// Returns a run until the block has come to rest or overturned. It begins at rest and has no rows in between.
 pub fn run(block: Block, pulse: Pulse, ground: Ground) -> Run {
     Run {
         block,
@@ -127,7 +127,7 @@ pub fn history_pulse() -> Pulse {
     Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE }
 }
 
-/// Returns the pulse of Figure 10 (one sine) or 11 (one cosine), with an amplitude over g tan α.
+/// Returns the pulse of Figure 10 (one sine) or 11 (one cosine). The amplitude is over g tan α.
 pub fn spectrum_pulse(number: u8, amplitude: f64, alpha: f64) -> Pulse {
     let shape = if number == 10 { PulseShape::OneSine } else { PulseShape::OneCosine };
     let amplitude = amplitude * Common::default().gravity * libm::tan(alpha);

@@ -76,14 +76,14 @@ impl PulseResponse {
         Ok(point)
     }
 
-    /// Returns the least ratio of the peaks to that on the rigid base, if all ratios are below 1 and rise with η.
+    /// Returns the least ratio of the peaks to that on the rigid base. All ratios are below 1 and rise with η; otherwise there is none.
     pub fn least_ratio(&self) -> Option<f64> {
         let ratios: Vec<f64> = self.ratios.iter().copied().collect::<Option<_>>()?;
         let rise = ratios.windows(2).all(|pair| pair[0] < pair[1]);
         (rise && ratios[ratios.len() - 1] < 1.0).then_some(ratios[0])
     }
 
-    /// Returns true if the block with ε = 0.4 separates only as η grows: at an η of Figure 6 above the least.
+    /// Returns true if the block with ε = 0.4 separates only as η grows. It does at an η of Figure 6 above the least.
     pub fn separates_as_eta_grows(&self) -> bool {
         !self.separates[0] && self.separates.contains(&true)
     }
@@ -133,7 +133,7 @@ impl Grid {
         Ok(points)
     }
 
-    /// Returns the points with a grey level as tiles; adjacent points of the same level share one.
+    /// Returns the points with a grey level as tiles. Adjacent points of the same level share one.
     fn tiles(&self, points: &[PulseResponse], grey: impl Fn(&PulseResponse) -> Option<u8>) -> Vec<Tile> {
         let half = |(from, to, count): (f64, f64, u64)| 0.5 * (to - from) / (count - 1) as f64;
         let [up, along] = [half(self.amplitude), half(self.frequency)];

@@ -42,7 +42,7 @@ pub fn abscissa(number: u8) -> Abscissa {
     if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoPiOverP }
 }
 
-/// Returns the ground motions of Figure 12 (the first two of Table I) or 13 (the others).
+/// Returns the ground motions of Figure 12 or 13. Those of 12 are the first two of Table I.
 pub fn record_sources(number: u8, sources: &[GroundMotion]) -> &[GroundMotion] {
     let (first, others) = sources.split_at(2.min(sources.len()));
     if number == 12 { first } else { others }

@@ -13,7 +13,7 @@ pub const RECESS: f64 = 1050.0;
 pub const ABOVE: f64 = 500.0;
 /// Greatest height of the drawing.
 const HEIGHT: f64 = 12_600.0;
-/// Left and right margin of the drawing, and its space at the top and at the bottom.
+/// Margins of the drawing: left, right, at the top and at the bottom.
 const MARGIN: f64 = 700.0;
 const HEAD: f64 = 400.0;
 const FOOT: f64 = 350.0;

@@ -35,7 +35,7 @@ const LINES: [f64; 2] = [520.0, 760.0];
 pub struct Sketch {
     /// The block, with the width of its base and the height of its centre of mass.
     pub block: Block,
-    /// Height of the body (m), if known; the sides of a body of unknown height fade out above its centre of mass.
+    /// Height of the body (m), if known. The sides of a body of unknown height fade out above its centre of mass.
     pub height: Option<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Sketch {
         }
     }
 
-    /// Draws the lines from the corners to the centre of mass, with their angles from the vertical.
+    /// Draws the lines from the corners to the centre of mass. Their angles are from the vertical.
     fn draw_angles(&self, area: &Area, layout: &Layout) -> Drawn {
         let Layout { left, right, base, centre, label_edges, .. } = *layout;
         const UP: f64 = std::f64::consts::FRAC_PI_2;

@@ -42,7 +42,7 @@ pub fn fill_polygon(area: &Area, points: &[Point], colour: RGBColor) -> Drawn {
     Ok(area.draw(&Polygon::new(points, colour.filled()))?)
 }
 
-/// Draws the surface of a rigid body from `a` to `b`, hatched on the right of that direction as seen on the page.
+/// Draws the surface of a rigid body from `a` to `b`. It is hatched on the right of that direction as seen on the page.
 pub fn hatched(area: &Area, a: Point, b: Point, width: u32) -> Drawn {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let length = dx.hypot(dy);
@@ -58,7 +58,7 @@ pub fn hatched(area: &Area, a: Point, b: Point, width: u32) -> Drawn {
     stroke(area, &[a, b], width)
 }
 
-/// Draws a spring and a dashpot side by side between two heights, under a bar that reaches to `corner`.
+/// Draws a spring and a dashpot side by side between two heights. The bar above them reaches to `corner`.
 pub fn support(area: &Area, middle: f64, corner: f64, [top, bottom]: [f64; 2]) -> Drawn {
     const APART: f64 = 640.0;
     let (spring, dashpot) = (middle - 0.5 * APART, middle + 0.5 * APART);
@@ -150,7 +150,7 @@ fn dimension_line(area: &Area, a: Point, b: Point) -> Drawn {
     arrow(area, b, (-dx, -dy))
 }
 
-/// Draws a horizontal dimension with its text: in the middle above the line where it fits, else at the right of the arrows.
+/// Draws a horizontal dimension with its text. The text is in the middle above the line where it fits, else at the right of the arrows.
 pub fn horizontal_dimension(area: &Area, [a, b]: [f64; 2], y: f64, label: &str) -> Drawn {
     dimension_line(area, (a, y), (b, y))?;
     let needed = width(label, TEXT) + 200.0;
@@ -161,7 +161,7 @@ pub fn horizontal_dimension(area: &Area, [a, b]: [f64; 2], y: f64, label: &str) 
     write(area, label, (b + beyond, y), HPos::Left, VPos::Center)
 }
 
-/// Draws a vertical dimension with its text along the line, at its left, where it fits, else above the line, towards `side`.
+/// Draws a vertical dimension with its text. The text is at the left of the line where it fits, else above it, towards `side`.
 pub fn vertical_dimension(area: &Area, x: f64, [top, bottom]: [f64; 2], label: &str, side: HPos) -> Drawn {
     dimension_line(area, (x, top), (x, bottom))?;
     if width(label, TEXT) > bottom - top {
@@ -216,8 +216,8 @@ pub enum End {
     Broken,
 }
 
-/// Draws a tie from the block to the end of its line, with its label away from the centre of mass: in a circle, for a damper in a
-/// cylinder.
+/// Draws a tie from the block to the end of its line. Its label is away from the centre of mass, in a circle, or in a cylinder for a
+/// damper.
 pub fn tie(area: &Area, [block, to]: [Point; 2], end: End, kind: LinkKind, label: &str, centre: Point) -> Drawn {
     let line = [block, to].map(unit).to_vec();
     area.draw(&PathElement::new(line, TIE.stroke_width(OUTLINE)))?;

@@ -71,7 +71,7 @@ impl Unknown {
     }
 }
 
-/// Returns the factor from a value to its usual bounds, for a parameter whose logarithm is fitted.
+/// Returns the factor from a value to its usual bounds. The parameter's logarithm is fitted.
 fn factor(name: &str) -> Option<f64> {
     let is_of_tie = |group: &str| LinkKind::ALL.iter().any(|kind| group.starts_with(kind.word()));
     match name.split_once('.') {
@@ -85,7 +85,7 @@ fn factor(name: &str) -> Option<f64> {
     }
 }
 
-/// Returns the usual bounds of a parameter with this value in a test, if its logarithm is not fitted.
+/// Returns the usual bounds of a parameter with this value in a test. Its logarithm is not fitted.
 fn usual_bounds(name: &str, value: f64, test: &Test, [alpha, p, half_width, height]: [f64; 4]) -> [f64; 2] {
     let half = match name {
         "epsilon" => return [0.0, 1.0],

@@ -165,7 +165,7 @@ mod tests {
         assert!((value / exact - 1.0).abs() <= tolerance, "{value:e}, exactly {exact:e}");
     }
 
-    /// λ = k0 median^−k exp(k²β²/2) (Cornell et al. 2002, eq. 8), also far outside the levels and for narrow curves.
+    /// λ = k0 median^−k exp(k²β²/2) (Cornell et al. 2002, eq. 8). It holds far outside the levels and for narrow curves, too.
     #[test]
     fn a_power_law_and_a_lognormal_curve_have_the_closed_form() {
         for (k, median, beta) in

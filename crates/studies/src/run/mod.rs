@@ -273,7 +273,7 @@ impl Run {
         sliding.longest
     }
 
-    /// Time of the start (s), that of the first sample or an earlier pulse. 0 without a record.
+    /// Time of the start (s), that of the first sample or an earlier pulse. It is 0 without a record.
     pub fn start(&self) -> f64 {
         let first = self.ground.start();
         if self.pulse.shape == PulseShape::None || self.ground.is_empty() { first } else { first.min(self.pulse.start) }

@@ -192,7 +192,7 @@ impl BlockSpec {
         }
     }
 
-    /// Returns the numbers to state for this block: those that are no defaults, and the mass if it has an effect.
+    /// Returns the numbers to state for this block. They are those that are no defaults, and the mass if it has an effect.
     pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let needs_mass = self.needs_mass().is_some();
         self.numbers().into_iter().zip(BlockSpec::DEFAULT.numbers()).filter_map(move |((name, value), (_, default))| {

@@ -38,7 +38,7 @@ impl CommandLine {
         self
     }
 
-    /// Adds the parameters of a block that are no defaults, and its mass if it has an effect.
+    /// Adds the parameters of a block that are no defaults. Its mass is added if it has an effect.
     pub fn block(&mut self, spec: &BlockSpec) -> &mut CommandLine {
         for (name, value) in spec.said() {
             self.option(&option(name), value);

@@ -16,7 +16,7 @@ pub fn schema_of<T: JsonSchema>() -> Schema {
     schema
 }
 
-/// Takes out the type of a missing value, since TOML has none, and formats that no editor needs.
+/// Takes out the type of a missing value, since TOML has none. Formats that no editor needs go, too.
 fn without_null(schema: &mut Schema) {
     schema.remove("format");
     if let Some(Value::Array(types)) = schema.get_mut("type") {
@@ -111,7 +111,7 @@ fn number(schema: &Value) -> String {
     }
 }
 
-/// Says that any finite number in a unit is accepted; the unit may be empty, or 1.
+/// Says that any finite number in a unit is accepted. The unit may be empty, or 1.
 pub fn finite(unit: &str) -> String {
     match unit {
         "" | "1" => "a finite number".into(),

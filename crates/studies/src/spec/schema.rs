@@ -74,7 +74,7 @@ fn value(parameter: &Parameter) -> Value {
     }
 }
 
-/// A table of the parameters whose names begin with a prefix, by short and by full names, in quotes or in tables of their groups.
+/// A table of the parameters whose names begin with a prefix. Their names are short or full, in quotes or in tables of their groups.
 ///
 /// `kind` begins the names of their definitions.
 fn by_name(

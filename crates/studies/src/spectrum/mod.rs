@@ -40,7 +40,7 @@ impl Base {
         Base { supports: Supports::Viscoelastic(Ratios { eta, xi_v }), epsilon }
     }
 
-    /// A rigid base with the ratio e of angular velocities from ε, eq. (6), times a factor.
+    /// A rigid base. The ratio e of angular velocities is that from ε, eq. (6), times a factor.
     pub const fn rigid(epsilon: f64, restitution_factor: f64) -> Base {
         Base { supports: Supports::Rigid { restitution_factor }, epsilon }
     }
