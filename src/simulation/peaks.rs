@@ -170,12 +170,13 @@ impl Peaks {
         for number in here.body.restraints.numbers() {
             let [start, end] = [here, there].map(|now| now.pull(number));
             let duration = there.time - here.time;
-            let most = greatest(self.pull[number], start, end, duration, |elapsed| inside(elapsed).pull(number));
+            let mut pull = |elapsed: f64| inside(elapsed).pull(number);
+            let most = greatest(self.pull[number], start, end, duration, &mut pull);
             self.include_pull(here.body, number, most);
             if here.body.restraints.pushes(number) {
                 let [start, end] = [start, end].map(Sample::negated);
-                let pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
-                let most = greatest(self.pull[number], start, end, duration, pushed);
+                let mut pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
+                let most = greatest(self.pull[number], start, end, duration, &mut pushed);
                 self.include_pull(here.body, number, most);
             }
         }
@@ -206,13 +207,13 @@ impl Peaks {
         start: &Channels,
         end: &Channels,
         duration: f64,
-        mut inside: impl FnMut(Channel, usize, f64) -> Sample,
+        inside: &mut dyn FnMut(Channel, usize, f64) -> Sample,
     ) {
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             let most = self.of(channel);
             if start.value > most || end.value > most || may_rise_inside(most, start, end, duration) {
-                self.raise(channel, greatest(most, start, end, duration, |elapsed| inside(channel, i, elapsed)));
+                self.raise(channel, greatest(most, start, end, duration, &mut |elapsed| inside(channel, i, elapsed)));
             }
         });
     }

@@ -117,8 +117,11 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
         // down. A corner may leave a support with a rate, as the angular momentum is kept.
         let on_base = here.body.foundation == Foundation::Rigid && matches!(function, EventFunction::Gap(_));
         let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
-        let fall =
-            if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, pieces, bounded, sample) };
+        let fall = if down {
+            Some(0.0)
+        } else {
+            roots::first_fall(start, end, rounding, duration, pieces, bounded, &mut sample)
+        };
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
@@ -144,8 +147,8 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         if !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let sample = |elapsed| function.sample(&inside.at(elapsed));
-        let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, sample);
+        let mut sample = |elapsed| function.sample(&inside.at(elapsed));
+        let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, &mut sample);
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
@@ -250,7 +253,8 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
             return;
         }
         let [start, end] = peaks.channels_at_ends(here, there, near);
-        peaks.include_step(&start, &end, duration, |channel, number, elapsed| self.candidate(channel, number, elapsed));
+        let mut candidate = |channel, number, elapsed| self.candidate(channel, number, elapsed);
+        peaks.include_step(&start, &end, duration, &mut candidate);
     }
 
     /// The works from the beginning of the step to `elapsed`.

@@ -284,7 +284,7 @@ fn the_error_of_a_short_step_covers_state_and_works() {
 #[test]
 fn a_dip_late_in_a_long_interval_is_found() {
     let dip = |t: f64| Sample { value: (t - 74.5) * (t - 75.5), rate: 2.0 * t - 150.0 };
-    let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, PIECES, false, dip).unwrap();
+    let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, PIECES, false, &mut { dip }).unwrap();
     assert!((root - 74.5).abs() < 1e-12, "{root}");
 }
 

@@ -1,5 +1,8 @@
 //! A function of time with its rate, and its values at both ends of a step → the first time at which it falls through
 //! zero, and the greatest value in between.
+//!
+//! The searches are compiled once for all functions, which they call by pointers: a call takes far less than the dense output that it
+//! evaluates.
 
 /// Value of a function and its rate of change at one time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -49,6 +52,9 @@ const INTERPOLATIONS: u32 = 8;
 /// A time and the sample of a function there.
 type TimedSample = (f64, Sample);
 
+/// A function of time with its rate.
+pub type Function<'a> = dyn FnMut(f64) -> Sample + 'a;
+
 /// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_rise_inside`]. It is not below at the start.
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
@@ -92,7 +98,7 @@ pub fn first_fall(
     duration: f64,
     pieces: u32,
     bounded: bool,
-    mut function: impl FnMut(f64) -> Sample,
+    function: &mut Function,
 ) -> Option<f64> {
     if start.value < -rounding {
         return Some(0.0);
@@ -109,14 +115,10 @@ pub fn first_fall(
         let found = if muted && !rises {
             (right.1.value < floor).then_some([left, right])
         } else {
-            first_below(floor, [left, right], piece, HALVINGS, &mut function)
+            first_below(floor, [left, right], piece, HALVINGS, function)
         };
         if let Some([above, below]) = found {
-            return Some(if muted {
-                fall_after_zero(left.0, below, &mut function)
-            } else {
-                fall([above, below], &mut function)
-            });
+            return Some(if muted { fall_after_zero(left.0, below, function) } else { fall([above, below], function) });
         }
         muted &= right.1.value <= rounding;
         left = right;
@@ -124,8 +126,8 @@ pub fn first_fall(
     if passed == pieces {
         return None;
     }
-    let bracket = first_below(0.0, [left, last], piece, HALVINGS, &mut function)?;
-    Some(fall(bracket, &mut function))
+    let bracket = first_below(0.0, [left, last], piece, HALVINGS, function)?;
+    Some(fall(bracket, function))
 }
 
 /// Returns an interval in which a function first falls below `floor`. It is above at the beginning, and below at the end.
@@ -136,7 +138,7 @@ fn first_below(
     [left, right]: [TimedSample; 2],
     piece: f64,
     halvings: u32,
-    function: &mut impl FnMut(f64) -> Sample,
+    function: &mut Function,
 ) -> Option<[TimedSample; 2]> {
     let [(low, at_low), (high, at_high)] = [left, right];
     let is_piece = high - low <= piece;
@@ -170,7 +172,7 @@ fn descends(start: Sample, end: Sample, duration: f64) -> bool {
 }
 
 /// Whether a function that begins at zero first leaves the band of its round-off downwards.
-pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut function: impl FnMut(f64) -> Sample) -> bool {
+pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, function: &mut Function) -> bool {
     // The time at which its rate would take it to −2 `rounding`.
     let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
     while time > 0.0 && time < duration {
@@ -187,7 +189,7 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
 /// at `below` it is negative.
 ///
 /// A rise may be lost in round-off; where the function still rises, it has not fallen yet.
-fn fall_after_zero(low: f64, below: TimedSample, function: &mut impl FnMut(f64) -> Sample) -> f64 {
+fn fall_after_zero(low: f64, below: TimedSample, function: &mut Function) -> f64 {
     const HALVINGS: u32 = 40;
     let mut end = below;
     let mut found = low;
@@ -214,7 +216,7 @@ fn fall_after_zero(low: f64, below: TimedSample, function: &mut impl FnMut(f64) 
 /// The time is interpolated over values and rates at both ends of the bracket until a point is within round-off of zero by its rate. As
 /// round-off of the function may prevent that, each point is moved by half the final width towards the end farther from zero, so that the
 /// bracket closes from both sides.
-fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) -> Sample) -> f64 {
+fn fall([mut left, mut right]: [TimedSample; 2], function: &mut Function) -> f64 {
     let half_width = 2.0 * f64::EPSILON * right.0;
     let mut shift = half_width;
     for _ in 0..INTERPOLATIONS {
@@ -233,7 +235,7 @@ fn fall([mut left, mut right]: [TimedSample; 2], function: &mut impl FnMut(f64) 
         // Round-off of the function may exceed the width.
         shift = if is_left == is_nearer_left { 4.0 * shift } else { half_width };
     }
-    sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, |t| function(t).value)
+    sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, &mut |t| function(t).value)
 }
 
 /// Returns the time at value zero on the cubic t(value) with these ends. NaN unless the function falls at both.
@@ -272,22 +274,16 @@ pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f
 
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`. Its samples at both ends are given.
 #[inline]
-pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
+pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, function: &mut Function) -> f64 {
     if may_rise_inside(most, start, end, duration) {
         // The error of the value is the square of that of the time, with the rise to the maximum added its cube.
-        highest(most, [(0.0, start), (duration, end)], 1e-6 * duration, HALVINGS_OF_A_STEP, &mut function)
+        highest(most, [(0.0, start), (duration, end)], 1e-6 * duration, HALVINGS_OF_A_STEP, function)
     } else {
         most.max(start.value).max(end.value)
     }
 }
 
-fn highest(
-    most: f64,
-    [left, right]: [TimedSample; 2],
-    width: f64,
-    halvings: u32,
-    function: &mut impl FnMut(f64) -> Sample,
-) -> f64 {
+fn highest(most: f64, [left, right]: [TimedSample; 2], width: f64, halvings: u32, function: &mut Function) -> f64 {
     let inside = may_rise_inside(most, left.1, right.1, right.0 - left.0);
     let most = most.max(left.1.value).max(right.1.value);
     if !inside {
@@ -308,12 +304,7 @@ fn highest(
 /// place of its top is found within `width`, and the rise to it is added.
 ///
 /// The first points are tops of cubics; later ones follow from the rates alone, which need not be those of the values to the last digit.
-fn top(
-    mut most: f64,
-    [mut left, mut right]: [TimedSample; 2],
-    width: f64,
-    function: &mut impl FnMut(f64) -> Sample,
-) -> f64 {
+fn top(mut most: f64, [mut left, mut right]: [TimedSample; 2], width: f64, function: &mut Function) -> f64 {
     let mut nearest = [left, right];
     let mut next = top_of_cubic(nearest);
     for evaluations in 1..=INTERPOLATIONS {
@@ -333,7 +324,7 @@ fn top(
         }
         next = if evaluations == 1 { top_of_cubic(nearest) } else { time + distance };
     }
-    let time = sign_change_within(width, left.0, right.0, left.1.rate, right.1.rate, |t| function(t).rate);
+    let time = sign_change_within(width, left.0, right.0, left.1.rate, right.1.rate, &mut |t| function(t).rate);
     most.max(function(time).value)
 }
 
@@ -353,18 +344,18 @@ fn top_of_cubic([(first, a), (second, b)]: [TimedSample; 2]) -> f64 {
 /// The ITP method of I. F. D. Oliveira and R. H. C. Takahashi, "An enhancement of the bisection method average
 /// performance preserving minmax optimality", ACM TOMS 47 (2020), doi:10.1145/3423597: at most one evaluation more than
 /// bisection, and superlinear for smooth functions.
-pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, f: impl FnMut(f64) -> f64) -> f64 {
-    sign_change_within(4.0 * f64::EPSILON * high.abs().max(low.abs()), low, high, at_low, at_high, f)
+pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    sign_change_within(4.0 * f64::EPSILON * high.abs().max(low.abs()), low, high, at_low, at_high, &mut f)
 }
 
 /// Finds a sign change as [`sign_change`] does, to this `width` of the bracket.
-pub fn sign_change_within(
+fn sign_change_within(
     width: f64,
     low: f64,
     high: f64,
     at_low: f64,
     at_high: f64,
-    mut f: impl FnMut(f64) -> f64,
+    f: &mut dyn FnMut(f64) -> f64,
 ) -> f64 {
     let (mut a, mut b, mut fa, mut fb) = (low, high, at_low, at_high);
     let half_width = 0.5 * width;

@@ -3,8 +3,14 @@
 use super::*;
 
 /// The first fall, piece by piece.
-fn first_fall(start: Sample, end: Sample, rounding: f64, duration: f64, f: impl FnMut(f64) -> Sample) -> Option<f64> {
-    super::first_fall(start, end, rounding, duration, PIECES, false, f)
+fn first_fall(
+    start: Sample,
+    end: Sample,
+    rounding: f64,
+    duration: f64,
+    mut f: impl FnMut(f64) -> Sample,
+) -> Option<f64> {
+    super::first_fall(start, end, rounding, duration, PIECES, false, &mut f)
 }
 
 /// Where the ends bound longer intervals, the same falls are found with fewer evaluations.
@@ -21,7 +27,7 @@ fn bounded_functions_are_searched_where_they_may_fall() {
                 calls[usize::from(bounded)] += 1;
                 cubic(t)
             };
-            super::first_fall(cubic(0.0), cubic(1.0), 1e-15, 1.0, PIECES, bounded, function).unwrap()
+            super::first_fall(cubic(0.0), cubic(1.0), 1e-15, 1.0, PIECES, bounded, &mut { function }).unwrap()
         });
         assert!((every - at).abs() < 4e-15 && (bounded - at).abs() < 4e-15, "{every}, {bounded}, {at}");
         assert!(calls[1] <= 10, "{at}: {calls:?} evaluations");
@@ -82,7 +88,7 @@ fn sees_the_end_of_a_short_hop() {
 #[test]
 fn the_greatest_value_is_inside() {
     let hump = |t: f64| Sample { value: libm::sin(3.0 * t), rate: 3.0 * libm::cos(3.0 * t) };
-    let top = greatest(0.0, hump(0.0), hump(1.0), 1.0, hump);
+    let top = greatest(0.0, hump(0.0), hump(1.0), 1.0, &mut { hump });
     assert!((top - 1.0).abs() < 1e-15, "{top}");
 }
 
@@ -96,7 +102,7 @@ fn sees_a_hump_where_the_curvature_turns() {
         };
         let (start, end) = (hump(0.0), hump(1.0));
         assert!(start.rate * sign > 0.0 && end.rate * sign > 0.0);
-        let greatest_of = |most: f64| greatest(most, start, end, 1.0, hump);
+        let greatest_of = |most: f64| greatest(most, start, end, 1.0, &mut { hump });
         let sampled = (0..=100_000).map(|k| hump(1e-5 * f64::from(k)).value).fold(f64::NEG_INFINITY, f64::max);
         assert!(sampled > start.value.max(end.value) + 1e-3);
         let found = greatest_of(f64::NEG_INFINITY);
@@ -161,12 +167,12 @@ fn no_cubic_dips_unseen() {
 fn a_fall_from_zero_differs_from_a_rise() {
     let falls = |at: f64, rounding: f64| {
         let function = |t: f64| Sample { value: at + t * (t - 1e-4), rate: 2.0 * t - 1e-4 };
-        leaves_downwards(function(0.0), rounding, 1.0, function)
+        leaves_downwards(function(0.0), rounding, 1.0, &mut { function })
     };
     assert!(falls(0.0, 1e-15) && falls(-1e-15, 1e-15) && falls(1e-15, 1e-15));
     assert!(!falls(0.0, 1e-8) && !falls(2e-15, 1e-15));
     let rising =
-        |rate: f64| leaves_downwards(Sample { value: 0.0, rate }, 1e-15, 1.0, |t| Sample { value: t * t, rate });
+        |rate: f64| leaves_downwards(Sample { value: 0.0, rate }, 1e-15, 1.0, &mut |t| Sample { value: t * t, rate });
     assert!(!rising(0.0) && !rising(1e-4) && !rising(-1e-18) && !rising(f64::NAN));
 }
 
@@ -238,7 +244,7 @@ fn what_stays_at_zero_does_not_fall() {
 #[test]
 fn a_short_hump_is_as_exact_as_a_long_one() {
     let hump = |t: f64| Sample { value: libm::sin(3e4 * t), rate: 3e4 * libm::cos(3e4 * t) };
-    let top = greatest(0.0, hump(0.0), hump(1e-4), 1e-4, hump);
+    let top = greatest(0.0, hump(0.0), hump(1e-4), 1e-4, &mut { hump });
     assert!((top - 1.0).abs() < 1e-15, "{top}");
 }
 

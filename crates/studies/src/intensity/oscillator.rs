@@ -103,7 +103,7 @@ fn higher(
             Sample { value: sign * value, rate: sign * rate }
         };
         let (start, end) = (sample(start), sample(end));
-        greatest(peak, start, end, duration, |t| sample(at(t)))
+        greatest(peak, start, end, duration, &mut |t| sample(at(t)))
     })
 }
 

@@ -3,6 +3,8 @@
 //! A batch has several times more active runs than lanes. Runs whose next step is of the same kind are stepped together, whatever
 //! their times and records. The bits of the outcomes are those of [`Run::outcome`].
 
+use std::borrow::Borrow;
+
 use crate::run::outcome::{Incidents, Outcome};
 use crate::run::{Run, Schedule};
 use rocking_block::numerics::wide::VectorWidth;
@@ -26,9 +28,9 @@ pub struct LaneUse {
 }
 
 /// An active run.
-struct ActiveRun {
+struct ActiveRun<R> {
     number: usize,
-    run: Run,
+    run: R,
     schedule: Schedule,
     incidents: Incidents,
 }
@@ -36,16 +38,24 @@ struct ActiveRun {
 /// Makes runs with vectors of this width, or singly, and returns their outcomes in order.
 ///
 /// `ended` is called after each run, in any order.
-pub fn outcomes(width: Option<VectorWidth>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
+pub fn outcomes<R: Borrow<Run>>(
+    width: Option<VectorWidth>,
+    runs: impl Iterator<Item = R>,
+    ended: impl Fn(),
+) -> Vec<Outcome> {
     match width {
         // The WebAssembly of this project has no vectors.
         Some(width) if !cfg!(target_family = "wasm") => in_lanes(width, runs, ended).0,
-        Some(_) | None => runs.map(|run| run.outcome()).inspect(|_| ended()).collect(),
+        Some(_) | None => runs.map(|run| run.borrow().outcome()).inspect(|_| ended()).collect(),
     }
 }
 
 /// Makes runs in lanes, as [`outcomes`] does, and counts their steps.
-pub fn in_lanes(width: VectorWidth, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> (Vec<Outcome>, LaneUse) {
+pub fn in_lanes<R: Borrow<Run>>(
+    width: VectorWidth,
+    runs: impl Iterator<Item = R>,
+    ended: impl Fn(),
+) -> (Vec<Outcome>, LaneUse) {
     let mut batch = Batch {
         width,
         runs: runs.enumerate(),
@@ -71,12 +81,12 @@ pub fn in_lanes(width: VectorWidth, runs: impl Iterator<Item = Run>, ended: impl
 }
 
 /// The active and the remaining runs of a batch.
-struct Batch<R, E> {
+struct Batch<R, I, E> {
     width: VectorWidth,
-    runs: R,
+    runs: I,
     ended: E,
     /// Indexed by the tags of the lanes.
-    active: Vec<ActiveRun>,
+    active: Vec<ActiveRun<R>>,
     /// Queues of lanes by the kind of their next step.
     #[expect(clippy::vec_box, reason = "a lane of nearly a kilobyte moves from queue to queue")]
     waiting: [Vec<Box<Lane>>; BatchKind::COUNT],
@@ -84,11 +94,12 @@ struct Batch<R, E> {
     lane_use: LaneUse,
 }
 
-impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
+impl<R: Borrow<Run>, I: Iterator<Item = (usize, R)>, E: Fn()> Batch<R, I, E> {
     /// Starts the next run under this tag, if there is one.
     fn begin(&mut self, tag: usize) -> Option<Box<Lane>> {
         loop {
-            let (number, run) = self.runs.next()?;
+            let (number, owner) = self.runs.next()?;
+            let run = owner.borrow();
             let simulation = run.begin();
             let incidents = Incidents::begin(&simulation);
             let mut schedule = run.schedule(&simulation);
@@ -101,7 +112,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
             self.outcomes.push(None);
             let mut lane = Box::new(Lane::new(simulation, tag));
             lane.send(stop, schedule.inputs());
-            let begun = ActiveRun { number, run, schedule, incidents };
+            let begun = ActiveRun { number, run: owner, schedule, incidents };
             match self.active.get_mut(tag) {
                 Some(ended) => *ended = begun,
                 None => self.active.push(begun),
@@ -133,7 +144,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     /// Sends a run on from a stop to the next; returns whether it continues.
     fn next_stop(&mut self, lane: &mut Lane) -> bool {
         let ActiveRun { run, schedule, .. } = &mut self.active[lane.tag];
-        schedule.stopped(run, lane.simulation());
+        schedule.stopped((*run).borrow(), lane.simulation());
         let stop = schedule.next_stop(lane.simulation());
         match stop {
             Some(stop) => lane.send(stop, schedule.inputs()),
@@ -157,7 +168,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
 
     fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
         let ActiveRun { number, incidents, ref run, ref schedule, .. } = self.active[lane.tag];
-        self.outcomes[number] = Some(run.outcome_of(lane.simulation(), schedule.lean, incidents, failure));
+        self.outcomes[number] = Some(run.borrow().outcome_of(lane.simulation(), schedule.lean, incidents, failure));
         (self.ended)();
     }
 

@@ -2,6 +2,8 @@
 //!
 //! Spectra, sweeps and lists of blocks differ in the inputs of a row; their runs pass through here.
 
+use std::borrow::Cow;
+
 use crate::output::runner::StudyRows;
 use crate::output::table::{Table, TableColumn};
 use crate::run::Run;
@@ -32,7 +34,9 @@ impl<I> RunRow<I> {
         samples: impl Fn(&I) -> M,
         ended: impl Fn(),
     ) -> Vec<RunRow<I>> {
-        let runs = rows.iter().flat_map(|(inputs, run)| std::iter::once(run.clone()).chain(samples(inputs)));
+        let runs = rows.iter().flat_map(|(inputs, run)| {
+            std::iter::once(Cow::Borrowed(run)).chain(samples(inputs).into_iter().map(Cow::Owned))
+        });
         let made = outcomes(width, runs, ended);
         let samples = (made.len() / rows.len().max(1)).saturating_sub(1);
         let mut made = made.into_iter();

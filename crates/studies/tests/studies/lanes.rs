@@ -319,6 +319,6 @@ fn runs_without_steps_are_included() {
             |number: u32| Run { duration: Some(if number.is_multiple_of(2) { 1e-300 } else { 0.05 }), ..run(number) };
         let alone: Vec<Outcome> = (0..9).map(|number| short(number).outcome()).collect();
         assert_eq!(in_lanes(width, (0..9).map(short), || ()).0, alone);
-        assert!(in_lanes(width, std::iter::empty(), || ()).0.is_empty());
+        assert!(in_lanes(width, std::iter::empty::<Run>(), || ()).0.is_empty());
     }
 }
