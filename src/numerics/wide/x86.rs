@@ -1,4 +1,5 @@
-//! The vectors of x86-64: two numbers with SSE2, which all of these processors have, four with AVX2, eight with AVX-512.
+//! The vectors of x86-64: four numbers with AVX2, eight with AVX-512. Pairs, which processors without AVX2 have, gain too little for a
+//! third copy of the code.
 //!
 //! The vector types are private. Only a task run by [`Vectors::run`] makes values of them, and [`Vectors::at_most`] makes a [`Vectors`]
 //! only if the processor has its instructions.
@@ -14,7 +15,6 @@ pub struct Vectors(Set);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Set {
-    Sse2,
     Avx2,
     Avx512,
 }
@@ -23,16 +23,13 @@ impl Vectors {
     pub fn at_most(lanes: usize) -> Option<Vectors> {
         if lanes >= F64x8::LANES && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
             Some(Vectors(Set::Avx512))
-        } else if lanes >= F64x4::LANES && is_x86_feature_detected!("avx2") {
-            Some(Vectors(Set::Avx2))
         } else {
-            (lanes >= F64x2::LANES).then_some(Vectors(Set::Sse2))
+            (lanes >= F64x4::LANES && is_x86_feature_detected!("avx2")).then_some(Vectors(Set::Avx2))
         }
     }
 
     pub fn lanes(self) -> usize {
         match self.0 {
-            Set::Sse2 => F64x2::LANES,
             Set::Avx2 => F64x4::LANES,
             Set::Avx512 => F64x8::LANES,
         }
@@ -40,7 +37,6 @@ impl Vectors {
 
     pub fn run<T: Task>(self, task: T) -> T::Output {
         match self.0 {
-            Set::Sse2 => task.run::<F64x2>(),
             // SAFETY: only `at_most` makes this variant, after finding AVX2 on the processor.
             Set::Avx2 => unsafe { with_avx2(task) },
             // SAFETY: only `at_most` makes this variant, after finding AVX512F and AVX512DQ on the processor.
@@ -199,36 +195,6 @@ macro_rules! vector {
     };
 }
 
-macro_rules! sse2 {
-    (columns, $rows:expr) => {{
-        let [first, second, ..]: [&Four; MAX_LANES] = $rows;
-        let (a, b) = (_mm_loadu_pd(first.as_ptr()), _mm_loadu_pd(second.as_ptr()));
-        let (c, d) = (_mm_loadu_pd(first[2..].as_ptr()), _mm_loadu_pd(second[2..].as_ptr()));
-        [_mm_unpacklo_pd(a, b), _mm_unpackhi_pd(a, b), _mm_unpacklo_pd(c, d), _mm_unpackhi_pd(c, d)]
-    }};
-    (shift, $a:expr) => {
-        _mm_castsi128_pd(_mm_slli_epi64::<{ BELOW_EXPONENT as _ }>(_mm_castpd_si128($a)))
-    };
-    (less, $a:expr, $b:expr) => {
-        _mm_cmplt_pd($a, $b)
-    };
-    (select, $mask:expr, $yes:expr, $no:expr) => {
-        _mm_or_pd(_mm_and_pd($mask, $yes), _mm_andnot_pd($mask, $no))
-    };
-    (both, $a:expr, $b:expr) => {
-        _mm_and_pd($a, $b)
-    };
-    (either, $a:expr, $b:expr) => {
-        _mm_or_pd($a, $b)
-    };
-    (except, $a:expr, $b:expr) => {
-        _mm_andnot_pd($b, $a)
-    };
-    (bits, $mask:expr) => {
-        _mm_movemask_pd($mask) as u32
-    };
-}
-
 macro_rules! avx2 {
     (columns, $rows:expr) => {{
         let rows: [&Four; MAX_LANES] = $rows;
@@ -308,10 +274,6 @@ macro_rules! avx512 {
     };
 }
 
-vector!(
-    F64x2(__m128d), 2, __m128d, sse2;
-    _mm_loadu_pd, _mm_storeu_pd, _mm_set1_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_xor_pd, _mm_andnot_pd
-);
 vector!(
     F64x4(__m256d), 4, __m256d, avx2;
     _mm256_loadu_pd, _mm256_storeu_pd, _mm256_set1_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
