@@ -61,20 +61,18 @@ pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     Posture::new(body, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// Solves the equations of motion at an instant `x`, with exact rates in dual parts. The rates are those along the motion; `pick` takes a
-/// part.
+/// Solves the equations of motion at an instant `x`, with exact rates in dual parts: those along the motion.
 ///
 /// The dual parts of the forcing are its rates.
 #[inline(always)]
-pub fn instant_with_rates<R: Scalar, T>(
+pub fn instant_with_rates<R: Scalar>(
     body: &Body<R>,
     regime: Regime,
     [_, _, w, _]: [R; 4],
     footing: Footing<R>,
     x: &Instant<R>,
     forcing: Forcing<Dual<R>>,
-    pick: impl Fn(Instant<Dual<R>>) -> T,
-) -> T
+) -> Instant<Dual<R>>
 where
     Dual<R>: CombinesWith<R>,
 {
@@ -84,7 +82,7 @@ where
         Dual::new(w, x.w_dot),
         Dual::new(x.w_dot, x.w_ddot),
     ];
-    instant_of(body, body.foundation, regime, state, footing.with_rates(x), forcing, pick)
+    instant_of(body, body.foundation, regime, state, footing.with_rates(x), forcing, |x| x)
 }
 
 /// Solves [`instant_held`] at an instant `x`, with rates along the motion in the dual parts.

@@ -375,17 +375,11 @@ where
     /// Solves the equations of motion, with rates along the motion in the dual parts. The forcing has this rate.
     #[inline(always)]
     pub fn with_rates(&self, forcing_rate: Forcing<R>) -> Instant<Dual<R>> {
-        self.with_rates_of(forcing_rate, |x| x)
-    }
-
-    /// Solves for the part of [`Evaluation::with_rates`] that `pick` takes.
-    #[inline(always)]
-    pub fn with_rates_of<T>(&self, forcing_rate: Forcing<R>, pick: impl Fn(Instant<Dual<R>>) -> T) -> T {
         let Evaluation { body, regime, state, footing, instant: ref x, .. } = *self;
         let forcing = self.forcing.with_derivative(forcing_rate);
         match &self.held {
-            Some(held) => pick(instant_held_with_rates(body, held, footing, x, forcing)),
-            None => instant_with_rates(body, regime, state.0, footing, x, forcing, pick),
+            Some(held) => instant_held_with_rates(body, held, footing, x, forcing),
+            None => instant_with_rates(body, regime, state.0, footing, x, forcing),
         }
     }
 }

@@ -25,7 +25,7 @@ where
         // The reaction follows from the accelerations, so that its rate needs all equations.
         Foundation::Rigid => {
             let i = corner.index();
-            Sample { value: at.instant.reaction[i], rate: rates_on_rigid_base(at)[i] }
+            Sample { value: at.instant.reaction[i], rate: at.rates().reaction[i].eps }
         }
     }
 }
@@ -34,14 +34,6 @@ where
 #[inline]
 pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
     ROUNDING * body.gravity.value()
-}
-
-#[inline(never)]
-fn rates_on_rigid_base<T: Elementary>(at: &Evaluation<T>) -> [T; 2]
-where
-    Dual<T>: CombinesWith<T>,
-{
-    at.with_rates_of(at.forcing_rate(), |x| x.reaction.map(|n| n.eps))
 }
 
 /// Returns the reaction N_I/M of a support (m/s²).
