@@ -42,9 +42,6 @@ const BUSY: u8 = 1;
 /// A step is in progress and has released the instance for an intermediate update.
 const LENT: u8 = 2;
 
-/// What a call does with its instance. The guards are compiled once for all calls.
-type Action<'a, V> = dyn FnMut(&mut Instance<V>) -> Answer + 'a;
-
 /// The target of the importer's handle.
 struct Outer<V: Version> {
     /// [`FREE`], [`BUSY`] or [`LENT`]. The only field that a call reads while another one is in progress.
@@ -94,7 +91,11 @@ impl Drop for Turn<'_> {
 ///
 /// # Safety
 /// `handle` is null or comes from [`create`] for the same version and has not been freed. One thread at a time calls.
-pub unsafe fn call<V: Version>(handle: *mut c_void, call: V::Call, act: &mut Action<V>) -> Status {
+pub unsafe fn call<V: Version>(
+    handle: *mut c_void,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
     let outer = handle.cast::<Outer<V>>();
     if outer.is_null() {
         return Status::Error;
@@ -135,7 +136,7 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
         let mut requested = None;
         // SAFETY: as in `call`; this reference is dropped before the turn is lent below.
         let instance = unsafe { &mut (*outer).instance };
-        let mut act = |instance: &mut Instance<V>| {
+        let act = |instance: &mut Instance<V>| {
             Ok(match piece(instance, reply.take())? {
                 ControlFlow::Break(status) => status,
                 ControlFlow::Continue(request) => {
@@ -145,30 +146,38 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
             })
         };
         // From the second piece on, the state is that of an intermediate update, where the call itself is illegal.
-        let status =
-            if admitted { guarded_always(instance, call, &mut act) } else { guarded(instance, call, &mut act) };
+        let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
         admitted = true;
         let Some(requested) = requested else { return status };
         match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(requested)))) {
             Ok(answer) => reply = Some(answer),
             Err(panic) => {
+                let failed = |_: &mut Instance<V>| -> Answer { std::panic::resume_unwind(panic) };
                 // SAFETY: as above.
-                return failed(unsafe { &mut (*outer).instance }, call, Err(panic));
+                return guarded_always(unsafe { &mut (*outer).instance }, call, failed);
             }
         }
     }
 }
 
 /// Runs `act` if the state allows the call, and catches panics.
-pub(crate) fn guarded<V: Version>(instance: &mut Instance<V>, call: V::Call, act: &mut Action<V>) -> Status {
-    guarded_always(instance, call, &mut |instance| {
+pub(crate) fn guarded<V: Version>(
+    instance: &mut Instance<V>,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
+    guarded_always(instance, call, |instance| {
         instance.admit(call)?;
         act(instance)
     })
 }
 
 /// Runs `act` and catches panics.
-fn guarded_always<V: Version>(instance: &mut Instance<V>, call: V::Call, act: &mut Action<V>) -> Status {
+fn guarded_always<V: Version>(
+    instance: &mut Instance<V>,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
     if instance.is_fatal() {
         return Status::Fatal;
     }

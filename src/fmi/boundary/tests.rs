@@ -51,16 +51,16 @@ fn instance() -> Instance<Any> {
 #[test]
 fn a_panic_is_caught_and_the_instance_refuses_from_then_on() {
     let mut instance = instance();
-    assert_eq!(guarded(&mut instance, Function, &mut |_| panic!("broken")), Status::Fatal);
-    assert_eq!(guarded(&mut instance, Function, &mut |_| Ok(Status::Ok)), Status::Fatal);
-    assert_eq!(guarded(&mut instance, Function, &mut Instance::reset), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, |_| panic!("broken")), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, Instance::reset), Status::Fatal);
 }
 
 #[test]
 fn a_panic_of_the_logger_is_caught_too() {
     let mut instance = instance();
-    assert_eq!(guarded(&mut instance, Function, &mut |_| Err(Fault::new("refused"))), Status::Fatal);
-    assert_eq!(guarded(&mut instance, Function, &mut |_| Ok(Status::Ok)), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, |_| Err(Fault::new("refused"))), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
 }
 
 #[test]
@@ -78,10 +78,10 @@ fn calls_take_turns() {
     for _ in 0..2 {
         // SAFETY: made by `create`, and freed only below.
         let status = unsafe {
-            call::<Any>(handle, Function, &mut |_| {
-                assert_eq!(call::<Any>(handle, Function, &mut |_| panic!("reached")), Status::Error);
+            call::<Any>(handle, Function, |_| {
+                assert_eq!(call::<Any>(handle, Function, |_| panic!("reached")), Status::Error);
                 free::<Any>(handle);
-                assert_eq!(call::<Any>(handle, Function, &mut |_| panic!("reached")), Status::Error);
+                assert_eq!(call::<Any>(handle, Function, |_| panic!("reached")), Status::Error);
                 Ok(Status::Ok)
             })
         };
@@ -99,13 +99,13 @@ fn a_call_in_pieces_lends_its_turn() {
         // SAFETY: made by `create`, and freed only below.
         unsafe {
             free::<Any>(handle);
-            assert_eq!(call::<Any>(handle, Function, &mut |_| Ok(Status::Warning)), Status::Warning);
+            assert_eq!(call::<Any>(handle, Function, |_| Ok(Status::Warning)), Status::Warning);
         }
         2 * asked
     };
     let piece = |_: &mut Instance<Any>, reply: Option<u32>| {
         // SAFETY: as before.
-        assert_eq!(unsafe { call::<Any>(handle, Function, &mut |_| panic!("reached")) }, Status::Error);
+        assert_eq!(unsafe { call::<Any>(handle, Function, |_| panic!("reached")) }, Status::Error);
         Ok(match reply {
             None => ControlFlow::Continue(21),
             Some(reply) => ControlFlow::Break(if reply == 42 { Status::Ok } else { Status::Discard }),
@@ -115,7 +115,7 @@ fn a_call_in_pieces_lends_its_turn() {
     unsafe {
         assert_eq!(call_in_pieces::<Any, _, _>(handle, Function, piece, between), Status::Ok);
         assert_eq!(call_in_pieces::<Any, u32, u32>(handle, Function, piece, |_| panic!("broken")), Status::Fatal);
-        assert_eq!(call::<Any>(handle, Function, &mut |_| Ok(Status::Ok)), Status::Fatal);
+        assert_eq!(call::<Any>(handle, Function, |_| Ok(Status::Ok)), Status::Fatal);
         free::<Any>(handle);
     }
 }

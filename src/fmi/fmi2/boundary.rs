@@ -21,7 +21,7 @@ pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 ///
 /// # Safety
 /// `component` is null or comes from [`instantiate`] and has not been freed.
-pub unsafe fn call(component: fmi2Component, call: Call, act: &mut dyn FnMut(&mut Instance) -> Answer) -> fmi2Status {
+pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi2Status {
     // SAFETY: by contract.
     unsafe { boundary::call::<Fmi2>(component, call, act) }.code()
 }
@@ -117,7 +117,7 @@ mod tests {
         let messenger = unsafe { Messenger::new(callbacks) };
         let log = Log::new(messenger, c"block".into(), false);
         let mut instance = Instance::new(log, Interface::CoSimulation, Fmi2);
-        assert_eq!(guarded(&mut instance, Call::SetReal, &mut |_| Err(Fault::new("refused"))), Status::Fatal);
-        assert_eq!(guarded(&mut instance, Call::SetReal, &mut |_| Ok(Status::Ok)), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
     }
 }

@@ -66,7 +66,7 @@ macro_rules! functions {
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(component: fmi2Component, $($argument: $type),*) -> fmi2Status {
             // SAFETY: the component is null or live (standard, 2.1.5); the clauses at the top of this file hold for other pointers.
-            unsafe { call(component, Call::$call, &mut $body) }
+            unsafe { call(component, Call::$call, $body) }
         }
     )*};
 }

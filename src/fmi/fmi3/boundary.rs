@@ -20,7 +20,7 @@ pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 ///
 /// # Safety
 /// `instance` is null or comes from [`instantiate`] and has not been freed.
-pub unsafe fn call(instance: fmi3Instance, call: Call, act: &mut dyn FnMut(&mut Instance) -> Answer) -> fmi3Status {
+pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi3Status {
     // SAFETY: by contract.
     unsafe { boundary::call::<Fmi3>(instance, call, act) }.code()
 }

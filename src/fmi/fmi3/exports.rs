@@ -130,7 +130,7 @@ macro_rules! functions {
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
             // SAFETY: the instance is null or live (standard, 2.3.1); the clauses at the top of this file hold for other pointers.
-            unsafe { call(instance, Call::$call, &mut $body) }
+            unsafe { call(instance, Call::$call, $body) }
         }
     )*};
 }
