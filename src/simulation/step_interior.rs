@@ -103,7 +103,6 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
     let mode = inside.motion.mode();
     // In flight, heights of corners may turn faster than the motion that limits steps.
     let bounded = mode.is_static() && mode.foundation() == Foundation::Viscoelastic;
-    let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
     let turns_far = turn_in_flight::<4, 4>(mode, &here.state, &there.state, duration) > SMALL_TURN;
     for function in watched(mode).into_iter().flatten() {
         let [start, end] = [here, there].map(|now| function.sample_on(mode.foundation(), now));
@@ -120,6 +119,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
         let fall = if down {
             Some(0.0)
         } else {
+            let pieces = if bounded { roots::pieces(duration / longest) } else { roots::PIECES };
             roots::first_fall(start, end, rounding, duration, pieces, bounded, &mut sample)
         };
         if let Some(elapsed) = fall
