@@ -206,6 +206,6 @@ def _values(block: _engine.Block, offset: float) -> list[str]:
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
         lines += ["", f"{name.replace('_', ' ')}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
         for key, unit in _engine.link_numbers():
-            if key not in ("block_x", "block_z", "ground_x", "ground_z", "stiffness") and getattr(tie, key, 0.0):
+            if key not in ("block_x", "block_z", "ground_x", "ground_z", "stiffness") and getattr(tie, key, None):
                 lines += [f"{key.replace('_', ' ')} {getattr(tie, key):.4g} {'' if unit == '1' else unit.replace('.', ' ')}"]
     return lines
