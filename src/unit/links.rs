@@ -26,7 +26,7 @@ mod tests {
     use super::*;
     use crate::block::restraints::tie::Quantity;
 
-    /// Each number of a tie or damper is a variable with its unit and its limits.
+    /// Each number of a tie or damper is a variable with its unit, and at least 0 unless it is a coordinate.
     #[test]
     fn numbers_of_ties_and_dampers_are_variables() {
         for (name, mut link) in *LINKS {
@@ -35,8 +35,8 @@ mod tests {
                 let variable = found.unwrap_or_else(|| panic!("{name}.{} is no variable", number.name));
                 let metadata = &VARIABLES[variable as usize];
                 assert_eq!(metadata.unit.unwrap_or("1"), number.quantity.unit(), "{}", metadata.name);
-                let min = (number.quantity != Quantity::Coordinate).then_some(0.0);
-                assert_eq!(metadata.min, min, "{}", metadata.name);
+                let is_signed = metadata.min != Some(0.0);
+                assert_eq!(is_signed, number.quantity == Quantity::Coordinate, "{}", metadata.name);
             }
         }
     }
