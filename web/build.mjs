@@ -1,12 +1,13 @@
 // Builds the page: one file with the engine, the plots, the style and the scripts inside.
 // node web/build.mjs ENGINE.wasm VERSION OUTPUT.html
 
-import { readFileSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import binaryen from "binaryen";
 import { build } from "esbuild";
+import { call, start } from "./page/worker.js";
 
 const LARGEST = 1.6e6;
 const here = dirname(fileURLToPath(import.meta.url));
@@ -41,7 +42,16 @@ async function script(entry, define = {}) {
   return made.outputFiles[0].text.replaceAll("</script", "<\\/script");
 }
 
+/** Writes what the fields need to know of the engine, for the page and for its tests. */
+function writeSpecification(bytes) {
+  const { reply } = call(start(new WebAssembly.Module(bytes)), { op: "specification" });
+  const folder = join(here, "../target/web");
+  mkdirSync(folder, { recursive: true });
+  writeFileSync(join(folder, "specification.js"), `export const SPECIFICATION = ${JSON.stringify(reply)};\n`);
+}
+
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
+writeSpecification(readFileSync(wasm));
 const worker = await script("worker.js");
 const parts = {
   "/*STYLE*/": read("node_modules/uplot/dist/uPlot.min.css") + read("page/style.css"),

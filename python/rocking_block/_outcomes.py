@@ -18,7 +18,7 @@ from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._table import Table
 from rocking_block._tie import Damper, Tie, links
-from rocking_block._words import Floats, ticking
+from rocking_block._words import OF_EVERY_BLOCK, Floats, ticking
 
 # One record or several, as objects or as files.
 Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
@@ -26,20 +26,18 @@ Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[
 # Beyond this factor, noise of the instrument becomes ground motion.
 LARGEST_SCALE = 20.0
 
-# Parameters of a block that every table has.
-_PARAMETERS = ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
 # Parameters that a table of blocks defined by their dimensions has if they vary.
 _DIMENSIONS = ("width", "height", "K", "C")
 # Parameters that every table has if they vary.
 _MORE_PARAMETERS = tuple(
-    name for name in _engine.Block._names() if name not in (*_PARAMETERS, *_DIMENSIONS) and hasattr(_engine.Block, name)
+    name for name in _engine.Block._names() if name not in (*OF_EVERY_BLOCK, *_DIMENSIONS) and hasattr(_engine.Block, name)
 )
 # Parameters of ties and dampers, by their kinds.
 _OF_LINKS = {kind: tuple(field.name for field in dataclasses.fields(of)) for kind, of in (("tie", Tie), ("damper", Damper))}
 # Columns that describe the block.
 OF_BLOCKS = (
     "foundation",
-    *_PARAMETERS,
+    *OF_EVERY_BLOCK,
     *_DIMENSIONS,
     *_MORE_PARAMETERS,
     *(f"{kind}_{number}.{name}" for kind, names in _OF_LINKS.items() for number in range(1, 9) for name in names),
@@ -111,7 +109,7 @@ def table_of_outcomes(
         pga = motion_column([record.pga for record in vertical_records], len(factors))
         columns["PGA.vertical"] = pga * np.abs(columns["scale"])
     columns["foundation"] = np.tile(np.array(many.foundations()), number * len(factors))
-    of_blocks = {name: many.column(name) for name in _PARAMETERS} | dict(more or {})
+    of_blocks = {name: many.column(name) for name in OF_EVERY_BLOCK} | dict(more or {})
     columns.update({name: np.tile(column, number * len(factors)) for name, column in of_blocks.items()})
     frequencies = np.asarray(columns["p"])
     columns["2pi/p"] = 2 * np.pi / frequencies

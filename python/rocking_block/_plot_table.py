@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._plot import _COLOURS, _CUT, _DASHES, INK, Columns, _add, _curve_style, _cut, _style, new_axes
-from rocking_block._words import optional
+from rocking_block._words import OF_EVERY_BLOCK, optional
 
 with optional("plot", "matplotlib"):
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ _FILL_NAMES = {"separated": "complete separation", "overturned": "overturned", "
 # Distance of two lanes, width of a lane, and distance of the first one from the axis [pt].
 _LANE, _LANE_WIDTH, _FIRST_LANE = 9.0, 6.0, 11.0
 # Default horizontal axes of a table: the first of these that varies.
-_ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
+_ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", *(name for name in OF_EVERY_BLOCK if name != "p"))
 _MOTIONS = ("record", "vertical", "scale")
 _DIMENSIONS = ("width", "height", "center_height", "inertia", "K", "C", "mass")
 _OF_BLOCK = ("foundation", *_engine.Block._names())

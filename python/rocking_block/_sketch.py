@@ -205,7 +205,7 @@ def _values(block: _engine.Block, offset: float) -> list[str]:
     for name, tie in links(block).items():
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
         lines += ["", f"{name.replace('_', ' ')}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
-        options = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"), ("yield_force", "N"),
-                   ("hardening", ""))
-        lines += [f"{key.replace('_', ' ')} {getattr(tie, key):.4g} {unit}" for key, unit in options if getattr(tie, key, 0.0)]
+        for key, unit in _engine.link_numbers():
+            if key not in ("block_x", "block_z", "ground_x", "ground_z", "stiffness") and getattr(tie, key, None):
+                lines += [f"{key.replace('_', ' ')} {getattr(tie, key):.4g} {'' if unit == '1' else unit.replace('.', ' ')}"]
     return lines

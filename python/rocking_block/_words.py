@@ -13,6 +13,9 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 
+# Parameters of a block that every table of outcomes has.
+OF_EVERY_BLOCK = ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
+
 Foundation = Literal["viscoelastic", "rigid"]
 Shape = Literal[
     "one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", "symmetric-ricker", "antisymmetric-ricker", "gabor"

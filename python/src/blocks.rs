@@ -5,7 +5,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::block as engine;
-use rocking_block::block::restraints::LinkKind;
+use rocking_block::block::restraints::tie;
 use rocking_studies::input::parameters::Parameter;
 use rocking_studies::spec::BlockSpec;
 use rocking_studies::spec::words::Words;
@@ -73,12 +73,12 @@ impl Blocks {
     }
 }
 
-/// Returns the unit of a real parameter. That of any tie or damper, `tie_8.stiffness`, is that of the first.
+/// Returns the unit of a real parameter, also of one such as `tie_8.stiffness` that the FMU lacks.
 #[pyfunction]
 pub fn parameter_unit(name: &str) -> PyResult<&'static str> {
-    let of_link = name.split_once('.').and_then(|(link, parameter)| Some((link.split_once('_')?.0, parameter)));
-    let of_first = of_link.filter(|(kind, _)| LinkKind::ALL.iter().any(|known| known.word() == *kind));
-    let of_first = of_first.map(|(kind, parameter)| format!("{kind}_1.{parameter}"));
-    let parameter = Parameter::named(of_first.as_deref().unwrap_or(name)).map_err(PyValueError::new_err)?;
+    if let Some(number) = tie::number_of_path(name) {
+        return Ok(number.quantity.unit());
+    }
+    let parameter = Parameter::named(name).map_err(PyValueError::new_err)?;
     parameter.metadata.unit.ok_or_else(|| PyValueError::new_err(format!("{name} has no unit")))
 }

@@ -86,4 +86,6 @@ mod _engine {
     use super::studies::{Study, outcomes, part_file_name};
     #[pymodule_export]
     use super::table::{is_needed, read_batches, read_table, table_files};
+    #[pymodule_export]
+    use super::tie::link_numbers;
 }

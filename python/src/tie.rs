@@ -3,8 +3,15 @@
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use rocking_block::block::restraints::tie::{LinkNumber, NUMBERS};
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_studies::spec;
+
+/// Returns the names of the numbers of a tie with their units. A damper has some of them.
+#[pyfunction]
+pub fn link_numbers() -> Vec<(&'static str, &'static str)> {
+    NUMBERS.map(|number| (number.name, number.quantity.unit())).into()
+}
 
 /// Returns the name of the class of a kind, and of its argument.
 fn names(kind: LinkKind) -> [&'static str; 2] {
@@ -39,7 +46,7 @@ pub fn one_or_several(kind: LinkKind, links: &Bound<PyAny>) -> PyResult<Vec<Tie>
 /// Returns the engine's tie of a `rocking_block.Tie` or `rocking_block.Damper`.
 fn of_python(kind: LinkKind, link: &Bound<PyAny>) -> PyResult<Tie> {
     let mut found = Tie { kind, ..Tie::default() };
-    for (name, _) in kind.numbers() {
+    for LinkNumber { name, .. } in kind.numbers() {
         if let Some(number) = found.number(name) {
             *number = link.getattr(name)?.extract()?;
         }

@@ -1,6 +1,7 @@
 """Blocks, records and pulses as values; invalid arguments and their messages."""
 
 import copy
+import dataclasses
 import inspect
 import multiprocessing
 import pickle
@@ -72,6 +73,13 @@ def test_the_constructor_lists_the_parameters_of_the_engine():
     assert set(listed) == {*rb.Block._names(), "foundation", "ties", "dampers"}
     given = {name: parameter.default for name, parameter in listed.items() if parameter.default is not None}
     assert rb.Block(**given) == rb.Block()
+
+
+def test_ties_and_dampers_have_the_numbers_of_the_engine():
+    numbers = dict(rb._engine.link_numbers())
+    assert {field.name for field in dataclasses.fields(rb.Tie)} == set(numbers)
+    assert set(numbers) - {field.name for field in dataclasses.fields(rb.Damper)} == {"pretension", "slack"}
+    assert numbers["damping"] == "N.s/m"
 
 
 def test_a_block_amounts_to_what_the_paper_says():

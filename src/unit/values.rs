@@ -83,7 +83,7 @@ impl Values {
             self.block_on_supports()?;
         }
         let ties = self.ties(|variable| self[variable]);
-        for (tie, (name, _)) in ties.iter().zip(LINKS) {
+        for (tie, (name, _)) in ties.iter().zip(*LINKS) {
             // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
                 name,

@@ -67,6 +67,12 @@ def block_parameters() -> list[str]:
     return [name for name in members("crates/studies/src/spec/block.rs", "pub struct BlockSpec", r"^    pub (\w+): Option<f64>") if name in of_fmu]
 
 
+def link_parameters() -> list[str]:
+    """The numbers that users give of ties and dampers."""
+    table = re.search(r"pub const NUMBERS.*?^};", text("src/block/restraints/tie/mod.rs"), re.M | re.S)[0]
+    return re.findall(r'number\("(\w+)"', table)
+
+
 def names(code: str, name: str) -> bool:
     """Whether a text has a name, written as in Rust, in words or in a path of the FMU."""
     words = [word.lower() for word in re.findall(r"[A-Z]?[a-z0-9]+|[A-Z]+(?![a-z])", name)]
@@ -84,6 +90,7 @@ KINDS = {
     "a pulse": (variants("src/excitation/pulse.rs", "PulseShape"), names),
     "an output": (parameters("output"), names),
     "a parameter of the block": (block_parameters(), declares),
+    "a parameter of ties and dampers": (link_parameters(), names),
     "an event": (variants("src/system/events/mod.rs", "EventFunction"), names),
     "an event reported under its own name": (variants("src/system/events/event.rs", "EventKind"), names),
     "a record format": (variants("crates/records/src/format.rs", "Format"), names),

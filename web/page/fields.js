@@ -1,4 +1,9 @@
-// The input fields: names, labels, units, ranges of their sliders, and when they are shown.
+// The input fields: names, labels, units, ranges of their sliders, and when they are shown. Units, defaults and choices are the engine's.
+
+import { SPECIFICATION } from "../../target/web/specification.js";
+
+const { units, defaults, links, pulses } = SPECIFICATION;
+const formats = Object.fromEntries(SPECIFICATION.formats);
 
 const on = (field, ...values) => (state) => values.includes(state[field]);
 const all = (...conditions) => (state) => conditions.every((condition) => condition(state));
@@ -10,48 +15,67 @@ const inRatios = (state) => !inStiffness(state);
 const gabor = all(on("excitation", "pulse"), on("pulse", "gabor"));
 const hasVertical = all(record, on("vertical", "file"));
 
-/** Settings for information missing from a file. */
+/** A unit as readers know it. */
+const written = (unit) => unit.replaceAll(".", "·").replaceAll("2", "²");
+
+/** A number of the engine, with its unit and its default. */
+const number = (id, label, group, more = {}) =>
+  ({ id, label, unit: written(units[id]), value: id in defaults ? String(defaults[id]) : "", group, ...more });
+
+/** Options with the engine's words, in its order: each with its label. */
+const labelled = (words, labels) => words.map((word) => [word, labels[word] ?? word]);
+
+/** Formats that visitors know by another name than the engine's. */
+const FORMATS = { smc: "USGS SMC", columns: "table (CSV)", esm: "ESM, AFAD", knet: "K-NET, KiK-net", nsmn: "NSMN (Turkey)" };
+
+/** Settings for information missing from a file. A file of fixed width needs a layout, which has no field. */
 const settings = (prefix, slot, when) => [
   { id: `${prefix}unit`, label: "Unit", kind: "choice", value: "", group: slot, when, options: [
     ["", "as the file says"], ["g", "g"], ["m/s2", "m/s²"], ["cm/s2", "cm/s²"]] },
-  { id: `${prefix}dt`, label: "Time step", unit: "s", value: "", hint: "as the file says", group: slot, when },
+  number("dt", "Time step", slot, { id: `${prefix}dt`, hint: "as the file says", when }),
   { id: `${prefix}format`, label: "Format", kind: "choice", value: "", group: slot, when, options: [
-    ["", "by its content"], ["peer", "PEER AT2"], ["smc", "USGS SMC"], ["columns", "table (CSV)"], ["cosmos", "COSMOS"],
-    ["csmip", "CSMIP"], ["esm", "ESM, AFAD"], ["knet", "K-NET, KiK-net"], ["geonet", "GeoNet"], ["nsmn", "NSMN (Turkey)"],
-    ["unam", "UNAM"], ["renadic", "RENADIC"], ["bhrc", "BHRC"], ["usc", "USC"], ["jma", "JMA"], ["cwb", "CWB"]] },
+    ["", "by its content"], ...labelled(Object.keys(formats).filter((word) => word !== "fixed"), { ...formats, ...FORMATS })] },
   { id: `${prefix}channel`, label: "Channel", value: "", hint: "name or number", group: slot, when },
   { id: `${prefix}acceleration_column`, label: "Column of accelerations", value: "", hint: "name or number", group: slot, when },
   { id: `${prefix}time_column`, label: "Column of times", value: "", hint: "name or number", group: slot, when },
 ];
 
-/** A tie or a damper between a point of the block and one of the ground (m). */
-const link = (kind, number, [block_x, block_z], [ground_x, ground_z], more, when) =>
-  [
-    ["block_x", "on the block, to the right of the middle", "m", block_x], ["block_z", "on the block, above the base", "m", block_z],
-    ["ground_x", "on the ground, to the right", "m", ground_x], ["ground_z", "on the ground, above", "m", ground_z],
-    ...more, ["damping", "damping", "N·s/m", "0"], ["strength", "strength, 0: unbreakable", "N", "0"],
-  ].map(([key, label, unit, value]) => ({ id: `${kind}_${number}_${key}`, label: `${kind[0].toUpperCase()}${kind.slice(1)} ${number}: ${label}`, unit, value,
-    group: "tie", when }));
+/** Labels of the numbers of ties and dampers, in the order of the fields; others follow under their names. */
+const OF_LINKS = {
+  block_x: "on the block, to the right of the middle", block_z: "on the block, above the base",
+  ground_x: "on the ground, to the right", ground_z: "on the ground, above",
+  stiffness: "stiffness", pretension: "pretension", slack: "slack", yield_force: "yields at, 0: elastic",
+  hardening: "stiffness after yielding over before", damping: "damping", strength: "strength, 0: unbreakable",
+};
+
+/** A tie or a damper between a point of the block and one of the ground, with these numbers and otherwise zeros. */
+const link = (kind, place, values, when) =>
+  Object.keys({ ...OF_LINKS, ...links[kind] }).filter((key) => key in links[kind]).map((key) => ({
+    id: `${kind}_${place}_${key}`, label: `${kind[0].toUpperCase()}${kind.slice(1)} ${place}: ${OF_LINKS[key] ?? key.replaceAll("_", " ")}`,
+    unit: written(links[kind][key]), value: values[key] ?? "0", group: "tie", when }));
 
 /** A tie, whose end on the ground is at `ground_x` (m) to the right. */
-const tie = (number, ground_x, when) => link("tie", number, ["0", "2.4"], [ground_x, "0"], [
-  ["stiffness", "stiffness", "N/m", "10000"], ["pretension", "pretension", "N", "0"], ["slack", "slack", "m", "0"],
-  ["yield_force", "yields at, 0: elastic", "N", "0"], ["hardening", "stiffness after yielding over before", "1", "0"]], when);
+const tie = (place, ground_x, when) => link("tie", place, { block_z: "2.4", ground_x, stiffness: "10000" }, when);
 
 /** A damper under the corner at `x` (m) to the right. */
-const damper = (number, x, when) => link("damper", number, [x, "0"], [x, "-0.6"], [
-  ["stiffness", "stiffness", "N/m", "200000"], ["yield_force", "yields at, 0: elastic", "N", "1000"],
-  ["hardening", "stiffness after yielding over before", "1", "0.02"]], when);
+const damper = (place, x, when) =>
+  link("damper", place, { block_x: x, ground_x: x, ground_z: "-0.6", stiffness: "200000", yield_force: "1000", hardening: "0.02" }, when);
+
+/** Labels of pulses. */
+const PULSES = {
+  "one-sine": "one sine (type A)", "one-cosine": "one cosine (type B)", c1: "type C1", c2: "type C2", "half-sine": "half sine",
+  "symmetric-ricker": "symmetric Ricker wavelet", "antisymmetric-ricker": "antisymmetric Ricker wavelet", gabor: "Mavroeidis and Papageorgiou",
+};
 
 export const FIELDS = [
   { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
     options: [["size", "width and height"], ["ratios", "α and p"]] },
-  { id: "width", label: "Width", symbol: "2b", unit: "m", value: "0.6", slider: [0.1, 5, "log"], group: "block", when: on("shape", "size") },
-  { id: "height", label: "Height", symbol: "2h", unit: "m", value: "2.4", slider: [0.3, 20, "log"], group: "block", when: on("shape", "size"),
-    title: "Twice the height of the centre of mass, unless that is given below" },
-  { id: "alpha", label: "Slenderness", symbol: "α", unit: "rad", value: "0.25", slider: [0.05, 0.6], group: "block", when: on("shape", "ratios") },
-  { id: "p", label: "Frequency parameter", symbol: "p", unit: "rad/s", value: "1", slider: [0.3, 6, "log"], group: "block", when: on("shape", "ratios"),
-    title: "√(3g/4R) of a rectangle: larger for smaller blocks" },
+  number("width", "Width", "block", { symbol: "2b", value: "0.6", slider: [0.1, 5, "log"], when: on("shape", "size") }),
+  number("height", "Height", "block", { symbol: "2h", value: "2.4", slider: [0.3, 20, "log"], when: on("shape", "size"),
+    title: "Twice the height of the centre of mass, unless that is given below" }),
+  number("alpha", "Slenderness", "block", { symbol: "α", slider: [0.05, 0.6], when: on("shape", "ratios") }),
+  number("p", "Frequency parameter", "block", { symbol: "p", slider: [0.3, 6, "log"], when: on("shape", "ratios"),
+    title: "√(3g/4R) of a rectangle: larger for smaller blocks" }),
 
   { id: "foundation", label: "Stands on", kind: "segments", value: "viscoelastic", group: "foundation",
     options: [["viscoelastic", "supports"], ["rigid", "rigid base"]] },
@@ -60,28 +84,28 @@ export const FIELDS = [
       ["80,0.1", "stiff: η = 80, ξᵥ = 0.1"], ["60,0.4", "with dampers: η = 60, ξᵥ = 0.4"]] },
   { id: "supports", label: "Stiffness and damping as", kind: "segments", value: "ratios", group: "foundation",
     when: all(supports, on("shape", "size")), options: [["ratios", "η and ξᵥ"], ["stiffness", "K and C"]] },
-  { id: "eta", label: "Stiffness ratio", symbol: "η", unit: "1", value: "40", slider: [10, 300, "log"], group: "foundation", when: all(supports, inRatios),
-    title: "Vertical frequency of the block on its supports, over p" },
-  { id: "xi_v", label: "Damping ratio", symbol: "ξᵥ", unit: "1", value: "0.1", slider: [0, 0.6], group: "foundation", when: all(supports, inRatios) },
-  { id: "stiffness", label: "Stiffness of a support", symbol: "K", unit: "N/m", value: "1000000", slider: [1e4, 1e10, "log"], group: "foundation", when: all(supports, inStiffness) },
-  { id: "damping", label: "Damping of a support", symbol: "C", unit: "N·s/m", value: "4000", slider: [1e2, 1e8, "log"], group: "foundation", when: all(supports, inStiffness) },
-  { id: "epsilon", label: "Restitution of a corner", symbol: "ε", unit: "1", value: "0", slider: [0, 1], group: "foundation" },
-  { id: "restitution_factor", label: "Factor on Housner’s e", unit: "1", value: "1", slider: [0.8, 1.1], group: "foundation", when: on("foundation", "rigid") },
+  number("eta", "Stiffness ratio", "foundation", { symbol: "η", slider: [10, 300, "log"], when: all(supports, inRatios),
+    title: "Vertical frequency of the block on its supports, over p" }),
+  number("xi_v", "Damping ratio", "foundation", { symbol: "ξᵥ", slider: [0, 0.6], when: all(supports, inRatios) }),
+  number("stiffness", "Stiffness of a support", "foundation", { symbol: "K", value: "1000000", slider: [1e4, 1e10, "log"], when: all(supports, inStiffness) }),
+  number("damping", "Damping of a support", "foundation", { symbol: "C", value: "4000", slider: [1e2, 1e8, "log"], when: all(supports, inStiffness) }),
+  number("epsilon", "Restitution of a corner", "foundation", { symbol: "ε", slider: [0, 1] }),
+  number("restitution_factor", "Factor on Housner’s e", "foundation", { slider: [0.8, 1.1], when: on("foundation", "rigid") }),
   { id: "sliding", label: "The feet", kind: "segments", value: "none", group: "foundation",
     options: [["none", "do not slide"], ["friction", "slide with friction"]] },
-  { id: "friction", label: "Friction", symbol: "μ", unit: "1", value: "0.4", slider: [0.01, 1, "log"], group: "foundation", when: on("sliding", "friction") },
+  number("friction", "Friction", "foundation", { symbol: "μ", value: "0.4", slider: [0.01, 1, "log"], when: on("sliding", "friction") }),
   { id: "surfaces_friction", label: "Friction of", kind: "choice", value: "", group: "foundation", when: on("sliding", "friction"), surfaces: "friction", options: [["", "choose surfaces"]] },
   { id: "surfaces_restitution", label: "Restitution of", kind: "choice", value: "", group: "foundation", surfaces: "restitution_factor",
     when: on("foundation", "rigid"), options: [["", "choose surfaces"]] },
 
-  { id: "eccentricity", label: "Eccentricity", symbol: "eₓ", unit: "m", value: "0", slider: [-1, 1], group: "more", title: "The centre of mass to the right of the middle" },
-  { id: "center_height", label: "Height of the centre of mass", unit: "m", value: "", hint: "half the height", group: "more", when: on("shape", "size") },
-  { id: "inertia", label: "Moment of inertia", symbol: "I₀", unit: "kg·m²", value: "", hint: "from γ", group: "more", when: on("shape", "size"),
-    title: "About the centre of mass" },
-  { id: "mass", label: "Mass", symbol: "M", unit: "kg", value: "1000", group: "more" },
-  { id: "gamma", label: "Shape factor", symbol: "γ", unit: "1", value: "3", group: "more", title: "M R₀²/I₀; 3 for a homogeneous rectangle",
-    when: (state) => state.shape !== "size" || state.inertia.trim() === "" },
-  { id: "g", label: "Gravity", symbol: "g", unit: "m/s²", value: "9.81", group: "more" },
+  number("eccentricity", "Eccentricity", "more", { symbol: "eₓ", slider: [-1, 1], title: "The centre of mass to the right of the middle" }),
+  number("center_height", "Height of the centre of mass", "more", { hint: "half the height", when: on("shape", "size") }),
+  number("inertia", "Moment of inertia", "more", { symbol: "I₀", hint: "from γ", when: on("shape", "size"),
+    title: "About the centre of mass" }),
+  number("mass", "Mass", "more", { symbol: "M" }),
+  number("gamma", "Shape factor", "more", { symbol: "γ", title: "M R₀²/I₀; 3 for a homogeneous rectangle",
+    when: (state) => state.shape !== "size" || state.inertia.trim() === "" }),
+  number("g", "Gravity", "more", { symbol: "g" }),
 
   { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
   ...tie(1, "3", on("tie", "one", "two")),
@@ -95,13 +119,11 @@ export const FIELDS = [
   { id: "record", slot: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
   { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
-    options: [["one-sine", "one sine (type A)"], ["one-cosine", "one cosine (type B)"], ["c1", "type C1"], ["c2", "type C2"], ["half-sine", "half sine"],
-      ["rectangular", "rectangular"], ["symmetric-ricker", "symmetric Ricker wavelet"], ["antisymmetric-ricker", "antisymmetric Ricker wavelet"],
-      ["gabor", "Mavroeidis and Papageorgiou"]] },
-  { id: "amplitude", label: "Amplitude", symbol: "aₚ", unit: "m/s²", value: "4", slider: [0.2, 20, "log"], group: "ground", when: on("excitation", "pulse") },
-  { id: "period", label: "Period", symbol: "Tₚ", unit: "s", value: "0.8", slider: [0.1, 5, "log"], group: "ground", when: on("excitation", "pulse") },
-  { id: "phase", label: "Phase", symbol: "ν", unit: "rad", value: "0", slider: [-3.14, 3.14], group: "ground", when: gabor },
-  { id: "cycles", label: "Duration in periods", symbol: "γ", unit: "1", value: "2", slider: [1, 5], group: "ground", when: gabor },
+    options: labelled(pulses.filter((word) => word !== "none"), PULSES) },
+  number("amplitude", "Amplitude", "ground", { symbol: "aₚ", value: "4", slider: [0.2, 20, "log"], when: on("excitation", "pulse") }),
+  number("period", "Period", "ground", { symbol: "Tₚ", value: "0.8", slider: [0.1, 5, "log"], when: on("excitation", "pulse") }),
+  number("phase", "Phase", "ground", { symbol: "ν", value: "0", slider: [-3.14, 3.14], when: gabor }),
+  number("cycles", "Duration in periods", "ground", { symbol: "γ", value: "2", slider: [1, 5], when: gabor }),
   { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
   { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: on("excitation", "release") },
   ...settings("", "file", on("excitation", "file")),
@@ -112,12 +134,12 @@ export const FIELDS = [
 
   { id: "on_separation", label: "When the block leaves the ground", kind: "segments", value: "fly", group: "run",
     options: [["fly", "it flies"], ["terminate", "end the run"]] },
-  { id: "duration", label: "Duration", unit: "s", value: "", hint: "until it is decided", group: "run" },
-  { id: "step", label: "Time between rows", unit: "s", value: "", hint: "the record's", group: "run" },
-  { id: "tolerance", label: "Relative tolerance", unit: "1", value: "1e-8", group: "run" },
+  number("duration", "Duration", "run", { hint: "until it is decided" }),
+  number("step", "Time between rows", "run", { hint: "the record's" }),
+  number("tolerance", "Relative tolerance", "run"),
 
-  { id: "p_min", label: "Smallest p (largest block)", unit: "rad/s", value: "0.5", group: "spectrum" },
-  { id: "p_max", label: "Largest p (smallest block)", unit: "rad/s", value: "8", group: "spectrum" },
+  number("p", "Smallest p (largest block)", "spectrum", { id: "p_min", value: "0.5" }),
+  number("p", "Largest p (smallest block)", "spectrum", { id: "p_max", value: "8" }),
   { id: "points", label: "Number of sizes", value: "120", group: "spectrum" },
   { id: "also_rigid", label: "Compare with", kind: "choice", value: "yes", group: "spectrum", when: supports,
     options: [["yes", "rigid base"], ["no", "nothing"]] },

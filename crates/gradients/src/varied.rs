@@ -39,15 +39,15 @@ fn known() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// Returns the unit of a parameter; `1` for one without a unit.
 pub fn unit(name: &str) -> &'static str {
-    let of_tie = name.split_once('.').and_then(|(_, name)| tie::NUMBERS.into_iter().find(|(known, _)| *known == name));
-    known().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
+    let of_tie = || tie::number_of_path(name).map(|number| number.quantity.unit());
+    known().find(|(known, _)| *known == name).map(|(_, unit)| unit).or_else(of_tie).unwrap_or("1")
 }
 
 impl Parameters {
     /// Returns the names of all parameters that the run reads.
     pub fn names(&self) -> Vec<String> {
         let of_tie = |(tie, found): (String, &Tie)| {
-            found.kind.numbers().map(|(name, _)| format!("{tie}.{name}")).collect::<Vec<_>>()
+            found.kind.numbers().map(|number| format!("{tie}.{}", number.name)).collect::<Vec<_>>()
         };
         let of_ties = tie::names(&self.ties).into_iter().zip(&self.ties).flat_map(of_tie);
         let is_of_tie = |name: &&str| LinkKind::ALL.iter().any(|kind| name.starts_with(kind.word()));

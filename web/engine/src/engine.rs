@@ -19,6 +19,7 @@ use crate::ensemble;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{self, Inputs, Vertical};
 use crate::records::DroppedFile;
+use crate::specification::specification;
 use crate::{command, outcome, spectrum};
 
 /// A request of the page.
@@ -47,6 +48,8 @@ pub enum Request {
     },
     /// The picture of the last run.
     Svg,
+    /// Units, defaults and choices of the fields, for the build.
+    Specification,
     /// Friction and restitution of pairs of surfaces, with their sources.
     Surfaces,
     /// Prepares a spectrum.
@@ -125,6 +128,7 @@ impl Engine {
             Request::Run { fields } => self.run(&fields),
             Request::Csv { from, to } => self.csv(from, to),
             Request::Svg => self.svg(),
+            Request::Specification => Ok((specification(), Vec::new())),
             Request::Surfaces => Ok((json!({ "pairs": foundations::pairs() }), Vec::new())),
             Request::Spectrum { fields } => self.spectrum(&fields),
             Request::Ensemble { fields } => self.ensemble(&fields),

@@ -1,5 +1,6 @@
 //! Fields → a run.
 
+use rocking_block::block::restraints::tie::LinkNumber;
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError, Foundation};
 use rocking_block::excitation::records::Ground;
@@ -171,7 +172,7 @@ fn read_numbers(fields: &mut Fields, spec: &mut BlockSpec, foundation: Foundatio
 }
 
 /// The field of a parameter.
-fn field(name: &str) -> String {
+pub fn field(name: &str) -> String {
     option(name).replace('-', "_")
 }
 
@@ -221,10 +222,10 @@ fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
 fn tie(fields: &mut Fields, kind: LinkKind, number: usize) -> Tie {
     let mut tie = Tie { kind, ..Tie::default() };
     let field = |key: &str| format!("{}_{number}_{key}", kind.word());
-    for (key, unit) in kind.numbers() {
+    for LinkNumber { name: key, quantity, .. } in kind.numbers() {
         let found = match key {
             "stiffness" => fields.number(&field(key), |x| x > 0.0, "a stiffness > 0 N/m"),
-            key => fields.number(&field(key), |_| true, &limits::finite(unit)),
+            key => fields.number(&field(key), |_| true, &limits::finite(quantity.unit())),
         };
         if let Some(value) = tie.number(key) {
             *value = found;

@@ -8,6 +8,7 @@
 //! | [`records`] | dropped files and their settings → records |
 //! | [`inputs`] | fields → a run |
 //! | [`command`] | a run → the command line of `rocking` with the same numbers |
+//! | [`specification`] | units, defaults and choices of the engine → the fields of the page |
 //! | [`outcome`] | a history → its outcome in words |
 //! | [`spectrum`] | fields → a spectrum, row by row |
 //! | [`ensemble`] | fields → the probability of overturning over the scale, row by row |
@@ -23,6 +24,8 @@ pub mod records;
 pub mod inputs;
 
 pub mod command;
+
+pub mod specification;
 
 pub mod outcome;
 

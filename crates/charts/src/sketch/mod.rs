@@ -19,6 +19,7 @@ use crate::page::{page, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
 use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::tie::{LinkNumber, Quantity};
 use rocking_block::block::{Block, Body, Corner, Foundation, Supports};
 use symbols::{
     OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
@@ -236,26 +237,20 @@ impl Sketch {
 
 /// Returns the values of a tie in words.
 fn tie_values(tie: &Tie, name: &str) -> Vec<String> {
-    let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind: _ } = *tie;
     let point = |[x, z]: [f64; 2]| format!("({},\u{A0}{})", significant(x, 4), significant(z, 4));
-    let mut law = format!("k = {}", engineering(stiffness, "N/m"));
-    for (name, value, unit) in [
-        ("pretension", pretension, "N"),
-        ("damping", damping, "N s/m"),
-        ("strength", strength, "N"),
-        ("yields at", yield_force, "N"),
-    ] {
-        if value != 0.0 {
-            law += &format!(", {name}\u{A0}{}", engineering(value, unit).replace(' ', "\u{A0}"));
-        }
+    let (mut law, mut last) = (format!("k = {}", engineering(tie.stiffness, "N/m")), String::new());
+    let numbers = tie.kind.numbers().zip(tie.named());
+    for (LinkNumber { quantity, .. }, (name, value)) in numbers.filter(|(_, (_, value))| *value != 0.0) {
+        let word = if name == "yield_force" { "yields at" } else { name };
+        let (text, value) = match quantity {
+            Quantity::Coordinate | Quantity::Stiffness => continue,
+            Quantity::Force | Quantity::Damping => (&mut law, engineering(value, &quantity.unit().replace('.', " "))),
+            Quantity::Length => (&mut last, format!("{} m", significant(value, 4))),
+            Quantity::Ratio => (&mut last, significant(value, 4)),
+        };
+        *text += &format!(", {word}\u{A0}{}", value.replace(' ', "\u{A0}"));
     }
-    if slack != 0.0 {
-        law += &format!(", slack\u{A0}{}\u{A0}m", significant(slack, 4));
-    }
-    if hardening != 0.0 {
-        law += &format!(", hardening\u{A0}{}", significant(hardening, 4));
-    }
-    vec![format!("{name}: {} to {} m", point(block), point(ground)), law]
+    vec![format!("{name}: {} to {} m", point(tie.block), point(tie.ground)), law + &last]
 }
 
 /// Formats a value with four digits and a prefix of its unit.

@@ -20,7 +20,7 @@ use rocking_studies::doubts;
 use rocking_studies::frame::{Frame, FrameResponse};
 use rocking_studies::output::csv::with_headings;
 use rocking_studies::run::{History, Run};
-use rocking_studies::spec::SingleRunSpec;
+use rocking_studies::spec::{BlockSpec, SingleRunSpec};
 
 /// Options of `rocking frame`.
 #[derive(Parser)]
@@ -63,7 +63,7 @@ struct FrameOptions {
     #[arg(long, value_name = "KG")]
     beam_mass: f64,
     /// Factor on the restitution e of the frame; their product is at most 1
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.restitution_factor))]
     restitution_factor: f64,
     /// Gravitational acceleration, also for records in g [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]

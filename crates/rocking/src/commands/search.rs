@@ -25,7 +25,7 @@ use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{GaborSpec, HoldSpec, PulseSpec, RunSpec, limits};
+use rocking_studies::spec::{BlockSpec, GaborSpec, HoldSpec, PulseSpec, RunSpec, limits};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -85,16 +85,16 @@ struct Overturning {
     #[arg(long, value_name = "A", default_value_t = 1e-6)]
     resolution: f64,
     /// Vertical damping ratio xi_v of the supports
-    #[arg(long, default_value_t = 0.1)]
+    #[arg(long, default_value_t = BlockSpec::DEFAULT.number(|spec| spec.xi_v))]
     xi_v: f64,
     /// Action at complete separation
     #[arg(long, value_parser = separations(), default_value = OnSeparation::Fly.word())]
     on_separation: OnSeparation,
     /// Foundation under the block
-    #[arg(long, value_parser = rocking_studies::spec::block::foundations(), default_value = Foundation::Viscoelastic.word())]
+    #[arg(long, value_parser = rocking_studies::spec::block::foundations(), default_value = BlockSpec::DEFAULT.foundation().word())]
     foundation: Foundation,
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.restitution_factor))]
     restitution_factor: f64,
     #[command(flatten)]
     block: BlockOptions,
@@ -106,15 +106,15 @@ struct Overturning {
 #[command(next_help_heading = "Block")]
 struct BlockOptions {
     /// Slenderness angle alpha [rad]
-    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    #[arg(long, value_name = "RAD", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.alpha))]
     alpha: f64,
     /// Frequency parameter p [rad/s]
-    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
+    #[arg(long, value_name = "RAD/S", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.p))]
     p: f64,
     #[command(flatten)]
     size: SizeOptions,
     /// Stiffness ratio eta = omega_v/p of the supports
-    #[arg(long, default_value_t = 40.0)]
+    #[arg(long, default_value_t = BlockSpec::DEFAULT.number(|spec| spec.eta))]
     eta: f64,
     /// Restitution epsilon of the landing corner, from 0 to 1
     #[arg(long, default_value_t = Common::default().epsilon)]

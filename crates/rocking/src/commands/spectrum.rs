@@ -26,7 +26,7 @@ use rocking_studies::output::resumable::TableWriteError;
 use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
-use rocking_studies::spec::{RunSpec, damper, tie};
+use rocking_studies::spec::{BlockSpec, RunSpec, damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, EndCounts, Greatest, Statistics};
 use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
 
@@ -58,7 +58,7 @@ pub struct SpectrumCommand {
 #[command(next_help_heading = "Blocks")]
 struct BlockOptions {
     /// Slenderness angle alpha [rad]; or --width and --height, only for their ratio, since p sets the size
-    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    #[arg(long, value_name = "RAD", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.alpha))]
     alpha: f64,
     #[command(flatten)]
     size: SizeOptions,

@@ -6,7 +6,7 @@ use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::parameters::ParameterValues;
 use rocking_block::block::{Block, Body, Foundation};
-use rocking_block::unit::variables::{Kind, Variable};
+use rocking_block::unit::variables::{Kind, VARIABLES, Variable};
 
 /// Width of a wider base over that of the object.
 const WIDER: f64 = 1.1;
@@ -109,47 +109,32 @@ fn foundation_ranges(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
         let found = sweep.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
         found.is_some_and(|swept| swept.values.at(0.0) != swept.values.at(1.0))
     };
-    let factors = |variables: [Variable; 2], name: &str, middle: f64, change: fn(f64) -> Change| {
+    let heading = |variable: Variable| Parameter { metadata: &VARIABLES[variable as usize] }.heading();
+    let factors = |variables: [Variable; 2], middle: f64, change: fn(f64) -> Change| {
         let values = FACTORS.map(|factor| factor * middle);
-        let assumption =
-            Assumption { name: name.into(), changes: FACTORS.map(change), values, middle, is_given: false };
+        let name = heading(variables[0]);
+        let assumption = Assumption { name, changes: FACTORS.map(change), values, middle, is_given: false };
         Some(assumption).filter(|_| middle > 0.0 && !variables.into_iter().any(varies))
     };
-    let steps = |variable: Variable, name: &str, middle: f64, values: [f64; 2]| {
+    let steps = |variable: Variable, middle: f64, values: [f64; 2]| {
         let changes = values.map(|value| Change::Parameter(variable, value));
-        let assumption = Assumption { name: name.into(), changes, values, middle, is_given: false };
+        let assumption = Assumption { name: heading(variable), changes, values, middle, is_given: false };
         Some(assumption).filter(|_| values[0] < values[1] && !varies(variable))
     };
-    let heading = |name: &str| Parameter::named(name).map_or(name.into(), |parameter| parameter.heading());
     let Block { epsilon, restitution_factor, body: Body { friction, .. }, .. } = *block;
     let of_base = match block.foundation {
         Foundation::Viscoelastic => [
-            factors(
-                [Variable::DimensionlessEta, Variable::PhysicalK],
-                &heading("eta"),
-                block.eta(),
-                Change::StiffnessRatio,
-            ),
-            factors(
-                [Variable::DimensionlessXiV, Variable::PhysicalC],
-                &heading("xi_v"),
-                block.xi_v,
-                Change::DampingRatio,
-            ),
-            steps(
-                Variable::Epsilon,
-                &heading("epsilon"),
-                epsilon,
-                [(epsilon - RESTITUTION).max(0.0), (epsilon + RESTITUTION).min(1.0)],
-            ),
+            factors([Variable::DimensionlessEta, Variable::PhysicalK], block.eta(), Change::StiffnessRatio),
+            factors([Variable::DimensionlessXiV, Variable::PhysicalC], block.xi_v, Change::DampingRatio),
+            steps(Variable::Epsilon, epsilon, [(epsilon - RESTITUTION).max(0.0), (epsilon + RESTITUTION).min(1.0)]),
         ],
         Foundation::Rigid => {
             let high = (restitution_factor + RESTITUTION_FACTOR).min(1.0).max(restitution_factor);
             let values = [restitution_factor - RESTITUTION_FACTOR, high];
-            [steps(Variable::RestitutionFactor, &heading("restitution_factor"), restitution_factor, values), None, None]
+            [steps(Variable::RestitutionFactor, restitution_factor, values), None, None]
         }
     };
     let values = [(friction - FRICTION).max(0.5 * friction), friction + FRICTION];
-    let friction = (friction > 0.0).then(|| steps(Variable::Friction, &heading("friction"), friction, values));
+    let friction = (friction > 0.0).then(|| steps(Variable::Friction, friction, values));
     of_base.into_iter().chain(friction).flatten().collect()
 }

@@ -1,7 +1,7 @@
 //! Names of free parameters → their ranges, and a box of coordinates from 0 to 1.
 
 use nalgebra::DVector;
-use rocking_block::block::restraints::LinkKind;
+use rocking_block::block::restraints::tie::{self, Quantity};
 use rocking_gradients::{Parameters, unit};
 
 use crate::fit::problem::{FitError, Free, Problem, Test};
@@ -73,15 +73,17 @@ impl Unknown {
 
 /// Returns the factor from a value to its usual bounds. The parameter's logarithm is fitted.
 fn factor(name: &str) -> Option<f64> {
-    let is_of_tie = |group: &str| LinkKind::ALL.iter().any(|kind| group.starts_with(kind.word()));
-    match name.split_once('.') {
-        Some((group, key)) if is_of_tie(group) => match key {
-            "stiffness" | "damping" | "strength" | "yield_force" => Some(10.0),
-            "pretension" => Some(3.0),
-            _ => None,
-        },
-        None if name != "scale" => limits::properties::<BlockSpec>()[name]["fit_factor"].as_f64(),
-        _ => ["scale", "pulse.period", "pulse.cycles"].contains(&name).then_some(3.0),
+    if let Some(number) = tie::number_of_path(name) {
+        return match number.quantity {
+            Quantity::Force if number.name == "pretension" => Some(3.0),
+            Quantity::Stiffness | Quantity::Damping | Quantity::Force => Some(10.0),
+            Quantity::Coordinate | Quantity::Length | Quantity::Ratio => None,
+        };
+    }
+    match name {
+        "scale" | "pulse.period" | "pulse.cycles" => Some(3.0),
+        name if name.contains('.') => None,
+        name => limits::properties::<BlockSpec>()[name]["fit_factor"].as_f64(),
     }
 }
 

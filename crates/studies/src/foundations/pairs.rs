@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use rocking_block::unit::variables::Variable;
 use serde::{Deserialize, Serialize};
 
 /// The file of all values.
@@ -31,12 +32,11 @@ pub struct Pair {
 
 /// A quantity of a pair of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Coulomb's coefficient of friction μ (1).
-    #[serde(rename = "friction")]
     Friction,
     /// Restitution e of the rotation over Housner's (1).
-    #[serde(rename = "restitution_factor")]
     RestitutionFactor,
 }
 
@@ -44,8 +44,8 @@ impl Quantity {
     /// Returns the name of the quantity as a parameter of a block.
     pub fn name(self) -> &'static str {
         match self {
-            Quantity::Friction => "friction",
-            Quantity::RestitutionFactor => "restitution_factor",
+            Quantity::Friction => Variable::Friction.name(),
+            Quantity::RestitutionFactor => Variable::RestitutionFactor.name(),
         }
     }
 }

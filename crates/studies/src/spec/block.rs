@@ -266,8 +266,8 @@ impl BlockSpec {
         self.number(|spec| spec.g)
     }
 
-    /// A number that has a default.
-    fn number(&self, field: fn(&BlockSpec) -> Option<f64>) -> f64 {
+    /// Returns a number that has a default.
+    pub fn number(&self, field: fn(&BlockSpec) -> Option<f64>) -> f64 {
         field(self).or(field(&BlockSpec::DEFAULT)).unwrap_or(f64::NAN)
     }
 

@@ -98,10 +98,15 @@ pub fn words(schema: &Value) -> impl Iterator<Item = &str> {
     schema["oneOf"].as_array().into_iter().flatten().filter_map(|word| word["const"].as_str())
 }
 
+/// Returns the unit in brackets of a schema's description.
+pub fn unit(schema: &Value) -> Option<&str> {
+    let (unit, _) = schema["description"].as_str()?.split_once('[')?.1.split_once(']')?;
+    (!unit.contains(' ')).then_some(unit)
+}
+
 /// Says which numbers a schema accepts, in the unit in brackets of its description.
 fn number(schema: &Value) -> String {
-    let unit = schema["description"].as_str().and_then(|text| Some(text.split_once('[')?.1.split_once(']')?.0));
-    let unit = unit.filter(|unit| !unit.contains(' ')).unwrap_or_default();
+    let unit = unit(schema).unwrap_or_default();
     match range(schema, &format!(" {unit}")) {
         range if range.is_empty() => finite(unit),
         range => match noun(unit) {

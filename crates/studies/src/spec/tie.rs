@@ -19,7 +19,7 @@ pub fn damper(text: &str) -> Result<Tie, String> {
 }
 
 fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
-    let keys = || kind.numbers().map(|(key, _)| key).collect::<Vec<_>>().join(", ");
+    let keys = || kind.numbers().map(|number| number.name).collect::<Vec<_>>().join(", ");
     let (mut tie, mut found) = (Tie { kind, ..Tie::default() }, Vec::new());
     for part in text.split(',') {
         let Some((key, value)) = part.split_once('=') else {

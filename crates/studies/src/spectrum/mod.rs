@@ -16,6 +16,7 @@ use crate::run::outcome::{self, Holds};
 use crate::run::rows::RunRow;
 use crate::run::sliding;
 use rocking_block::block::restraints::Tie;
+use rocking_block::block::restraints::tie::{NUMBERS, Quantity};
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -122,18 +123,18 @@ impl InProportion {
 /// A tie whose numbers `change` makes from their values and their units. The units are those for this block.
 fn scaled(tie: &Tie, block: &Block, change: impl Fn(f64, f64) -> f64) -> Tie {
     let (length, force) = (block.r0, block.mass * block.gravity);
-    Tie {
-        block: tie.block.map(|place| change(place, length)),
-        ground: tie.ground.map(|place| change(place, length)),
-        stiffness: change(tie.stiffness, force / length),
-        pretension: change(tie.pretension, force),
-        slack: change(tie.slack, length),
-        damping: change(tie.damping, block.mass * block.p),
-        strength: change(tie.strength, force),
-        yield_force: change(tie.yield_force, force),
-        hardening: tie.hardening,
-        kind: tie.kind,
+    let mut scaled = *tie;
+    for (value, number) in scaled.numbers().into_iter().zip(NUMBERS) {
+        let unit = match number.quantity {
+            Quantity::Coordinate | Quantity::Length => length,
+            Quantity::Force => force,
+            Quantity::Stiffness => force / length,
+            Quantity::Damping => block.mass * block.p,
+            Quantity::Ratio => 1.0,
+        };
+        *value = change(*value, unit);
     }
+    scaled
 }
 
 /// A spectrum: each ground motion × each foundation × each size is a row.

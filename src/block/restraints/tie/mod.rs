@@ -151,20 +151,76 @@ pub fn names<T>(ties: &[Tie<T>]) -> Vec<String> {
     ties.iter().enumerate().map(|(i, tie)| format!("{}_{}", tie.kind.word(), number(i, tie.kind))).collect()
 }
 
-/// Names and units of the numbers of a tie, in the order of [`Tie::numbers`]. Users everywhere write them so.
-pub const NUMBERS: [(&str, &str); 11] = [
-    ("block_x", "m"),
-    ("block_z", "m"),
-    ("ground_x", "m"),
-    ("ground_z", "m"),
-    ("stiffness", "N/m"),
-    ("pretension", "N"),
-    ("slack", "m"),
-    ("damping", "N.s/m"),
-    ("strength", "N"),
-    ("yield_force", "N"),
-    ("hardening", "1"),
-];
+/// A number of a tie as users give it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkNumber {
+    /// Its name, the same in options, variables, tables and Python.
+    pub name: &'static str,
+    /// Its quantity, with its unit and its limits.
+    pub quantity: Quantity,
+    /// Whether dampers have it, too.
+    pub is_of_dampers: bool,
+}
+
+/// The quantity of a number of a tie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A coordinate of an end, of either sign.
+    Coordinate,
+    /// A length of at least 0.
+    Length,
+    /// A force of at least 0.
+    Force,
+    /// A stiffness of at least 0.
+    Stiffness,
+    /// A damping of at least 0.
+    Damping,
+    /// A ratio from 0 to below 1.
+    Ratio,
+}
+
+impl Quantity {
+    /// Returns the unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Quantity::Coordinate | Quantity::Length => "m",
+            Quantity::Force => "N",
+            Quantity::Stiffness => "N/m",
+            Quantity::Damping => "N.s/m",
+            Quantity::Ratio => "1",
+        }
+    }
+}
+
+/// Returns the number that a path such as `tie_1.slack` names.
+pub fn number_of_path(path: &str) -> Option<LinkNumber> {
+    let (link, name) = path.split_once('.')?;
+    let kind = LinkKind::ALL.into_iter().find(|kind| link.starts_with(kind.word()))?;
+    kind.numbers().find(|number| number.name == name)
+}
+
+/// The numbers of a tie in the order of [`Tie::numbers`]. A damper, which is never slack, has no pretension and no slack.
+pub const NUMBERS: [LinkNumber; 11] = {
+    const fn number(name: &'static str, quantity: Quantity) -> LinkNumber {
+        LinkNumber { name, quantity, is_of_dampers: true }
+    }
+    const fn of_ties_only(number: LinkNumber) -> LinkNumber {
+        LinkNumber { is_of_dampers: false, ..number }
+    }
+    [
+        number("block_x", Quantity::Coordinate),
+        number("block_z", Quantity::Coordinate),
+        number("ground_x", Quantity::Coordinate),
+        number("ground_z", Quantity::Coordinate),
+        number("stiffness", Quantity::Stiffness),
+        of_ties_only(number("pretension", Quantity::Force)),
+        of_ties_only(number("slack", Quantity::Length)),
+        number("damping", Quantity::Damping),
+        number("strength", Quantity::Force),
+        number("yield_force", Quantity::Force),
+        number("hardening", Quantity::Ratio),
+    ]
+};
 
 impl LinkKind {
     /// All kinds.
@@ -194,9 +250,9 @@ impl LinkKind {
         }
     }
 
-    /// Returns the [`NUMBERS`] that users give of it. A damper, which is never slack, has no pretension and no slack.
-    pub fn numbers(self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        NUMBERS.into_iter().filter(move |(name, _)| self == LinkKind::Tie || !matches!(*name, "pretension" | "slack"))
+    /// Returns the [`NUMBERS`] that users give of it.
+    pub fn numbers(self) -> impl Iterator<Item = LinkNumber> {
+        NUMBERS.into_iter().filter(move |number| self == LinkKind::Tie || number.is_of_dampers)
     }
 }
 
@@ -211,15 +267,15 @@ impl<T> Tie<T> {
 
     /// Returns the number with a name that users give of this kind.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
-        self.kind.numbers().find(|(known, _)| *known == name)?;
-        NUMBERS.into_iter().zip(self.numbers()).find_map(|((known, _), number)| (known == name).then_some(number))
+        self.kind.numbers().find(|known| known.name == name)?;
+        NUMBERS.into_iter().zip(self.numbers()).find_map(|(known, number)| (known.name == name).then_some(number))
     }
 }
 
 impl<T: Copy> Tie<T> {
     /// Returns the numbers that users give of its kind, with their names.
     pub fn named(mut self) -> impl Iterator<Item = (&'static str, T)> {
-        self.kind.numbers().filter_map(move |(name, _)| self.number(name).map(|number| (name, *number)))
+        self.kind.numbers().filter_map(move |LinkNumber { name, .. }| self.number(name).map(|number| (name, *number)))
     }
 }
 

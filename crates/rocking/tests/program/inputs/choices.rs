@@ -155,16 +155,33 @@ fn only_force_replaces_a_table() {
 #[test]
 fn the_help_of_blocks_and_pulses_names_their_defaults() {
     let folder = tempfile::tempdir().unwrap();
-    let help = stdout(folder.path(), &["simulate", "-h"]).split_whitespace().collect::<Vec<_>>().join(" ");
+    let help = |command: &[&str]| {
+        stdout(folder.path(), &[command, &["-h"]].concat()).split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    // From the end of its own value to the value of the next option.
+    let found = |help: &str, name: &str| {
+        let (_, rest) = help.split_once(&format!("--{} <", option(name)))?;
+        let of_option = rest.split_once('>').unwrap().1.split('<').next().unwrap();
+        Some(of_option.split_once("[default: ").map(|(_, rest)| rest.split(']').next().unwrap().to_string()))
+    };
     let Pulse { period, start, phase, cycles, .. } = Pulse::NONE;
     let of_pulse = [("period", period), ("start", start), ("phase", phase), ("cycles", cycles)];
     let of_pulse = of_pulse.map(|(name, default)| (name, Some(default)));
-    for (name, default) in BlockSpec::DEFAULT.numbers().into_iter().chain(of_pulse) {
-        // From the end of its own value to the value of the next option.
-        let (_, rest) = help.split_once(&format!("--{} <", option(name))).unwrap();
-        let of_option = rest.split_once('>').unwrap().1.split('<').next().unwrap();
-        let default = default.map(|value| if value == f64::INFINITY { "none".into() } else { value.to_string() });
-        let found = of_option.split_once("[default: ").map(|(_, rest)| rest.split(']').next().unwrap().to_string());
-        assert_eq!(found, default, "{of_option}");
+    let text = |value: f64| if value == f64::INFINITY { "none".into() } else { value.to_string() };
+    let of_block = BlockSpec::DEFAULT.numbers();
+    let of_simulate = help(&["simulate"]);
+    for (name, default) in of_block.into_iter().chain(of_pulse) {
+        assert_eq!(found(&of_simulate, name), Some(default.map(text)), "{name}");
+    }
+    // Other commands have some of these options, and those the same defaults.
+    for (command, count) in
+        [(&["search", "damping"][..], 9), (&["search", "overturning"], 11), (&["spectrum"], 5), (&["frame"], 2)]
+    {
+        let help = help(command);
+        let same =
+            of_block.into_iter().filter_map(|(name, default)| Some((name, found(&help, name)??, default.map(text)?)));
+        let same: Vec<_> = same.collect();
+        assert!(same.iter().all(|(_, found, default)| found == default), "{command:?}: {same:?}");
+        assert_eq!(same.len(), count, "{command:?}: {same:?}");
     }
 }
