@@ -37,7 +37,7 @@ pub(super) struct StepsInput<'a> {
 #[derive(Clone, Copy)]
 #[cfg_attr(not(feature = "lanes"), expect(dead_code, reason = "only lanes take steps before"))]
 pub(super) enum FirstStep<'a> {
-    /// None.
+    /// Nothing.
     Open,
     /// It is not a short one, which made too great an error.
     NotShort,

@@ -135,7 +135,7 @@ pub(super) enum NextStep {
         /// Whether the smooth piece begins here.
         begins_piece: bool,
     },
-    /// None, but an impact. The block has turned about this pivot and come down on the other corner.
+    /// No step but an impact: the block has turned about this pivot and come down on the other corner.
     Landing(Corner),
 }
 

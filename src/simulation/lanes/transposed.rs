@@ -10,7 +10,9 @@ use crate::simulation::state::RunState;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
-/// The numbers of a run that steps on supports read. They stand in fours, of which a few transpositions make vectors of several runs.
+/// The numbers of a run that steps on supports read.
+///
+/// In groups of four: a transposition of the same group of several runs gives four vectors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TransposedInputs {
     /// The body, and the displacement of its foot. Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²);
