@@ -24,13 +24,13 @@ pub struct TransposedInputs {
     /// The support of the lifted corner. Depth (m), beginning (s) and rate (1/s) of its creep, its free height (m). Zeros stand for a creep
     /// that has ended.
     pub lifted: Four,
-    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
+    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1). The fourth number is unused.
     pub sums: Four,
     /// Peaks of θ (rad), N, H (N) and uplift (m).
     pub peaks: Four,
     /// The ground accelerations. Their reference time (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one (m/s²).
     pub ground: Four,
-    /// The rate of the latter (m/s³).
+    /// The rate of the vertical ground acceleration (m/s³).
     pub vertical_rate: f64,
     /// Beginning, end, size and greatest size (s) of the step that comes next.
     pub step: Four,
