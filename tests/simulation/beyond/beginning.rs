@@ -1,6 +1,7 @@
 //! The first instant of uneven and tied blocks.
 
-use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::restraints::tie::YieldDirection;
+use rocking_block::block::restraints::{LinkKind, Tie, TieState};
 use rocking_block::block::{Block, Body, Common, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
@@ -130,6 +131,60 @@ fn ties_begin_taut_limp_or_broken() {
             found.push(expected.0);
         }
         assert_eq!(found, [Taut, Taut, Taut, Limp, Broken, Taut, Limp, Slack]);
+    }
+}
+
+/// A link beyond its yield force begins on the line `r k s ± (1 − r) F_y`, and breaks only if this exceeds its strength.
+#[test]
+fn links_beyond_their_yield_force_begin_to_yield() {
+    use LinkKind::{Damper, Tie as Cable};
+    use TieState::{Broken, Slack, Taut, Yields};
+    use YieldDirection::{Longer, Shorter};
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
+        let Body { b, h, mass, gravity, .. } = plain.body;
+        let (weight, hardening) = (mass * gravity, 0.25);
+        // Forces over the elastic one.
+        for (kind, side, yields_at, breaks_at, expected) in [
+            (Cable, 1.0, 0.0, 0.0, Taut),
+            (Cable, 1.0, 1.1, 0.0, Taut),
+            (Cable, 1.0, 0.4, 0.0, Yields(Longer)),
+            (Cable, 1.0, 0.4, 0.6, Yields(Longer)),
+            (Cable, 1.0, 0.4, 0.5, Broken),
+            (Cable, -1.0, 0.4, 0.5, Slack),
+            (Damper, 1.0, 0.4, 0.0, Yields(Longer)),
+            (Damper, -1.0, 1.1, 0.0, Taut),
+            (Damper, -1.0, 0.4, 0.6, Yields(Shorter)),
+            (Damper, -1.0, 0.4, 0.5, Broken),
+        ] {
+            let bare =
+                Tie { block: [0.0, h], ground: [-side * 5.0 * b, h], stiffness: 0.5 * weight, kind, ..Tie::default() };
+            let initial = Initial { theta: 0.1, ..Initial::default() };
+            let begin = |tie| first_instant(plain.with_ties(&[tie]).unwrap(), initial);
+            // The stretch does not depend on the law of the spring, except for the height of a settled block.
+            let at = |tie: Tie| {
+                let (run, seen) = begin(tie);
+                (run.restraints().ties[0], seen.restraints[0], run.plastic_elongations()[0])
+            };
+            let s = at(bare).1.elongation;
+            assert!(s * side > 0.05 * b, "{s} m");
+            let elastic = bare.stiffness * s.abs();
+            let tie = Tie { yield_force: yields_at * elastic, strength: breaks_at * elastic, hardening, ..bare };
+            let (state, shown, plastic) = at(tie);
+            let case = format!("{foundation:?}, {tie:?}: {shown:?}");
+            assert_eq!(state, expected, "{case}");
+            let s = shown.elongation;
+            let (pull, lasting) = match state {
+                Slack | Broken => (0.0, 0.0),
+                Taut => (tie.stiffness * s, 0.0),
+                _ => {
+                    let pull = hardening * tie.stiffness * s + side * (1.0 - hardening) * tie.yield_force;
+                    (pull, s - pull / tie.stiffness)
+                }
+            };
+            assert!((shown.pull - pull).abs() < 1e-12 * weight, "{case}, expected {pull} N");
+            assert!((plastic - lasting).abs() < 1e-12 * b && shown.plastic == plastic, "{case}, expected {lasting} m");
+        }
     }
 }
 
