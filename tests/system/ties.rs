@@ -139,6 +139,31 @@ fn ties_pull_shorten_and_store() {
     }
 }
 
+/// Equal ties act alike, whichever of the eight they are, alone and in pairs.
+#[test]
+fn a_tie_acts_whatever_its_number() {
+    let block = tied().with_ties(&[tied().ties()[0]; 8]).unwrap();
+    let seen = |taut: &[usize]| {
+        let mut ties = NO_TIES;
+        taut.iter().for_each(|&i| ties[i] = TieState::Taut);
+        let x = flying(&block, MOVED[1], ties);
+        let forcing = Forcing { restraints: States { ties, plastic: None }, ..Forcing::default() };
+        let (energy, power) =
+            (forces::energy(&block, Regime::Separated, &forcing, &x).1, forces::dissipated(&block, &forcing, &x)[1]);
+        [x.u_ddot, x.v_ddot, x.theta_ddot, energy, power]
+    };
+    let (none, one) = (seen(&[]), seen(&[0]));
+    assert!(none.iter().zip(one).all(|(none, one)| *none != one), "{none:?} {one:?}");
+    for i in 0..8 {
+        assert_eq!(seen(&[i]), one, "tie {}", i + 1);
+        for j in 0..i {
+            for ((both, none), one) in seen(&[j, i]).into_iter().zip(none).zip(one) {
+                near(both - none, 2.0 * (one - none), &format!("ties {} and {}", j + 1, i + 1));
+            }
+        }
+    }
+}
+
 /// The force (N) of a spring that is stretched once by s (m): `k s`, and `r k s ± (1 − r) F_y` beyond the yield force.
 fn spring(tie: &Tie, s: f64) -> f64 {
     let Tie { stiffness, yield_force, hardening, kind, .. } = *tie;

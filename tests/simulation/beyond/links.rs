@@ -112,6 +112,33 @@ fn a_prescribed_motion_follows_pragers_loop() {
     }
 }
 
+/// The peak of a damper is the greatest force on the way in either sense, also inside a step. Dampers above the corners are pressed.
+#[test]
+fn the_peak_of_a_damper_counts_its_pushes() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = plain(foundation);
+        let above = [-1.0, 1.0].map(|side| {
+            let below = damper(&plain, side, [1.0, 0.0, 0.0]);
+            Tie { ground: [side * plain.b, 3.0 * plain.b], ..below }
+        });
+        let block = plain.with_ties(&above).unwrap();
+        let (once, _) = run(block, 2.5, 6.0);
+        let (mut fine, _) = run(block, 2.5, 0.0);
+        let (inputs, mut pushes, mut pulls) = (Inputs::default(), [0.0_f64; 2], [0.0_f64; 2]);
+        for millisecond in 1..=6000 {
+            fine.advance(1e-3 * f64::from(millisecond), &inputs, &mut |_| ()).unwrap();
+            for (i, of) in fine.observe(&inputs).restraints[..2].iter().enumerate() {
+                (pushes[i], pulls[i]) = (pushes[i].max(-of.pull), pulls[i].max(of.pull));
+            }
+        }
+        for i in 0..2 {
+            let found = once.peaks().pull[i];
+            assert!(pushes[i] > 1.5 * pulls[i], "{foundation:?}: {pushes:?} N pushed, {pulls:?} N pulled");
+            assert!((found / pushes[i] - 1.0).abs() < 1e-4, "{foundation:?}: {found} N, not {} N", pushes[i]);
+        }
+    }
+}
+
 /// Dampers of equal sides under a block that only bounces yield in the same instants.
 #[test]
 fn two_dampers_yield_in_one_instant() {
