@@ -2,10 +2,10 @@
 
 use rocking_block::block::restraints::tie::YieldDirection;
 use rocking_block::block::restraints::{LinkKind, Tie, TieState};
-use rocking_block::block::{Block, Body, Common, Foundation, Regime};
+use rocking_block::block::{Block, Body, Common, Corner, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
 
 use crate::blocks::{block, block_on};
 
@@ -77,6 +77,22 @@ fn an_uneven_block_begins_at_its_height() {
             if regime != Regime::TiltingLeft {
                 assert!(near(seen.u, u) && near(seen.u_dot, u_dot), "{seen:?}, expected {u} m, {u_dot} m/s");
             }
+        }
+    }
+}
+
+/// A block in the air topples beyond the slenderness angle of the side to which it tilts, which differ if it is eccentric.
+#[test]
+fn an_uneven_block_topples_beyond_the_angle_of_its_side() {
+    for eccentricity in [-0.2, 0.2] {
+        let block = block([0.3, 1.5, 20.0, 0.2], &Common { eccentricity, ..Common::default() });
+        let angles = Corner::BOTH.map(|corner| block.alpha_of(corner));
+        let between = 0.5 * (angles[0] + angles[1]);
+        for (corner, side) in [(Corner::Left, -1.0), (Corner::Right, 1.0)] {
+            let initial = Initial { theta: side * between, theta_dot: side * 0.1, vertical: Some((block.h, 0.0)) };
+            let run = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &Inputs::default());
+            let expected = if block.alpha_of(corner) < between { Ending::Toppled } else { Ending::Separated };
+            assert_eq!(run.ending(), Some((expected, 0.0)), "{eccentricity} m, {corner:?}, {angles:?} rad");
         }
     }
 }
