@@ -29,13 +29,19 @@ pub enum PulseShape {
     HalfSine = 6,
     /// Constant `a_p`, T_p long (Housner, 1963).
     Rectangular = 7,
-    /// Symmetric Ricker wavelet, `a_p (1 − x²) exp(−x²/2)` with `x = √2 π τ/T_p`, 3 T_p long (M. F. Vassiliou, N. Makris, Estimating time
-    /// scales and length scales in pulselike earthquake acceleration records with wavelet analysis, BSSA 101 (2011) 596–618).
+    /// Symmetric Ricker wavelet, `a_p (1 − x²) exp(−x²/2)` with `x = √2 π τ/T_p`.
+    ///
+    /// It is 3 T_p long (M. F. Vassiliou, N. Makris, Estimating time scales and length scales in pulselike earthquake acceleration records
+    /// with wavelet analysis, BSSA 101 (2011) 596–618).
     SymmetricRicker = 8,
-    /// Antisymmetric Ricker wavelet, `a_p/β (y² − 3) y exp(−y²/2)` with `y = 2π τ/(√3 T_p)`, 4 T_p long (Vassiliou & Makris, 2011).
+    /// Antisymmetric Ricker wavelet, `a_p/β (y² − 3) y exp(−y²/2)` with `y = 2π τ/(√3 T_p)`.
+    ///
+    /// It is 4 T_p long (Vassiliou & Makris, 2011).
     AntisymmetricRicker = 9,
-    /// Velocity `A/2 [1 + cos(ω_p τ/γ)] cos(ω_p τ + ν)`, γ T_p long, with `a_p = ω_p A` (G. P. Mavroeidis, A. S. Papageorgiou,
-    /// A mathematical representation of near-fault ground motions, BSSA 93 (2003) 1099–1131).
+    /// Velocity `A/2 [1 + cos(ω_p τ/γ)] cos(ω_p τ + ν)` with `a_p = ω_p A`.
+    ///
+    /// It is γ T_p long (G. P. Mavroeidis, A. S. Papageorgiou, A mathematical representation of near-fault ground motions, BSSA 93 (2003)
+    /// 1099–1131).
     Gabor = 10,
 }
 

@@ -244,7 +244,7 @@ mod tests {
         assert!(stops.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{stops:?}");
     }
 
-    /// A time may be more samples after a record than an integer holds; the acceleration is zero there.
+    /// The number of samples up to such a time does not fit into an integer.
     #[test]
     fn long_after_a_record_nothing_acts() {
         for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)]

@@ -99,24 +99,6 @@ impl<V: Version> Instance<V> {
         Ok(status)
     }
 
-    /// Ends the run.
-    ///
-    /// # Errors
-    /// None.
-    pub fn terminate(&mut self) -> Answer {
-        self.unit.terminate();
-        Ok(Status::Ok)
-    }
-
-    /// Returns to the state after instantiation.
-    ///
-    /// # Errors
-    /// None.
-    pub fn reset(&mut self) -> Answer {
-        self.unit = Unit::new(self.unit.interface());
-        Ok(Status::Ok)
-    }
-
     /// Sets values of one type, all or none.
     ///
     /// # Errors
@@ -219,15 +201,6 @@ impl<V: Version> Instance<V> {
         if lost { Ok(self.answer_without_numbers("a derivative")) } else { Ok(Status::Ok) }
     }
 
-    /// Enters Event Mode.
-    ///
-    /// # Errors
-    /// None.
-    pub fn enter_event_mode(&mut self) -> Answer {
-        self.unit.enter_event_mode();
-        Ok(Status::Ok)
-    }
-
     /// Model Exchange: applies an event. One call suffices.
     ///
     /// # Errors
@@ -235,24 +208,6 @@ impl<V: Version> Instance<V> {
     pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         let log = &self.log;
         self.unit.pass_events(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))
-    }
-
-    /// Enters Continuous-Time Mode.
-    ///
-    /// # Errors
-    /// None.
-    pub fn enter_continuous_time_mode(&mut self) -> Answer {
-        self.unit.enter_continuous_time_mode();
-        Ok(Status::Ok)
-    }
-
-    /// Accepts a step of the importer's solver. It never requires an event.
-    ///
-    /// # Errors
-    /// None.
-    pub fn completed_integrator_step(&mut self) -> Answer {
-        self.unit.complete_step();
-        Ok(Status::Ok)
     }
 
     /// Sets the time (s).
@@ -316,6 +271,14 @@ impl<V: Version> Instance<V> {
             )));
         }
         Ok(())
+    }
+}
+
+/// Returns the body of a call that never fails: an operation of the unit.
+pub fn always<V: Version>(act: impl FnOnce(&mut Unit)) -> impl FnOnce(&mut Instance<V>) -> Answer {
+    |instance| {
+        act(&mut instance.unit);
+        Ok(Status::Ok)
     }
 }
 

@@ -338,7 +338,7 @@ mod tests {
     }
 
     proptest! {
-        /// In each direction the derivatives are those of `num-dual`; the values have the bits of plain numbers.
+        /// The derivatives agree with those of `num-dual`. The values have the bits of plain numbers.
         #[test]
         fn each_direction_is_that_of_a_dual(a in [-9.0..9.0, -9.0..9.0, -9.0..9.0], b in [0.1..9.0, -9.0..9.0, -9.0..9.0], x in 0.01..0.99) {
             let [a, b] = [a, b].map(|[re, one, other]| Pair::new(re, [one, other]));

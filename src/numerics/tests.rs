@@ -43,7 +43,7 @@ fn off(time: f64, state: State, work: Quadratures) -> [f64; 2] {
     [(state - exact).norm(), (work - (end - start)).norm()]
 }
 
-/// Checks that halving a step reduces each error by 2 to the power of the `order` of the error, or nearly so.
+/// Checks that halving a step divides each error by about `2^order`.
 #[track_caller]
 fn falls<const N: usize>(order: i32, errors: impl Fn(f64) -> [f64; N], size: f64) {
     for (coarse, fine) in errors(size).into_iter().zip(errors(0.5 * size)) {
@@ -134,7 +134,7 @@ fn all_forms_of_a_step_have_the_same_bits() {
     assert_eq!(step.end, repeat_step(StepForm::Short, [START, size], start, &Oscillators).0);
 }
 
-/// Where a step of `h` has the error `(h/h0)⁸`, steps to a stop become nearly h0 after few attempts, end there, and never repeat an error.
+/// A step of size h has the error `(h/h0)⁸`. Steps come close to h0 after few attempts, and end at the stop.
 #[test]
 fn the_step_rule_finds_the_step_that_the_error_allows() {
     for (allowed, longest, first) in [(1e-3, 1.0, 1.0), (0.3, 1.0, 1.0), (0.3, 1.0, 1e-3), (2.0, 0.5, 0.5)] {
@@ -173,7 +173,7 @@ fn the_step_rule_finds_the_step_that_the_error_allows() {
     assert_eq!(StepControl::NEW.attempt(0.9, 1.0, 0.0), Attempt::to_stop(0.9));
 }
 
-/// A step that was shortened to meet a stop does not shorten those after it, unless its error was too great.
+/// A step shortened to meet a stop does not shorten later ones. One with too great an error does.
 #[test]
 fn a_short_way_to_a_stop_leaves_the_step() {
     let mut control = StepControl::NEW;
@@ -228,7 +228,7 @@ fn squares_are_summed() {
     assert_eq!(204.0, Numbers([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]).square());
 }
 
-/// Factors are those with which an error of order 8 becomes 0.9⁸, within limits; a short step of its factor meets the allowed error.
+/// The factor turns an error of order 8 into 0.9⁸, within limits. That of a short step meets the allowed error.
 #[test]
 fn factors_bring_errors_to_the_allowed_one() {
     for error in [1e-4, 0.3, 1.0, 20.0] {
@@ -240,7 +240,7 @@ fn factors_bring_errors_to_the_allowed_one() {
     assert_eq!([0.0, 1e9, f64::NAN].map(size_factor), [6.0, 1.0 / 3.0, 1.0 / 3.0]);
 }
 
-/// The shortest step is the spacing of the clock's numbers, which resolves the longest step unless the stop is too far.
+/// The shortest step is the spacing of the clock's numbers. It resolves the longest step unless the stop is too far.
 #[test]
 fn the_clock_resolves_the_shortest_step() {
     for time in [1.0, 8.0, 1024.0] {
@@ -253,7 +253,7 @@ fn the_clock_resolves_the_shortest_step() {
     assert!(is_resolved(4.0, 8.0 * spacing) && !is_resolved(4.0, 2.0 * spacing));
 }
 
-/// A sinusoid that peaks between the ends of a step is at the ends above the part of its peak from which on the peak is sought.
+/// A step around a sinusoid's peak has an end above the limit of a search.
 #[test]
 fn a_peak_inside_a_step_is_near_at_its_ends() {
     for i in 0..=100 {

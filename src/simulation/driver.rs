@@ -1,6 +1,6 @@
 //! The driver: step → locate the first event → apply it → decide the regime → continue.
 //!
-//! | call | goes on |
+//! | call | advances |
 //! | --- | --- |
 //! | [`Simulation::advance`] | to a time, over several smooth pieces of the excitation |
 //! | `smooth_piece` | to the end of a piece, over several modes of motion |
@@ -187,7 +187,7 @@ impl Simulation {
         let mut input = StepsInput::of_piece(setup, &excitation, [run.within_reach(&setup.system.block, stop), stop]);
         run.counts.evaluations += 1;
         while run.pose.time < input.stop && run.ending.is_none() {
-            // No `?`, which would move the block at an event even if there is none.
+            // No `?`: it would copy the block at an event even if none occurs.
             match run.steps(&input, budget) {
                 Ok(StepsOutcome::Lasts) => {}
                 Ok(StepsOutcome::Event(function, now)) => {

@@ -29,19 +29,19 @@ pub(super) struct StepsInput<'a> {
     /// Whether a single step is taken, or all steps under the present mode.
     pub(super) single: bool,
     pub(super) first: FirstStep<'a>,
-    /// Receives the swing of a step, for those who repeat it.
+    /// Receives the swing of a step, for a caller that repeats it.
     pub(super) swing: Option<&'a Cell<Option<Swing>>>,
 }
 
-/// The knowledge of a step before it is taken.
+/// The known part of a step before it is taken.
 #[derive(Clone, Copy)]
 #[cfg_attr(not(feature = "lanes"), expect(dead_code, reason = "only lanes take steps before"))]
 pub(super) enum FirstStep<'a> {
-    /// None.
+    /// Nothing is known.
     Open,
-    /// It is not a short one, which made too great an error.
+    /// It is of order 8. A short one made too great an error.
     NotShort,
-    /// It is of order 8, and at most this attempt. Greater ones made too great errors.
+    /// It is of order 8, and no longer than this attempt. Longer ones made too great errors.
     Attempt(Attempt),
     /// It is this step of order 8.
     Made(&'a DenseStep),

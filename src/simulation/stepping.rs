@@ -40,7 +40,7 @@ pub(super) enum Finished {
 /// The fraction tried of a step in which a function rises and falls unseen. Such a function begins at zero.
 const SHORTENED: f64 = 0.125;
 
-/// The fraction of the longest step below which such a rise is none. The fall is then placed at the end of the step.
+/// The fraction of the longest step below which such a rise is neglected. The fall is then placed at the end of the step.
 const SHORTEST_RISE: f64 = 1e-10;
 
 /// The fraction of a step that the clock must resolve to try it.

@@ -1,9 +1,9 @@
 //! A pose → the equations of motion at any time while its contacts last, and the quantities that follow from them at one instant.
 //!
 //! # Inlining
-//! Functions between a step and the equations are inlined, so that a mode of its own type leaves out what it does not have, a caller what it
-//! does not read, and vectors stay vectors. A function whose name ends in `_called` is the one copy of another that is never inlined: for rare
-//! modes, or where each further copy would cost more code than time. Nothing else distinguishes the two.
+//! Functions between a step and the equations are inlined: code for absent forces and unread results is left out, and vectors stay in
+//! registers. A function whose name ends in `_called` is the only copy of another that is never inlined: for rare modes, or where another
+//! copy would add code without saving time. The two do not differ otherwise.
 
 use crate::block::restraints::States;
 use crate::block::{Body, Contacts, Corner, Foot, Lever, Regime};

@@ -23,7 +23,7 @@ struct Header {
 /// Returns a state as bytes.
 ///
 /// # Errors
-/// None in practice: all states can be written.
+/// A state that [`postcard`] cannot write. No state of a run is one.
 pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
     let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
     let content = postcard::to_allocvec(unit).map_err(internal)?;

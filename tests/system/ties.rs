@@ -1,10 +1,11 @@
 //! Ties at an instant: their forces by virtual work, from the distance of their ends as the block moves.
 
 use nalgebra::{Matrix3, Vector3};
-use rocking_block::block::restraints::tie::NO_TIES;
-use rocking_block::block::restraints::{self, States, Tie, TieState, TieStates, tie::pull};
+use rocking_block::block::restraints::tie::{Link, NO_TIES, YieldDirection, pull};
+use rocking_block::block::restraints::{self, LinkKind, States, Tie, TieState, TieStates};
 use rocking_block::block::{Block, Common, Kinematics, Regime};
 use rocking_block::excitation::Forcing;
+use rocking_block::numerics::dual::Dual;
 use rocking_block::system::dynamics::instant;
 use rocking_block::system::forces;
 use rocking_block::system::instant::{Footing, Instant};
@@ -38,6 +39,16 @@ fn tied() -> Block {
         tie([-1.0, 0.5], [-0.9, -2.0], 200.0, 80.0, 0.01, 2.0),
     ];
     plain.with_ties(&ties).unwrap()
+}
+
+/// Returns the same block with a tie and dampers that yield.
+fn yielding() -> Block {
+    let block = tied();
+    let mut ties: Vec<Tie> = block.ties().iter().map(|tie| Tie { yield_force: 12.0, hardening: 0.2, ..*tie }).collect();
+    for tie in &mut ties[1..] {
+        *tie = Tie { kind: LinkKind::Damper, pretension: 0.0, slack: 0.0, ..*tie };
+    }
+    block.with_ties(&ties).unwrap()
 }
 
 /// A block has up to eight ties.
@@ -128,12 +139,50 @@ fn ties_pull_shorten_and_store() {
     }
 }
 
+/// Equal ties act alike, whichever of the eight they are, alone and in pairs.
+#[test]
+fn a_tie_acts_whatever_its_number() {
+    let block = tied().with_ties(&[tied().ties()[0]; 8]).unwrap();
+    let seen = |taut: &[usize]| {
+        let mut ties = NO_TIES;
+        taut.iter().for_each(|&i| ties[i] = TieState::Taut);
+        let x = flying(&block, MOVED[1], ties);
+        let forcing = Forcing { restraints: States { ties, plastic: None }, ..Forcing::default() };
+        let (energy, power) =
+            (forces::energy(&block, Regime::Separated, &forcing, &x).1, forces::dissipated(&block, &forcing, &x)[1]);
+        [x.u_ddot, x.v_ddot, x.theta_ddot, energy, power]
+    };
+    let (none, one) = (seen(&[]), seen(&[0]));
+    assert!(none.iter().zip(one).all(|(none, one)| *none != one), "{none:?} {one:?}");
+    for i in 0..8 {
+        assert_eq!(seen(&[i]), one, "tie {}", i + 1);
+        for j in 0..i {
+            for ((both, none), one) in seen(&[j, i]).into_iter().zip(none).zip(one) {
+                near(both - none, 2.0 * (one - none), &format!("ties {} and {}", j + 1, i + 1));
+            }
+        }
+    }
+}
+
+/// The force (N) of a spring that is stretched once by s (m): `k s`, and `r k s ± (1 − r) F_y` beyond the yield force.
+fn spring(tie: &Tie, s: f64) -> f64 {
+    let Tie { stiffness, yield_force, hardening, kind, .. } = *tie;
+    let elastic = stiffness * s;
+    match kind {
+        LinkKind::Tie if s < 0.0 => 0.0,
+        _ if yield_force > 0.0 && elastic.abs() > yield_force => {
+            hardening * elastic + (1.0 - hardening) * yield_force.copysign(s)
+        }
+        LinkKind::Tie | LinkKind::Damper => elastic,
+    }
+}
+
 /// At rest the springs that are stretched pull, and their pull grows with the height by the static stiffness.
 #[test]
 fn the_static_stiffness_is_the_slope_of_the_static_pull() {
     const H: f64 = 1e-5;
-    let (block, mut slack) = (tied(), 0);
-    for [u, v, theta] in MOVED {
+    let (mut slack, mut yields, mut pushes) = (0, 0, 0);
+    for (block, [u, v, theta]) in [tied(), yielding()].into_iter().flat_map(|block| MOVED.map(|moved| (block, moved))) {
         let pull = |v: f64| {
             let place =
                 Kinematics { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
@@ -142,14 +191,99 @@ fn the_static_stiffness_is_the_slope_of_the_static_pull() {
         let mut exact = 0.0;
         for (_, of) in real(&block) {
             let s = stretch(&block, of, [u, v, theta]);
-            slack += u32::from(s < 0.0);
-            exact += of.stiffness * s.max(0.0) * slopes(&block, of, [u, v, theta])[1];
+            let force = spring(of, s);
+            slack += u32::from(force == 0.0);
+            yields += u32::from(force != 0.0 && force != of.stiffness * s);
+            pushes += u32::from(force < 0.0);
+            exact += force * slopes(&block, of, [u, v, theta])[1];
         }
         let (found, stiffness) = pull(v);
         near(found, exact, "pull");
         near(stiffness, (pull(v + H).0 - pull(v - H).0) / (2.0 * H), "stiffness");
     }
-    assert!(slack > 0 && !block.restraints.is_empty());
+    assert!(slack > 0 && yields > 5 && pushes > 0 && yields > pushes, "{slack} {yields} {pushes}");
+}
+
+/// The event functions of ties and dampers have the rates with which their values change along the motion.
+#[test]
+fn event_functions_have_the_rates_of_their_values() {
+    const H: f64 = 1e-5;
+    const RATE_OF_RATE: [f64; 3] = [-2.0, 1.5, 0.8];
+    let mut ties = yielding().ties().to_vec();
+    ties.iter_mut().for_each(|tie| tie.strength = 40.0);
+    let block = yielding().with_ties(&ties).unwrap();
+    let mut seen = std::collections::BTreeSet::new();
+    for at in MOVED {
+        let place = |time: f64| {
+            let [u, v, theta] = std::array::from_fn(|i| at[i] + RATE[i] * time + 0.5 * RATE_OF_RATE[i] * time * time);
+            let [u_dot, v_dot, theta_dot] = std::array::from_fn(|i| RATE[i] + RATE_OF_RATE[i] * time);
+            Kinematics { sin_cos: theta.sin_cos().into(), theta_dot, center: [u, v], velocity: [u_dot, v_dot] }
+        };
+        let Kinematics { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = place(0.0);
+        let dual = |re, eps| Dual { re, eps };
+        let rates = Kinematics {
+            sin_cos: [dual(sin, cos * theta_dot), dual(cos, -sin * theta_dot)],
+            theta_dot: dual(theta_dot, RATE_OF_RATE[2]),
+            center: [dual(u, u_dot), dual(v, v_dot)],
+            velocity: [dual(u_dot, RATE_OF_RATE[0]), dual(v_dot, RATE_OF_RATE[1])],
+        };
+        for state in [
+            TieState::Slack,
+            TieState::Taut,
+            TieState::Limp,
+            TieState::Yields(YieldDirection::Longer),
+            TieState::Yields(YieldDirection::Shorter),
+        ] {
+            let plastic = Some(std::array::from_fn(|i| 0.01 * i as f64 - 0.02));
+            let states = States { ties: [state; 8], plastic };
+            for function in restraints::watched(&block, &states.modes()).into_iter().flatten() {
+                let value = |time: f64| function.value(&block, &states, &place(time));
+                let found = function.sample(&block, &states, || place(0.0), || rates);
+                let case = format!("{function:?} of {state:?}");
+                near(found.value, value(0.0), &case);
+                near(found.rate, (value(H) - value(-H)) / (2.0 * H), &format!("rate of {case}"));
+                let restraints::RestraintFunction::Tie(_, kind) = function;
+                seen.insert(format!("{kind:?}"));
+            }
+        }
+    }
+    assert_eq!(seen.len(), 10, "{seen:?}");
+}
+
+/// The work to an elongation is that of the force on the way from the plastic elongation, where the spring is loose: of a tie that was
+/// stretched before, and of a damper that was stretched or pressed.
+#[test]
+fn the_work_to_an_elongation_is_that_of_the_force_on_the_way() {
+    const STEPS: u32 = 100_000;
+    let [stiffness, yield_force] = [64.0, 8.0];
+    for (kind, hardening, plastic, to) in [
+        (LinkKind::Tie, 0.25, 0.0, 0.1),
+        (LinkKind::Tie, 0.25, 0.2, 0.3),
+        (LinkKind::Tie, 0.25, 0.2, 0.9),
+        (LinkKind::Tie, 0.25, 0.2, 0.1),
+        (LinkKind::Damper, 0.25, 0.2, 0.9),
+        (LinkKind::Damper, 0.25, 0.2, 0.15),
+        (LinkKind::Damper, 0.25, 0.2, -0.6),
+        (LinkKind::Damper, 0.0, -0.3, 0.4),
+        (LinkKind::Damper, 0.5, -0.1, -0.7),
+    ] {
+        let tie = Tie { stiffness, yield_force, hardening, kind, ..Tie::default() };
+        let line = |s: f64, sign: f64| hardening * stiffness * s + sign * (1.0 - hardening) * yield_force;
+        let step = (to - plastic) / f64::from(STEPS);
+        let exact: f64 = (0..STEPS)
+            .map(|i| {
+                let s = plastic + (f64::from(i) + 0.5) * step;
+                let force = (stiffness * (s - plastic)).clamp(line(s, -1.0), line(s, 1.0));
+                if kind == LinkKind::Tie { force.max(0.0) * step } else { force * step }
+            })
+            .sum();
+        let found = pull::work_to(Link { tie: &tie, state: TieState::Taut, plastic: Some(plastic) }, to);
+        near(found, exact, &format!("work of {tie:?} from {plastic} m to {to} m"));
+        let elastic = Tie { yield_force: 0.0, ..tie };
+        let found = pull::work_to(Link { tie: &elastic, state: TieState::Taut, plastic: None }, to);
+        let stretch = if kind == LinkKind::Tie { to.max(0.0) } else { to };
+        near(found, 0.5 * stiffness * stretch * stretch, "work of a spring");
+    }
 }
 
 /// The bound on circular frequencies and rates of decay is not below those of a free block, and is reached by a tie across the line

@@ -5,10 +5,11 @@ use std::mem::MaybeUninit;
 
 use rocking_block::fmi::fmi3::boundary::{self, Stepping};
 use rocking_block::fmi::fmi3::calls::Call;
-use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit};
+use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit, always};
 use rocking_block::fmi::fmi3::step::StepOutcome;
 use rocking_block::fmi::fmi3::types::*;
 use rocking_block::fmi::fmi3::values::of_no_type;
+use rocking_block::unit::instance::Unit as State;
 use rocking_block::unit::snapshot;
 use rocking_block::unit::variables::Kind;
 

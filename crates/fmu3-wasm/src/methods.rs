@@ -19,10 +19,10 @@ macro_rules! common_methods {
             exit_initialization_mode ExitInitializationMode Unit::leave_initialization_mode;
             enter_event_mode EnterEventMode Unit::begin_event;
             enter_step_mode EnterStepMode Unit::enter_step_mode;
-            terminate Terminate Unit::terminate;
-            reset Reset Unit::reset;
-            enter_configuration_mode EnterConfigurationMode |unit| unit.configure(true);
-            exit_configuration_mode ExitConfigurationMode |unit| unit.configure(false);
+            terminate Terminate always(State::terminate);
+            reset Reset always(State::reset);
+            enter_configuration_mode EnterConfigurationMode always(|unit| unit.configure(true));
+            exit_configuration_mode ExitConfigurationMode always(|unit| unit.configure(false));
         }
 
         fn update_discrete_states(&self) -> Result<DiscreteStatesInfo, Status> {

@@ -3,7 +3,7 @@
 use std::mem::MaybeUninit;
 
 use rocking_block::fmi::fmi3::calls::Call;
-use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit};
+use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit, always};
 use rocking_block::fmi::fmi3::values::of_no_type;
 use rocking_block::simulation::exchange::{INDICATORS, STATES};
 use rocking_block::unit::instance::Unit as State;
@@ -31,7 +31,7 @@ impl GuestModelExchangeInstance for Instance {
     }
 
     transitions! {
-        enter_continuous_time_mode EnterContinuousTimeMode Unit::enter_continuous_time_mode;
+        enter_continuous_time_mode EnterContinuousTimeMode always(State::enter_continuous_time_mode);
     }
 
     fn set_time(&self, time: f64) -> Status {
@@ -72,7 +72,7 @@ impl GuestModelExchangeInstance for Instance {
 
     fn completed_integrator_step(&self, _: bool) -> Result<CompletedStepResult, Status> {
         self.ask(Call::CompletedIntegratorStep, |unit| {
-            unit.completed_integrator_step()?;
+            unit.unit.complete_step();
             Ok(CompletedStepResult { enter_event_mode: false, terminate_simulation: false })
         })
     }

@@ -293,7 +293,7 @@ pub fn strength<T: Elementary>(body: &Body<T>, number: usize) -> Option<T> {
     (strength.value() > 0.0).then_some(strength)
 }
 
-/// Returns the force (N) at which a restraint yields first. 0 if it does not yield.
+/// Returns the force (N) at first yielding of a restraint. 0 if it stays elastic.
 pub fn yield_force<T: Elementary>(body: &Body<T>, number: usize) -> T {
     body.ties().get(number).map_or_else(|| T::from(0.0), |tie| tie.yield_force)
 }

@@ -284,12 +284,9 @@ pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
 ///
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
-///
-/// # Errors
-/// None; a null pointer is accepted.
-pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
+pub unsafe fn free_state(state: *mut *mut c_void) -> Status {
     if state.is_null() {
-        return Ok(Status::Ok);
+        return Status::Ok;
     }
     // SAFETY: by contract an initialized pointer that nothing else uses meanwhile (standard, 2.1.8).
     let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Unit>();
@@ -297,16 +294,13 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
         // SAFETY: `get_state` or `give_state` made it from a box, and by contract it has not been freed (standard, 2.1.8).
         drop(unsafe { Box::from_raw(saved) });
     }
-    Ok(Status::Ok)
+    Status::Ok
 }
 
 /// Writes the pointer of a deserialized state to the importer's memory.
-///
-/// # Errors
-/// None; the memory was checked before.
-pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Answer {
+pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Status {
     output.put(Box::into_raw(Box::new(unit)).cast());
-    Ok(Status::Ok)
+    Status::Ok
 }
 
 #[cfg(test)]

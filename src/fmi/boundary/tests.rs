@@ -3,6 +3,7 @@
 use super::*;
 use std::ffi::CStr;
 
+use crate::fmi::instance::always;
 use crate::fmi::log::{Category, Log, Messenger, Wanted};
 use crate::unit::instance::Interface;
 use crate::unit::life_cycle::Phase;
@@ -53,7 +54,7 @@ fn a_panic_is_caught_and_the_instance_refuses_from_then_on() {
     let mut instance = instance();
     assert_eq!(guarded(&mut instance, Function, |_| panic!("broken")), Status::Fatal);
     assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
-    assert_eq!(guarded(&mut instance, Function, Instance::reset), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, always(Unit::reset)), Status::Fatal);
 }
 
 #[test]
@@ -71,7 +72,7 @@ fn the_reason_of_a_panic_is_logged() {
     assert_eq!(panic_reason(literal.as_ref()), "reason");
 }
 
-/// A call within a call is refused, one after it is not, and an instance in use is not freed.
+/// A call within a call is refused, a later one is not. An instance in use is not freed.
 #[test]
 fn calls_take_turns() {
     let handle = create(|| Some(instance()));
@@ -91,7 +92,7 @@ fn calls_take_turns() {
     unsafe { free::<Any>(handle) };
 }
 
-/// Between the pieces of a call other calls are admitted, except one that would free the instance.
+/// Other calls are admitted between the pieces of a call, except to free the instance.
 #[test]
 fn a_call_in_pieces_lends_its_turn() {
     let handle = create(|| Some(instance()));

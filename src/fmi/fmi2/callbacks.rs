@@ -10,6 +10,8 @@ use crate::fmi::log::{self, Category, Wanted};
 pub struct Messenger(fmi2CallbackFunctions);
 
 impl Messenger {
+    /// Takes the callbacks of the importer.
+    ///
     /// # Safety
     /// The logger, if any, is a function of the standard's type (2.1.5), and may be called with `environment` during the life of
     /// this value.

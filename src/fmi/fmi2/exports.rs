@@ -16,7 +16,7 @@ use std::ffi::c_char;
 use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi2::boundary::{self, call, is_true};
 use crate::fmi::fmi2::calls::Call;
-use crate::fmi::fmi2::instance::{Instance, write};
+use crate::fmi::fmi2::instance::{Instance, always, write};
 use crate::fmi::fmi2::types::*;
 use crate::fmi::size_t;
 use crate::unit::fault::Fault;
@@ -84,13 +84,13 @@ functions! {
         instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
     };
     /// Begins initialization.
-    fmi2EnterInitializationMode EnterInitializationMode() = Instance::enter_initialization_mode;
+    fmi2EnterInitializationMode EnterInitializationMode() = always(Unit::enter_initialization_mode);
     /// Ends initialization and makes the block.
     fmi2ExitInitializationMode ExitInitializationMode() = Instance::exit_initialization_mode;
     /// Ends the run.
-    fmi2Terminate Terminate() = Instance::terminate;
+    fmi2Terminate Terminate() = always(Unit::terminate);
     /// Returns to the state after instantiation.
-    fmi2Reset Reset() = Instance::reset;
+    fmi2Reset Reset() = always(Unit::reset);
     /// Reads Real variables.
     fmi2GetReal GetReal(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) = |instance| {
         let mut values = output_array("value", values, count)?;
@@ -141,7 +141,7 @@ functions! {
     /// Restores a saved state.
     fmi2SetFMUstate SetFmuState(state: fmi2FMUstate) = |instance| instance.restore(boundary::state(state)?);
     /// Frees a saved state.
-    fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| boundary::free_state(state);
+    fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| Ok(boundary::free_state(state));
     /// Returns the size of a saved state in bytes.
     fmi2SerializedFMUstateSize SerializedFmuStateSize(state: fmi2FMUstate, size: *mut size_t) = |_| {
         single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
@@ -157,7 +157,7 @@ functions! {
     fmi2DeSerializeFMUstate DeSerializeFmuState(bytes: *const fmi2Byte, size: size_t, state: *mut fmi2FMUstate) = |instance| {
         let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
         instance.check_restorable(&unit)?;
-        boundary::give_state(single_output("FMUstate", state)?, unit)
+        Ok(boundary::give_state(single_output("FMUstate", state)?, unit))
     };
     /// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
     fmi2GetDirectionalDerivative GetDirectionalDerivative(
@@ -232,7 +232,7 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
 
 functions! {
     /// Model Exchange: enters Event Mode.
-    fmi2EnterEventMode EnterEventMode() = Instance::enter_event_mode;
+    fmi2EnterEventMode EnterEventMode() = always(Unit::enter_event_mode);
     /// Model Exchange: applies an event.
     fmi2NewDiscreteStates NewDiscreteStates(event_info: *mut fmi2EventInfo) = |instance| {
         let output = single_output("fmi2EventInfo", event_info)?;
@@ -248,17 +248,17 @@ functions! {
         Ok(Status::Ok)
     };
     /// Model Exchange: enters Continuous-Time Mode.
-    fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = Instance::enter_continuous_time_mode;
+    fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = always(Unit::enter_continuous_time_mode);
     /// Model Exchange: accepts a step of the importer's solver.
     fmi2CompletedIntegratorStep CompletedIntegratorStep(
         _no_set_state_prior: fmi2Boolean, enter_event_mode: *mut fmi2Boolean, terminate: *mut fmi2Boolean
     ) = |instance| {
         let enter_event_mode = single_output("enterEventMode", enter_event_mode)?;
         let terminate = single_output("terminateSimulation", terminate)?;
-        let answer = instance.completed_integrator_step();
+        instance.unit.complete_step();
         enter_event_mode.put(FMI2_FALSE);
         terminate.put(FMI2_FALSE);
-        answer
+        Ok(Status::Ok)
     };
     /// Model Exchange: sets the time.
     fmi2SetTime SetTime(time: fmi2Real) = |instance| instance.set_time(time);

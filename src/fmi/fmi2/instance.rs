@@ -9,7 +9,7 @@ use crate::simulation::Progress;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
 
-pub use crate::fmi::instance::{Answer, write};
+pub use crate::fmi::instance::{Answer, always, write};
 
 /// FMI 2.0, which adds no fields to an instance.
 #[derive(Debug)]
@@ -24,15 +24,6 @@ impl fmi::Version for Fmi2 {
 pub type Instance = fmi::instance::Instance<Fmi2>;
 
 impl Instance {
-    /// `fmi2EnterInitializationMode`.
-    ///
-    /// # Errors
-    /// None.
-    pub fn enter_initialization_mode(&mut self) -> Answer {
-        self.unit.enter_initialization_mode();
-        Ok(Status::Ok)
-    }
-
     /// `fmi2DoStep`. Allocates no memory unless it fails.
     ///
     /// # Errors

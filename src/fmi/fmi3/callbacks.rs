@@ -13,6 +13,8 @@ pub struct Messenger {
 }
 
 impl Messenger {
+    /// Takes the logger of the importer, if any.
+    ///
     /// # Safety
     /// The logger, if any, may be called with `environment` during the life of this value (standard, 2.3.1).
     pub unsafe fn new(logger: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvironment) -> Messenger {
@@ -48,6 +50,8 @@ pub struct Updater {
 }
 
 impl Updater {
+    /// Takes the callback of the importer.
+    ///
     /// # Safety
     /// The callback may be called with `environment` during the life of this value and its copies (standard, 2.3.1).
     pub unsafe fn new(callback: fmi3IntermediateUpdateCallback, environment: fmi3InstanceEnvironment) -> Updater {

@@ -16,7 +16,7 @@ use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
-use crate::fmi::fmi3::instance::{Instance, write};
+use crate::fmi::fmi3::instance::{Instance, always, write};
 use crate::fmi::fmi3::step::StepOutcome;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::fmi3::values::of_no_type;
@@ -155,15 +155,15 @@ functions! {
     /// Enters Step Mode.
     fmi3EnterStepMode EnterStepMode() = Instance::enter_step_mode;
     /// Model Exchange: enters Continuous-Time Mode.
-    fmi3EnterContinuousTimeMode EnterContinuousTimeMode() = Instance::enter_continuous_time_mode;
+    fmi3EnterContinuousTimeMode EnterContinuousTimeMode() = always(Unit::enter_continuous_time_mode);
     /// Ends the run.
-    fmi3Terminate Terminate() = Instance::terminate;
+    fmi3Terminate Terminate() = always(Unit::terminate);
     /// Returns to the state after instantiation.
-    fmi3Reset Reset() = Instance::reset;
+    fmi3Reset Reset() = always(Unit::reset);
     /// Enters Configuration Mode, where sizes of arrays can be set.
-    fmi3EnterConfigurationMode EnterConfigurationMode() = |instance| instance.configure(true);
+    fmi3EnterConfigurationMode EnterConfigurationMode() = always(|unit| unit.configure(true));
     /// Leaves Configuration Mode.
-    fmi3ExitConfigurationMode ExitConfigurationMode() = |instance| instance.configure(false);
+    fmi3ExitConfigurationMode ExitConfigurationMode() = always(|unit| unit.configure(false));
 }
 
 macro_rules! getters {
@@ -282,7 +282,7 @@ functions! {
     /// Restores a saved state.
     fmi3SetFMUState SetFmuState(state: fmi3FMUState) = |instance| instance.restore(boundary::state(state)?);
     /// Frees a saved state.
-    fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| boundary::free_state(state);
+    fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| Ok(boundary::free_state(state));
     /// Returns the size of a saved state in bytes.
     fmi3SerializedFMUStateSize SerializedFmuStateSize(state: fmi3FMUState, size: *mut size_t) = |_| {
         single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
@@ -298,7 +298,7 @@ functions! {
     fmi3DeserializeFMUState DeserializeFmuState(bytes: *const fmi3Byte, size: size_t, state: *mut fmi3FMUState) = |instance| {
         let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
         instance.check_restorable(&unit)?;
-        boundary::give_state(single_output("FMUState", state)?, unit)
+        Ok(boundary::give_state(single_output("FMUState", state)?, unit))
     };
 }
 
@@ -402,10 +402,10 @@ functions! {
     ) = |instance| {
         let enter = single_output("enterEventMode", enter_event_mode)?;
         let terminate = single_output("terminateSimulation", terminate_simulation)?;
-        let answer = instance.completed_integrator_step();
+        instance.unit.complete_step();
         enter.put(FMI3_FALSE);
         terminate.put(FMI3_FALSE);
-        answer
+        Ok(Status::Ok)
     };
     /// Model Exchange: sets the time.
     fmi3SetTime SetTime(time: fmi3Float64) = |instance| instance.set_time(time);

@@ -10,7 +10,7 @@ use crate::unit::instance::Interface;
 use crate::unit::instance::exchange::AfterEvent;
 use crate::unit::variables::{Causality, Metadata, Variability};
 
-pub use crate::fmi::instance::{Answer, write};
+pub use crate::fmi::instance::{Answer, always, write};
 
 /// The importer's choices at instantiation.
 #[derive(Debug)]
@@ -111,7 +111,8 @@ impl Instance {
                 "eventModeUsed was false at instantiation; expected true, since the FMU handles events itself",
             ));
         }
-        self.enter_event_mode()
+        self.unit.enter_event_mode();
+        Ok(Status::Ok)
     }
 
     /// `fmi3UpdateDiscreteStates`: applies an event.
@@ -134,15 +135,6 @@ impl Instance {
     pub fn enter_step_mode(&mut self) -> Answer {
         self.update_discrete_states()?;
         self.unit.enter_step_mode();
-        Ok(Status::Ok)
-    }
-
-    /// `fmi3EnterConfigurationMode` and `fmi3ExitConfigurationMode`.
-    ///
-    /// # Errors
-    /// None.
-    pub fn configure(&mut self, begins: bool) -> Answer {
-        self.unit.configure(begins);
         Ok(Status::Ok)
     }
 }

@@ -226,7 +226,7 @@ mod tests {
     }
 
     impl Task for Cases<'_> {
-        /// Positive lanes, zeros and lanes with one, places of maxima, lanes in which they exceed, lanes in which this is known.
+        /// The result of each function for all lanes, in the order of the calls below.
         type Output = (u32, Array, u32, Array, u32, u32);
 
         fn run<V: Simd>(self) -> Self::Output {

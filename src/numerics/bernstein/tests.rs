@@ -51,7 +51,7 @@ proptest! {
         prop_assert_eq!(form.highest(greatest + 1e-5), None);
     }
 
-    /// The first of two zeros is found if they are at least a sixteenth of the interval apart, and one of two such maxima.
+    /// Two zeros or two maxima at least a sixteenth of the interval apart. The first zero is found, and one of the maxima.
     #[test]
     fn separate_zeros_and_maxima_are_found(first in 0.01..0.9_f64, apart in 0.07..2.0_f64, c in 0.15..0.85_f64) {
         let zeros = [first, first + apart];
@@ -65,7 +65,7 @@ proptest! {
         prop_assert!(((place - c).abs() - 0.1).abs() < 1e-6, "{} instead of {} ± 0.1", place, c);
     }
 
-    /// Polynomials with known zeros change their sign as often, or more often by an even number.
+    /// The sign changes of the coefficients exceed the number of zeros by an even number.
     #[test]
     fn sign_changes_count_zeros(zeros in prop::collection::vec(-1.0..2.0_f64, 1..N)) {
         let mut powers = vec![1.0];
@@ -90,8 +90,9 @@ proptest! {
     }
 }
 
-/// Halvings bring the lowest coefficient of `(τ − 1/3)²` up to a quarter, about; that of degree n is some `(h − l)²/4n` below zero on
-/// the part from l to h around 1/3.
+/// Each halving reduces the lowest coefficient of `(τ − 1/3)²` to about a quarter.
+///
+/// On a part from l to h around 1/3, the lowest one of degree n is about `−(h − l)²/4n`.
 #[test]
 fn halves_have_closer_bounds() {
     let third = 1.0 / 3.0;
@@ -107,7 +108,7 @@ fn halves_have_closer_bounds() {
     }
 }
 
-/// Pairs have the coefficients of each polynomial, and the greatest value of a combination is that of its powers.
+/// Pairs have the coefficients of each polynomial. Their combinations have the greatest value of the combined powers.
 #[test]
 fn pairs_combine_as_their_polynomials_do() {
     let (p, q) = ([0.3, -1.0, 2.0, -0.5], [0.1, 4.0, -7.0, 3.0]);

@@ -67,7 +67,7 @@ fn sees_a_dip_between_positive_ends() {
     assert_eq!(first_fall(shallow(0.0), shallow(1.0), 1e-15, 1.0, shallow), None);
 }
 
-/// A function that leaves a double zero, with a start that round-off made negative, and returns later.
+/// A function that leaves a double zero and returns later. Round-off made its start negative.
 #[test]
 fn the_zero_at_which_it_starts_is_no_root() {
     let opening = |t: f64| Sample { value: t * t * (0.7 - t) - 1e-18, rate: 1.4 * t - 3.0 * t * t };
@@ -92,7 +92,7 @@ fn the_greatest_value_is_inside() {
     assert!((top - 1.0).abs() < 1e-15, "{top}");
 }
 
-/// A hump between ends at which the function rises, and one between ends at which it falls.
+/// A hump between two ends at which the function rises, or falls.
 #[test]
 fn sees_a_hump_where_the_curvature_turns() {
     for (sign, roots) in [(1.0, [0.1, 0.2, 1.0]), (-1.0, [0.05, 0.1, 1.2])] {
@@ -111,7 +111,7 @@ fn sees_a_hump_where_the_curvature_turns() {
     }
 }
 
-/// The end tangents of a parabola meet halfway, as far above its top as the top is above the ends.
+/// End tangents of a parabola meet twice as high above the chord as its top.
 #[test]
 fn the_bound_is_where_the_tangents_meet() {
     let hump = |t: f64| Sample { value: t * (4.0 - t), rate: 4.0 - 2.0 * t };
@@ -126,7 +126,7 @@ fn the_bound_is_where_the_tangents_meet() {
     }
 }
 
-/// One that is below zero from the beginning has fallen already, even if it rises again.
+/// A function below zero at the beginning has fallen already, even if it rises again.
 #[test]
 fn what_has_fallen_before_falls_at_once() {
     let rising = |t: f64| Sample { value: t - 0.1, rate: 1.0 };
@@ -134,7 +134,7 @@ fn what_has_fallen_before_falls_at_once() {
     assert!(may_fall(rising(0.0), Sample::default(), 1e-15, 1.0));
 }
 
-/// One that falls at both ends may be below zero in between, if its curvature turns.
+/// A function that falls at both ends may dip below zero if its curvature turns.
 #[test]
 fn sees_a_dip_between_falling_ends() {
     for gap in [0.05, 1e-3] {
@@ -162,7 +162,7 @@ fn no_cubic_dips_unseen() {
     }
 }
 
-/// A fall from zero counts even if the function soon comes back; not within round-off, and not from above zero.
+/// A fall from zero counts even if the function soon returns. Falls within round-off or from above zero do not.
 #[test]
 fn a_fall_from_zero_differs_from_a_rise() {
     let falls = |at: f64, rounding: f64| {
@@ -214,7 +214,7 @@ fn sees_a_dip_after_it_has_left_zero() {
     assert!((root - 0.43).abs() < 1e-13, "{root}");
 }
 
-/// The bottom of a dip is sought by its rate, however narrow it is; also after a function has left zero without a rate.
+/// The rate leads to the bottom of a dip, however narrow. So it does after a function has left zero without a rate.
 #[test]
 fn sees_a_narrow_dip() {
     for (power, at) in [(0, 0.43), (2, 0.43), (0, 0.9), (2, 0.9)] {

@@ -128,7 +128,7 @@ impl VectorWidth {
     }
 }
 
-/// Added to a whole number n, leaves the biased exponent of 2ⁿ in the lowest bits.
+/// Added to an integer n, leaves the biased exponent of 2ⁿ in the low bits.
 const TO_EXPONENT: f64 = 1.0 / f64::EPSILON + 1023.0;
 
 /// Number of bits of the mantissa, below the exponent.

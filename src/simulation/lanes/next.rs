@@ -11,18 +11,18 @@ use crate::system::swing::Swing;
 /// The next action of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// Nothing: it has come to the time that was asked for, or to its end.
+    /// Nothing: it has reached the requested time, or its end.
     Arrived,
-    /// A step that it takes alone.
+    /// A step alone.
     Alone,
-    /// A step that it may take together with others of the kind.
+    /// A step together with runs whose next step is of this kind.
     Together(BatchKind),
 }
 
 /// The way in which runs are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LaneMode {
-    /// By steps on supports, standing so.
+    /// By steps on supports in this stance.
     Steps(Stance),
     /// By swings about a corner of the rigid base.
     Swings,
@@ -40,7 +40,7 @@ pub enum BatchKind {
     },
     /// A swing about either corner of the rigid base.
     Swing {
-        /// Whether a pulse acts, or only what is linear in time.
+        /// Whether a pulse acts, or an excitation linear in time alone.
         is_wave: bool,
         /// Whether it probably ends with a landing, which takes several iterations.
         lands: bool,
@@ -135,7 +135,7 @@ pub(super) enum NextStep {
         /// Whether the smooth piece begins here.
         begins_piece: bool,
     },
-    /// None, but an impact. The block has turned about this pivot and come down on the other corner.
+    /// No step but an impact: the block has turned about this pivot and come down on the other corner.
     Landing(Corner),
 }
 

@@ -15,7 +15,7 @@ use crate::system::instant::State;
 use crate::system::swing::lanes::{LaneBounds, Swings};
 use crate::system::swing::{Pivoting, Swing};
 
-/// What a run on the rigid base needs for a swing in a lane.
+/// The quantities of a run on the rigid base for its swings in a lane.
 #[derive(Clone, Debug)]
 pub struct LaneSwing {
     /// The excitation of the present piece.
@@ -94,7 +94,7 @@ pub fn swing(width: VectorWidth, is_wave: bool, group: &[Box<Lane>]) -> SwingBat
 
 /// The swing of a group.
 struct GroupSwing<'g> {
-    /// Whether pulses act, or only what is linear in time.
+    /// Whether pulses act, or an excitation linear in time alone.
     is_wave: bool,
     /// The runs of the lanes; lanes beyond the group repeat its last run.
     runs: [&'g Lane; MAX_LANES],

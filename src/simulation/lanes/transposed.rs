@@ -10,7 +10,9 @@ use crate::simulation::state::RunState;
 use crate::system::events::EventFunction;
 use crate::system::instant::Footing;
 
-/// The numbers of a run that steps on supports read. They stand in fours, of which a few transpositions make vectors of several runs.
+/// The numbers of a run that steps on supports read.
+///
+/// In groups of four: a transposition of the same group of several runs gives four vectors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TransposedInputs {
     /// The body, and the displacement of its foot. Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²);
@@ -22,13 +24,13 @@ pub struct TransposedInputs {
     /// The support of the lifted corner. Depth (m), beginning (s) and rate (1/s) of its creep, its free height (m). Zeros stand for a creep
     /// that has ended.
     pub lifted: Four,
-    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
+    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1). The fourth number is unused.
     pub sums: Four,
     /// Peaks of θ (rad), N, H (N) and uplift (m).
     pub peaks: Four,
     /// The ground accelerations. Their reference time (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one (m/s²).
     pub ground: Four,
-    /// The rate of the latter (m/s³).
+    /// The rate of the vertical ground acceleration (m/s³).
     pub vertical_rate: f64,
     /// Beginning, end, size and greatest size (s) of the step that comes next.
     pub step: Four,

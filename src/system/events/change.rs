@@ -189,7 +189,7 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
 mod tests {
     use super::*;
 
-    /// Corners that only leave pass through at most three regimes; a repeated regime does not count.
+    /// Corners that only leave pass through at most three regimes. A repeated regime does not count.
     #[test]
     fn a_fourth_regime_in_one_instant_overflows() {
         let mut path = Path::default();

@@ -39,7 +39,7 @@ impl Case {
 }
 
 prop_compose! {
-    /// A block that tilts about a corner, under ground motion in both directions, a moment, and maybe a pulse.
+    /// A block tilting about a corner under ground motion, a moment, and perhaps a pulse.
     fn case()(
         (alpha, p, gamma, uneven) in (0.05..0.6_f64, 0.5..5.0_f64, 1.0..4.0_f64, -0.8..0.8_f64),
         (theta, theta_dot) in (prop_oneof![3 => 0.0..1.5_f64, 1 => Just(0.0)], prop_oneof![3 => -1.0..1.0_f64, 1 => Just(0.0)]),
@@ -73,8 +73,7 @@ prop_compose! {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
 
-    /// Rotation, its rate, the work of the excitation and the forces are those of Runge-Kutta steps, and reactions and rotations on
-    /// the way are within their bounds.
+    /// Rotation, rate, work of the excitation and forces agree with Runge–Kutta steps. Bounds hold on the way.
     #[test]
     fn a_swing_follows_the_equations_of_motion(case in case()) {
         const STEPS: u32 = 40;
@@ -104,7 +103,7 @@ proptest! {
         }
     }
 
-    /// θ first comes to zero at the landing, and with certain bounds there alone; a quarter turn is the first, too.
+    /// θ first comes to zero at the landing, and only there if bounds are certain. A quarter turn is the first, too.
     #[test]
     fn a_landing_is_the_first(case in case()) {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
@@ -152,7 +151,7 @@ proptest! {
     }
 }
 
-/// A tolerance that low orders meet takes few terms, and one that none meets shortens the swing.
+/// A loose tolerance takes few terms. One that no order meets shortens the swing.
 #[test]
 fn the_order_follows_the_tolerance() {
     let numbers = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::HOUSNER };
@@ -174,7 +173,7 @@ fn the_order_follows_the_tolerance() {
     assert!(kept == 0.95 * size && again < 1.05 * size, "{size} s, {kept} s and {again} s");
 }
 
-/// Bounds tell without a search whether a block that rocks freely lands, and whether it turns round.
+/// Bounds tell without a search whether a free swing lands, and whether it turns back.
 #[test]
 fn free_swings_are_certain() {
     let numbers = Dimensionless { alpha: 0.25, p: 1.0, supports: Supports::HOUSNER };

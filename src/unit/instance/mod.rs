@@ -206,6 +206,11 @@ impl Unit {
         self.phase = Phase::Terminated;
     }
 
+    /// Returns to the state after instantiation.
+    pub fn reset(&mut self) {
+        *self = Unit::new(self.interface);
+    }
+
     /// Advances by `step` (s) from `time` (s) and reports each event. `time` is the present one, up to a master's rounding.
     ///
     /// Allocates no memory unless it fails.

@@ -1,10 +1,11 @@
 //! The first instant of uneven and tied blocks.
 
-use rocking_block::block::restraints::{Tie, TieState};
-use rocking_block::block::{Block, Body, Common, Foundation, Regime};
+use rocking_block::block::restraints::tie::YieldDirection;
+use rocking_block::block::restraints::{LinkKind, Tie, TieState};
+use rocking_block::block::{Block, Body, Common, Corner, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
 
 use crate::blocks::{block, block_on};
 
@@ -80,6 +81,22 @@ fn an_uneven_block_begins_at_its_height() {
     }
 }
 
+/// A block in the air topples beyond the slenderness angle of the side to which it tilts, which differ if it is eccentric.
+#[test]
+fn an_uneven_block_topples_beyond_the_angle_of_its_side() {
+    for eccentricity in [-0.2, 0.2] {
+        let block = block([0.3, 1.5, 20.0, 0.2], &Common { eccentricity, ..Common::default() });
+        let angles = Corner::BOTH.map(|corner| block.alpha_of(corner));
+        let between = 0.5 * (angles[0] + angles[1]);
+        for (corner, side) in [(Corner::Left, -1.0), (Corner::Right, 1.0)] {
+            let initial = Initial { theta: side * between, theta_dot: side * 0.1, vertical: Some((block.h, 0.0)) };
+            let run = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &Inputs::default());
+            let expected = if block.alpha_of(corner) < between { Ending::Toppled } else { Ending::Separated };
+            assert_eq!(run.ending(), Some((expected, 0.0)), "{eccentricity} m, {corner:?}, {angles:?} rad");
+        }
+    }
+}
+
 /// A stretched tie begins taut; limp if its dashpot would push; broken if its tension would exceed its strength.
 #[test]
 fn ties_begin_taut_limp_or_broken() {
@@ -130,6 +147,60 @@ fn ties_begin_taut_limp_or_broken() {
             found.push(expected.0);
         }
         assert_eq!(found, [Taut, Taut, Taut, Limp, Broken, Taut, Limp, Slack]);
+    }
+}
+
+/// A link beyond its yield force begins on the line `r k s ± (1 − r) F_y`, and breaks only if this exceeds its strength.
+#[test]
+fn links_beyond_their_yield_force_begin_to_yield() {
+    use LinkKind::{Damper, Tie as Cable};
+    use TieState::{Broken, Slack, Taut, Yields};
+    use YieldDirection::{Longer, Shorter};
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
+        let Body { b, h, mass, gravity, .. } = plain.body;
+        let (weight, hardening) = (mass * gravity, 0.25);
+        // Forces over the elastic one.
+        for (kind, side, yields_at, breaks_at, expected) in [
+            (Cable, 1.0, 0.0, 0.0, Taut),
+            (Cable, 1.0, 1.1, 0.0, Taut),
+            (Cable, 1.0, 0.4, 0.0, Yields(Longer)),
+            (Cable, 1.0, 0.4, 0.6, Yields(Longer)),
+            (Cable, 1.0, 0.4, 0.5, Broken),
+            (Cable, -1.0, 0.4, 0.5, Slack),
+            (Damper, 1.0, 0.4, 0.0, Yields(Longer)),
+            (Damper, -1.0, 1.1, 0.0, Taut),
+            (Damper, -1.0, 0.4, 0.6, Yields(Shorter)),
+            (Damper, -1.0, 0.4, 0.5, Broken),
+        ] {
+            let bare =
+                Tie { block: [0.0, h], ground: [-side * 5.0 * b, h], stiffness: 0.5 * weight, kind, ..Tie::default() };
+            let initial = Initial { theta: 0.1, ..Initial::default() };
+            let begin = |tie| first_instant(plain.with_ties(&[tie]).unwrap(), initial);
+            // The stretch does not depend on the law of the spring, except for the height of a settled block.
+            let at = |tie: Tie| {
+                let (run, seen) = begin(tie);
+                (run.restraints().ties[0], seen.restraints[0], run.plastic_elongations()[0])
+            };
+            let s = at(bare).1.elongation;
+            assert!(s * side > 0.05 * b, "{s} m");
+            let elastic = bare.stiffness * s.abs();
+            let tie = Tie { yield_force: yields_at * elastic, strength: breaks_at * elastic, hardening, ..bare };
+            let (state, shown, plastic) = at(tie);
+            let case = format!("{foundation:?}, {tie:?}: {shown:?}");
+            assert_eq!(state, expected, "{case}");
+            let s = shown.elongation;
+            let (pull, lasting) = match state {
+                Slack | Broken => (0.0, 0.0),
+                Taut => (tie.stiffness * s, 0.0),
+                _ => {
+                    let pull = hardening * tie.stiffness * s + side * (1.0 - hardening) * tie.yield_force;
+                    (pull, s - pull / tie.stiffness)
+                }
+            };
+            assert!((shown.pull - pull).abs() < 1e-12 * weight, "{case}, expected {pull} N");
+            assert!((plastic - lasting).abs() < 1e-12 * b && shown.plastic == plastic, "{case}, expected {lasting} m");
+        }
     }
 }
 

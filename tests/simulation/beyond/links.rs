@@ -112,6 +112,70 @@ fn a_prescribed_motion_follows_pragers_loop() {
     }
 }
 
+/// The peak of a damper is the greatest force on the way in either sense, also inside a step. Dampers above the corners are pressed.
+#[test]
+fn the_peak_of_a_damper_counts_its_pushes() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = plain(foundation);
+        let above = [-1.0, 1.0].map(|side| {
+            let below = damper(&plain, side, [1.0, 0.0, 0.0]);
+            Tie { ground: [side * plain.b, 3.0 * plain.b], ..below }
+        });
+        let block = plain.with_ties(&above).unwrap();
+        let (once, _) = run(block, 2.5, 6.0);
+        let (mut fine, _) = run(block, 2.5, 0.0);
+        let (inputs, mut pushes, mut pulls) = (Inputs::default(), [0.0_f64; 2], [0.0_f64; 2]);
+        for millisecond in 1..=6000 {
+            fine.advance(1e-3 * f64::from(millisecond), &inputs, &mut |_| ()).unwrap();
+            for (i, of) in fine.observe(&inputs).restraints[..2].iter().enumerate() {
+                (pushes[i], pulls[i]) = (pushes[i].max(-of.pull), pulls[i].max(of.pull));
+            }
+        }
+        for i in 0..2 {
+            let found = once.peaks().pull[i];
+            assert!(pushes[i] > 1.5 * pulls[i], "{foundation:?}: {pushes:?} N pushed, {pulls:?} N pulled");
+            assert!((found / pushes[i] - 1.0).abs() < 1e-4, "{foundation:?}: {found} N, not {} N", pushes[i]);
+        }
+    }
+}
+
+/// Elastic links lose nothing but their springs' energy `S²/2k` as they break at their strength S.
+#[test]
+fn links_that_break_lose_the_energy_of_their_springs() {
+    for (foundation, kind) in [Foundation::Viscoelastic, Foundation::Rigid]
+        .into_iter()
+        .flat_map(|foundation| LinkKind::ALL.map(|kind| (foundation, kind)))
+    {
+        let plain = plain(foundation);
+        let weight = plain.mass * plain.gravity;
+        let links =
+            [-1.0, 1.0].map(|side| Tie { strength: 0.1 * weight, kind, ..damper(&plain, side, [1.0, 0.0, 0.0]) });
+        let (run, events) = run(plain.with_ties(&links).unwrap(), 2.5, 6.0);
+        let broken = events.iter().filter(|event| matches!(of_link(event), Some((_, tie::TieEvent::Break)))).count();
+        assert!(broken > 0, "{events:?}");
+        let (energies, [link, _]) = (run.energies(), links);
+        let exact = broken as f64 * link.strength * link.strength / (2.0 * link.stiffness);
+        let restraints::RestraintEnergies { ties, dampers } = energies.restraints;
+        let [lost, none] = if kind == LinkKind::Tie { [ties, dampers] } else { [dampers, ties] };
+        assert!((lost / exact - 1.0).abs() < 1e-9, "{foundation:?} {kind:?}: {lost} J, not {exact} J");
+        assert!(none == 0.0 && energies.residual.abs() < 1e-8 * weight * plain.r0, "{energies:?}");
+    }
+}
+
+/// Without dashpots, the energy that dampers take is the plastic work: their yield force times the path of the plastic elongation.
+#[test]
+fn dampers_without_dashpots_take_the_plastic_work() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = plain(foundation);
+        let links = [-1.0, 1.0].map(|side| damper(&plain, side, [3.0, 0.05, 0.1]));
+        let (run, _) = run(plain.with_ties(&links).unwrap(), 2.5, 6.0);
+        let (taken, works) = (run.energies().restraints.dampers, [0, 1].map(|number| run.plastic_work(number)));
+        let sum: f64 = works.iter().sum();
+        assert!(works.iter().all(|work| *work > 0.1 * sum), "{foundation:?}: {works:?} J");
+        assert!((taken / sum - 1.0).abs() < 1e-8, "{foundation:?}: {taken} J taken, {works:?} J of plastic work");
+    }
+}
+
 /// Dampers of equal sides under a block that only bounces yield in the same instants.
 #[test]
 fn two_dampers_yield_in_one_instant() {

@@ -1,7 +1,7 @@
 //! Ties: an elastic tendon through the middle of a rigid base, and ties that break simultaneously.
 
 use rocking_block::block::restraints::{LinkKind, RestraintEvent, Tie, TieState, tie::TieEvent};
-use rocking_block::block::{Block, Body, Common, Corner, Foundation};
+use rocking_block::block::{Block, Body, Common, Corner, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
@@ -265,6 +265,24 @@ fn a_tied_flight_is_harmonic() {
         let found = [seen.u, seen.v, seen.theta];
         assert!(found.iter().zip(exact).all(|(found, exact)| (found - exact).abs() < 1e-9), "{found:?}, not {exact:?}");
     }
+}
+
+/// The slip of a flight counts when the foot lands, not at an event on the way, such as a tie that becomes taut.
+#[test]
+fn a_tie_that_is_taut_in_flight_moves_no_foot() {
+    let plain = block([0.2, 1.5, 60.0, 0.1], &Common::default());
+    let Body { mass, gravity, h, .. } = plain.body;
+    let tie = Tie { block: [0.0, h], ground: [0.0, -h], stiffness: mass * gravity, slack: 1.0, ..Tie::default() };
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let initial = Initial { theta: 0.1, theta_dot: -2.0, vertical: Some((0.9, 2.0)) };
+    let block = plain.with_ties(&[tie]).unwrap();
+    let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+    let mut events = 0;
+    simulation.advance(0.2, &Inputs::default(), &mut |_| events += 1).unwrap();
+    let seen = simulation.observe(&Inputs::default());
+    assert_eq!((events, seen.regime), (1, Regime::Separated), "{seen:?}");
+    assert!((seen.u - h * libm::sin(seen.theta)).abs() > 1e-3 * h, "the base has not moved: {seen:?}");
+    assert_eq!(simulation.slip().now, 0.0);
 }
 
 /// A block that is held down at rest sinks as far as its supports yield to weight and pretension, and stays.

@@ -62,8 +62,10 @@ pub fn check(folder: &Path, out: &Path) -> Result<Vec<CompileError>, String> {
     }
 }
 
-/// Compiles the copy with these tests: `lib`, programs such as `system`, or modules such as `simulation::physics`. Modules in
-/// `skip` run only if named themselves. FMUs are packed if the tests include `abi` or `fmi3`, which load them.
+/// Compiles the copy with these tests: `lib`, programs such as `system`, or modules such as `simulation::beyond`.
+///
+/// Each module inside one counts as a program, so that quick ones run first. Modules in `skip` run only if named themselves. FMUs are
+/// packed if the tests include `abi` or `fmi3`, which load them.
 pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Result<Vec<Program>, String> {
     let wanted: BTreeSet<&str> = tests.iter().map(|test| test.split("::").next().unwrap_or(test)).collect();
     let fmus = wanted.contains("abi") || wanted.contains("fmi3");
@@ -90,7 +92,8 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
         for module in modules(&name, path)? {
             let full = module.as_ref().map_or(name.clone(), |module| format!("{name}::{module}"));
             let skipped = module.as_ref().is_some_and(|module| skip.contains(module));
-            if tests.contains(&full) || tests.contains(&name) && !skipped {
+            let is_in = |test: &String| full == *test || full.starts_with(&format!("{test}::"));
+            if tests.iter().any(|test| is_in(test) && (*test != name || !skipped)) {
                 let filter = module.map(|module| format!("{module}::"));
                 programs.push(Program { name: full, path: path.into(), filter, folder: folder.into(), timeout: None });
             }
@@ -104,7 +107,7 @@ fn modules(name: &str, path: &str) -> Result<BTreeSet<Option<String>>, String> {
     let listed = Command::new(path).args(["--list", "--format=terse"]).output().map_err(|e| format!("{path}: {e}"))?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
     let modules: Option<BTreeSet<_>> =
-        listed.lines().map(|line| line.split_once("::").map(|(module, _)| Some(module.to_string()))).collect();
+        listed.lines().map(|line| line.rsplit_once("::").map(|(module, _)| Some(module.to_string()))).collect();
     Ok(modules.filter(|modules| name != "lib" || modules.is_empty()).unwrap_or_else(|| BTreeSet::from([None])))
 }
 

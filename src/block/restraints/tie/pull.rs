@@ -132,7 +132,7 @@ pub fn dissipates(states: &TieStates) -> bool {
     any(states, |state| acts(state) || state == TieState::Limp)
 }
 
-/// Whether any of the states is so. Written out, since the compiler evaluates it for constant states, unlike a loop.
+/// Whether any of the states is one of these. Without a loop the compiler evaluates it for constant states.
 #[inline(always)]
 fn any(&[a, b, c, d, e, f, g, h]: &TieStates, is: impl Fn(TieState) -> bool) -> bool {
     is(a) | is(b) | is(c) | is(d) | is(e) | is(f) | is(g) | is(h)

@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Body, Foundation, RECOVERED, Regime, Restraints};
+use crate::block::{Body, Corner, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, DenseStep};
@@ -17,7 +17,7 @@ use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, Stance};
 use crate::simulation::peaks::Channels;
 use crate::system::evaluation::{self, Evaluation, ForcingAt};
-use crate::system::events::{EventFunction, ROUNDING, landing, lift_off, quarter_turn, watched};
+use crate::system::events::{ROUNDING, landing, lift_off, quarter_turn};
 use crate::system::instant::Footing;
 use crate::system::motion_mode::{Gripping, MotionMode};
 
@@ -168,67 +168,44 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
     }
 
-    /// An event function of [`watched`] at an instant.
-    #[inline(always)]
-    fn sample(&self, function: EventFunction, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
-        let x = &now.instant;
-        match function {
-            EventFunction::Reaction(corner) => lift_off::on_support(now.body, x, corner),
-            EventFunction::Gap(corner) => landing::gap(x, now.support_heights, corner),
-            EventFunction::QuarterTurn => quarter_turn::remaining_angle([x.theta, x.theta_dot]),
-            EventFunction::Held(_)
-            | EventFunction::Unloaded(_)
-            | EventFunction::Slide
-            | EventFunction::Friction(_)
-            | EventFunction::Speed
-            | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => {
-                unreachable!("a block that is held, slides, or has friction or restraints is not stepped in a lane")
-            }
-        }
-    }
-
-    /// The lanes in which an event function may fall through zero between two instants.
-    #[inline(always)]
-    fn may_hold_event(
-        &self,
-        here: &Evaluation<Wide<V>>,
-        there: &Evaluation<Wide<V>>,
-        duration: Wide<V>,
-        rounding: &Rounding<V>,
-    ) -> u32 {
-        // No loop: numbers that are found by an index stay in memory.
-        let [first, second, third, fourth] = watched(self.mode);
-        self.may_fall(first, here, there, duration, rounding)
-            | self.may_fall(second, here, there, duration, rounding)
-            | self.may_fall(third, here, there, duration, rounding)
-            | self.may_fall(fourth, here, there, duration, rounding)
-    }
-
+    /// The lanes in which the functions of L, R and the quarter turn may fall through zero between two instants.
+    ///
+    /// These are the functions of [`watched`](crate::system::events::watched) under the modes of lanes.
     #[inline(always)]
     fn may_fall(
         &self,
-        function: Option<EventFunction>,
+        here: &Evaluation<Wide<V>>,
+        there: &Evaluation<Wide<V>>,
+        duration: Wide<V>,
+        rounding: &Rounding<V>,
+    ) -> [u32; 3] {
+        let remaining =
+            |at: &Evaluation<Wide<V>>| quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]);
+        let turn = Ends { start: remaining(here), end: remaining(there), duration };
+        [
+            self.corner_may_change(Corner::Left, here, there, duration, rounding),
+            self.corner_may_change(Corner::Right, here, there, duration, rounding),
+            turn.may_fall(rounding.quarter_turn),
+        ]
+    }
+
+    /// The lanes in which a corner may leave its support or come down on it between two instants.
+    #[inline(always)]
+    fn corner_may_change(
+        &self,
+        corner: Corner,
         here: &Evaluation<Wide<V>>,
         there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         rounding: &Rounding<V>,
     ) -> u32 {
-        let Some(function) = function else { return 0 };
-        let rounding = match function {
-            EventFunction::Gap(_) => rounding.gap,
-            EventFunction::QuarterTurn => rounding.quarter_turn,
-            EventFunction::Reaction(_)
-            | EventFunction::Held(_)
-            | EventFunction::Unloaded(_)
-            | EventFunction::Slide
-            | EventFunction::Friction(_)
-            | EventFunction::Speed
-            | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => rounding.reaction,
-        };
-        let (start, end) = (self.sample(function, here), self.sample(function, there));
-        Ends { start, end, duration }.may_fall(rounding)
+        if self.mode.regime().touches(corner) {
+            let reaction = |at: &Evaluation<Wide<V>>| lift_off::on_support(at.body, &at.instant, corner);
+            Ends { start: reaction(here), end: reaction(there), duration }.may_fall(rounding.reaction)
+        } else {
+            let gap = |at: &Evaluation<Wide<V>>| landing::gap(&at.instant, at.support_heights, corner);
+            Ends { start: gap(here), end: gap(there), duration }.may_fall(rounding.gap)
+        }
     }
 
     /// The lanes in which a block rests under ground that does not change, see [`Evaluation::rests`].
@@ -455,7 +432,8 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
             moves = moves.and(finite);
         }
         let rests = motion.rests(&here, &rounding);
-        let events = motion.may_hold_event(&here, &there, duration, &rounding);
+        let [left, right, turn] = motion.may_fall(&here, &there, duration, &rounding);
+        let events = left | right | turn;
         let usual = error_is_fine & moves.bits() & !rests;
 
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::block::{Block, Common, Dimensionless, Ratios, Supports};
-use crate::block::{Contact, Contacts, Corner, Creep};
+use crate::block::{Contact, Contacts, Creep};
 use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
@@ -13,6 +13,7 @@ use crate::simulation::peaks::Peaks;
 use crate::simulation::step_interior::may_hold_event;
 use crate::simulation::{Initial, Settings, Simulation};
 use crate::system::evaluation::Motion;
+use crate::system::events::{EventFunction, watched};
 use crate::system::instant;
 
 /// What a lane finds at both ends of a step.
@@ -68,12 +69,11 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
-        let events = motion.may_hold_event(&here, &there, duration, &rounding);
-        let may_fall = surfaces(task.mode).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
+        let may_fall = motion.may_fall(&here, &there, duration, &rounding);
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let peaks = peaks.map(Wide::store);
         let found = |i: usize| Found {
-            may_hold_event: events >> i & 1 == 1,
+            may_hold_event: may_fall.iter().any(|falls| falls >> i & 1 == 1),
             may_fall: may_fall.map(|falls| falls >> i & 1 == 1),
             rests: rests >> i & 1 == 1,
             may_rise_inside: inside >> i & 1 == 1,
@@ -84,8 +84,8 @@ impl<L: MotionMode> Task for Look<'_, L> {
 }
 
 fn surfaces(mode: impl MotionMode) -> [EventFunction; 3] {
-    let [left, right, quarter_turn, _] = watched(mode);
-    [left, right, quarter_turn].map(|function| function.expect("watched in each of these regimes"))
+    let [Some(left), Some(right), Some(quarter_turn), None] = watched(mode) else { panic!("{:?}", watched(mode)) };
+    [left, right, quarter_turn]
 }
 
 impl Case {
