@@ -219,14 +219,17 @@ impl<T> Files<'_, '_, T> {
         Ok(lists)
     }
 
-    /// The files named by a key: none, one, or all matches of a pattern, sorted.
+    /// The files named by a key: none, one, or all matches of a pattern, sorted. A URL of this machine is a path.
     fn files(&self, key: &str, name: Option<&str>) -> Result<Vec<String>, StudyFileError> {
         let Some(name) = name else { return Ok(Vec::new()) };
-        if !name.contains(['*', '?', '[']) || self.folder.join(name).exists() {
-            return Ok(vec![name.to_string()]);
+        let path = rocking_records::local_path(Path::new(name));
+        let path = path.map_err(|error| self.refused(key, format!("{name}: {error}")))?;
+        let name = path.to_string_lossy().into_owned();
+        if !name.contains(['*', '?', '[']) || self.folder.join(&name).exists() {
+            return Ok(vec![name]);
         }
         // Only `name` is a pattern; the folder may contain its special characters.
-        let pattern = Path::new(&glob::Pattern::escape(&self.folder.to_string_lossy())).join(name);
+        let pattern = Path::new(&glob::Pattern::escape(&self.folder.to_string_lossy())).join(&name);
         let matches = glob::glob(&pattern.to_string_lossy())
             .map_err(|error| self.wrong(key, &format!("a pattern; {}", error.msg)))?;
         let mut found = Vec::new();

@@ -67,6 +67,19 @@ fn sweep(folder: &Path) -> Table {
     Table::read(&folder.join("out.csv"))
 }
 
+/// The numbers are those of the path.
+#[test]
+fn a_record_may_be_a_url_of_this_machine() {
+    let records = folder(GRID);
+    let by_path = sweep(records.path());
+    let url = format!("file://{}", records.path().join("h.csv").display());
+    let by_url = folder(&GRID.replace("h.csv", &url));
+    let study = by_url.path().join("study.toml");
+    stdout(by_url.path(), &["sweep", study.to_str().unwrap(), "--csv", "out.csv"]);
+    let by_url = Table::read(&by_url.path().join("out.csv"));
+    assert_eq!(by_url.column("peak.theta/alpha"), by_path.column("peak.theta/alpha"));
+}
+
 #[test]
 fn one_thread_and_two_give_the_same_bytes_and_so_does_an_interrupted_sweep() {
     for study in [GRID, SAMPLES] {
@@ -126,7 +139,7 @@ fn a_grid_holds_the_single_runs() {
                 assert_eq!(end_time, time);
             }
         }
-        assert_eq!(table.number(row, "peak.theta/alpha [1]"), history.peaks.theta / 0.3);
+        assert_eq!(table.number(row, "peak.theta/alpha"), history.peaks.theta / 0.3);
         assert_eq!(table.number(row, "peak.uplift [m]"), history.peaks.uplift);
         assert_eq!(table.number(row, "peak.N [N]"), history.peaks.reaction);
         assert_eq!(table.number(row, "peak.H [N]"), history.peaks.horizontal);
@@ -214,7 +227,7 @@ fn failed_runs_are_reported_and_the_others_computed() {
         let failed = row % 2 == 1;
         assert_eq!(table.get(row, "outcome") == "failed", failed);
         // Peaks until the failure.
-        assert!(table.number(row, "peak.theta/alpha [1]") >= 0.0 && table.number(row, "end_time [s]") >= 0.0);
+        assert!(table.number(row, "peak.theta/alpha") >= 0.0 && table.number(row, "end_time [s]") >= 0.0);
     }
     // A resumed study still reports them.
     let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
@@ -244,7 +257,7 @@ fn blocks_fly_unless_the_study_says_otherwise() {
         let folder = folder(&format!("{study}{more}"));
         stdout(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
         let table = Table::read(&folder.path().join("out.csv"));
-        let columns = ["outcome", "end_time [s]", "peak.theta/alpha [1]", "flights [1]", "events.impacts [1]"];
+        let columns = ["outcome", "end_time [s]", "peak.theta/alpha", "flights [1]", "events.impacts [1]"];
         (0..2).map(|row| columns.map(|column| table.get(row, column).to_string())).collect::<Vec<_>>()
     });
     assert_eq!(silent, flying);
@@ -310,6 +323,7 @@ fn wrong_keys_and_values_are_refused_with_their_line() {
         ),
         ("horizontal = \"h.csv\"", "horizontal = \"none.csv\"", "study.toml:14:", "none.csv"),
         ("horizontal = \"h.csv\"", "file = \"h.csv\"", "study.toml:14:", "there is no file in [[records]]"),
+        ("\"h.csv\"", "\"file://there/h.csv\"", "study.toml:14:", "file://there/h.csv: a URL of another machine"),
         ("unit = \"m/s2\"", "unit = \"furlong\"", "study.toml:15:", "furlong"),
         ("dt = 0.02", "dt = 0", "study.toml:16:", "dt = 0"),
         ("[study]", "[study", "study.toml:2:", "invalid TOML"),
