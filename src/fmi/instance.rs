@@ -4,7 +4,7 @@ use std::ffi::CString;
 use std::mem::MaybeUninit;
 
 use crate::fmi::log::{Category, Log};
-use crate::fmi::{Call, Status, Version};
+use crate::fmi::{Status, Version, calls};
 use crate::unit::fault::Fault;
 use crate::unit::instance::exchange::{AfterEvent, counted};
 use crate::unit::instance::{Interface, Unit};
@@ -38,7 +38,7 @@ impl<V: Version> Instance<V> {
     /// # Errors
     /// The call is illegal in this state; the error names the states in which it is legal.
     pub fn admit(&self, call: V::Call) -> Result<(), Fault> {
-        call.admitted_in(self.unit.phase(), self.unit.interface()).map_err(Fault)
+        calls::admit::<V>(call, self.unit.phase(), self.unit.interface()).map_err(Fault)
     }
 
     /// Whether a panic was caught in an earlier call.
@@ -265,7 +265,7 @@ impl<V: Version> Instance<V> {
             return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
         }
         let phase = saved.phase();
-        if !V::Call::lead_to(phase, expected) {
+        if V::reached(expected) & phase.bit() == 0 {
             return Err(Fault::new(format!(
                 "the state was saved in {phase:?}; expected one to which calls of this version of FMI lead in {expected:?}"
             )));

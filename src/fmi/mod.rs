@@ -4,12 +4,14 @@
 
 pub mod arrays;
 pub mod boundary;
+pub mod calls;
 pub mod fmi2;
 pub mod fmi3;
 pub mod instance;
 pub mod log;
 mod status;
 
+use crate::fmi::calls::Call;
 use crate::fmi::log::Messenger;
 use crate::unit::instance::Interface;
 use crate::unit::life_cycle::Phase;
@@ -25,19 +27,13 @@ pub trait Version {
     type Call: Call;
     /// The importer's logger.
     type Messenger: Messenger;
-}
 
-/// A function of the interface that acts on an instance.
-pub trait Call: Copy {
-    /// Returns its name in the standard.
-    fn name(self) -> &'static str;
+    /// Returns the states that instances of this interface type reach, as bits of [`Phase`].
+    fn reached(interface: Interface) -> u16;
 
-    /// Refuses a call that is illegal in this state.
-    ///
-    /// # Errors
-    /// The states in which the call is legal.
-    fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String>;
+    /// Returns the standard's name of a state.
+    fn state(phase: Phase) -> &'static str;
 
-    /// Whether an instance of this interface type can reach this state.
-    fn lead_to(phase: Phase, interface: Interface) -> bool;
+    /// Returns the reason why a function is never legal.
+    fn missing(call: Self::Call) -> &'static str;
 }

@@ -30,8 +30,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::fmi::arrays::{OutputArray, single_output};
+use crate::fmi::calls::Call;
 use crate::fmi::instance::{Answer, Instance};
-use crate::fmi::{Call, Status, Version};
+use crate::fmi::{Status, Version};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 

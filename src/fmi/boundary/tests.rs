@@ -19,6 +19,18 @@ struct Panicking;
 impl Version for Any {
     type Call = Function;
     type Messenger = Panicking;
+
+    fn reached(_: Interface) -> u16 {
+        u16::MAX
+    }
+
+    fn state(_: Phase) -> &'static str {
+        "state"
+    }
+
+    fn missing(_: Function) -> &'static str {
+        "missing"
+    }
 }
 
 impl Call for Function {
@@ -26,12 +38,12 @@ impl Call for Function {
         "function"
     }
 
-    fn admitted_in(self, _: Phase, _: Interface) -> Result<(), String> {
-        Ok(())
+    fn phases(self) -> u16 {
+        u16::MAX
     }
 
-    fn lead_to(_: Phase, _: Interface) -> bool {
-        true
+    fn interface(self) -> Option<Interface> {
+        None
     }
 }
 

@@ -1,8 +1,6 @@
 //! An instance of FMI 2.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
-use crate::fmi::fmi2::callbacks::Messenger;
-use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::types::{Status, StatusKind};
 use crate::fmi::log::Category;
 use crate::simulation::Progress;
@@ -14,11 +12,6 @@ pub use crate::fmi::instance::{Answer, always, write};
 /// FMI 2.0, which adds no fields to an instance.
 #[derive(Debug)]
 pub struct Fmi2;
-
-impl fmi::Version for Fmi2 {
-    type Call = Call;
-    type Messenger = Messenger;
-}
 
 /// An instance of FMI 2.0.
 pub type Instance = fmi::instance::Instance<Fmi2>;

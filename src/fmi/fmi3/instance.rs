@@ -1,8 +1,7 @@
 //! An instance of FMI 3.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
-use crate::fmi::fmi3::callbacks::{Messenger, Updater};
-use crate::fmi::fmi3::calls::Call;
+use crate::fmi::fmi3::callbacks::Updater;
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
 use crate::unit::fault::Fault;
@@ -25,11 +24,6 @@ pub struct Fmi3 {
     required: Vec<u32>,
     /// Whether inputs are among them.
     pub sets_inputs: bool,
-}
-
-impl fmi::Version for Fmi3 {
-    type Call = Call;
-    type Messenger = Messenger;
 }
 
 /// An instance of FMI 3.0.
