@@ -96,6 +96,10 @@ fn a_corner_that_would_be_pressed_back_is_held() {
         assert!(creeps.abs() < 1e-12, "L is faster than its support by {creeps} m/s");
     }
     assert!(reaction_and_opening(&simulation, &inputs, &pulse).0 > 0.1);
+    // The balance closes by the energy of the changing constraint, which is the only one lost or gained: nothing landed.
+    let energies = simulation.energies();
+    assert!((energies.impacts + energies.constraint).abs() < 1e-9 * energies.constraint.abs(), "{energies:?}");
+    assert!(energies.residual.abs() < 1e-10 * energies.input.abs(), "{energies:?}");
 }
 
 /// Under a slightly stronger push the gap opens, and L lifts when its reaction falls to zero.
