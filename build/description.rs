@@ -38,9 +38,10 @@ pub struct Variable {
 }
 
 /// The kinds of variables in the code, with the first words of their documentation.
-const ROLES: [(&str, &str); 5] = [
+const ROLES: [(&str, &str); 6] = [
     ("Input", "An input"),
-    ("Parameter", "A parameter with a number"),
+    ("Parameter", "A parameter with a number, of anything but a tie or damper,"),
+    ("Link", "A parameter of a tie or damper"),
     ("Text", "A parameter with a text"),
     ("Derived", "A calculated parameter"),
     ("Output", "An output"),
@@ -360,6 +361,7 @@ fn role(variable: &Variable) -> &'static str {
     match (variable.causality, variable.kind) {
         ("Input", _) => "Input",
         ("Parameter", "String") => "Text",
+        ("Parameter", _) if ["tie_", "damper_"].iter().any(|link| variable.name.starts_with(link)) => "Link",
         ("Parameter", _) => "Parameter",
         ("CalculatedParameter", _) => "Derived",
         _ => "Output",

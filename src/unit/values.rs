@@ -12,7 +12,7 @@ use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::links::LINKS;
-use crate::unit::variables::{Choice, Parameter, Text, VARIABLES, Variable, choices};
+use crate::unit::variables::{Choice, Parameter, Role, Text, VARIABLES, Variable, choices};
 
 /// Values of all parameters that the importer sets.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -240,7 +240,6 @@ impl Values {
     }
 
     /// Returns the missing setting that a parameter needs to be read, if any.
-    #[expect(clippy::too_many_lines, reason = "a table with a line for each parameter")]
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
         match parameter {
@@ -278,42 +277,6 @@ impl Values {
                 self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
             }
             Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
-            Parameter::Tie1BlockX
-            | Parameter::Tie1BlockZ
-            | Parameter::Tie1GroundX
-            | Parameter::Tie1GroundZ
-            | Parameter::Tie1Pretension
-            | Parameter::Tie1Slack
-            | Parameter::Tie1Damping
-            | Parameter::Tie1Strength
-            | Parameter::Tie1YieldForce => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
-            Parameter::Tie2BlockX
-            | Parameter::Tie2BlockZ
-            | Parameter::Tie2GroundX
-            | Parameter::Tie2GroundZ
-            | Parameter::Tie2Pretension
-            | Parameter::Tie2Slack
-            | Parameter::Tie2Damping
-            | Parameter::Tie2Strength
-            | Parameter::Tie2YieldForce => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
-            Parameter::Damper1BlockX
-            | Parameter::Damper1BlockZ
-            | Parameter::Damper1GroundX
-            | Parameter::Damper1GroundZ
-            | Parameter::Damper1Damping
-            | Parameter::Damper1Strength
-            | Parameter::Damper1YieldForce => (self[Variable::Damper1Stiffness] == 0.0).then_some("damper_1.stiffness"),
-            Parameter::Damper2BlockX
-            | Parameter::Damper2BlockZ
-            | Parameter::Damper2GroundX
-            | Parameter::Damper2GroundZ
-            | Parameter::Damper2Damping
-            | Parameter::Damper2Strength
-            | Parameter::Damper2YieldForce => (self[Variable::Damper2Stiffness] == 0.0).then_some("damper_2.stiffness"),
-            Parameter::Tie1Hardening => (self[Variable::Tie1YieldForce] == 0.0).then_some("tie_1.yield_force"),
-            Parameter::Tie2Hardening => (self[Variable::Tie2YieldForce] == 0.0).then_some("tie_2.yield_force"),
-            Parameter::Damper1Hardening => (self[Variable::Damper1YieldForce] == 0.0).then_some("damper_1.yield_force"),
-            Parameter::Damper2Hardening => (self[Variable::Damper2YieldForce] == 0.0).then_some("damper_2.yield_force"),
             Parameter::PhysicalWidth
             | Parameter::PhysicalCenterHeight
             | Parameter::PhysicalInertia
@@ -326,10 +289,6 @@ impl Values {
             | Parameter::G
             | Parameter::Friction
             | Parameter::Foundation
-            | Parameter::Tie1Stiffness
-            | Parameter::Tie2Stiffness
-            | Parameter::Damper1Stiffness
-            | Parameter::Damper2Stiffness
             | Parameter::OnSeparation
             | Parameter::OnOverturning
             | Parameter::InitialTheta
@@ -339,10 +298,27 @@ impl Values {
         }
     }
 
+    /// Returns the missing setting that a parameter of a tie or damper needs to be read, if any.
+    fn link_lacks(&self, parameter: Variable) -> Option<&'static str> {
+        let parameter = Some(parameter);
+        let is_of = |mut link: Tie<_>| link.numbers().iter().any(|number| **number == parameter);
+        let (_, link) = LINKS.iter().find(|(_, link)| is_of(*link))?;
+        let needed = if parameter == link.hardening { link.yield_force } else { link.stiffness };
+        let missing = needed.filter(|&setting| needed != parameter && self[setting] == 0.0)?;
+        Some(missing.name())
+    }
+
     /// Returns the parameters that were set but are not read. Each has the setting that it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
-        let numbers = self.changed(Parameter::ALL.into_iter().filter_map(lacking).collect());
+        let lacking = VARIABLES.iter().filter_map(|metadata| {
+            let needed = match metadata.role {
+                Role::Parameter(parameter) => self.lacks(parameter)?,
+                Role::Link(link) => self.link_lacks(link.variable())?,
+                Role::Input(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => return None,
+            };
+            Some((metadata.variable, needed))
+        });
+        let numbers = self.changed(lacking.collect());
         numbers.chain(Text::ALL.into_iter().filter(|&text| !self[text].is_empty()).filter_map(|text| {
             let needed = self.text_lacks(text)?;
             Some((text.variable().name(), needed))

@@ -79,6 +79,8 @@ pub enum Role {
     Input(Input),
     /// A number, set by the importer before initialization ends.
     Parameter(Parameter),
+    /// A number of a tie or damper, set by the importer before initialization ends.
+    Link(Link),
     /// A text, set by the importer before initialization ends.
     Text(Text),
     /// Calculated from parameters.

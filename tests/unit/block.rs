@@ -94,6 +94,8 @@ fn parameters_without_effect_are_named_with_their_condition() {
     assert_eq!(with(&[("gamma", 2.0)]), [("gamma", "physical.inertia = 0")]);
     assert_eq!(with(&[("physical.height", 2.8)]), [("physical.height", "physical.center_height = 0")]);
     assert_eq!(with(&[("tie_2.ground_z", -1.0)]), [("tie_2.ground_z", "tie_2.stiffness")]);
+    assert_eq!(with(&[("damper_1.yield_force", 1.0)]), [("damper_1.yield_force", "damper_1.stiffness")]);
+    assert_eq!(with(&[("tie_1.hardening", 0.1)]), [("tie_1.hardening", "tie_1.yield_force")]);
     assert_eq!(with(&[("tie_1.stiffness", 1e3), ("tie_1.ground_z", -1.0), ("tie_1.strength", 1e4)]), []);
     assert_eq!(unread(&[("physical.inertia", 1.0)]), [("physical.inertia", "parameterization = Physical")]);
     assert_eq!(unread(&[("gamma", 2.0), ("eccentricity", 0.1), ("friction", 0.5)]), []);

@@ -45,7 +45,7 @@ impl Unit {
                 Role::Output(output) => {
                     state(output).into_iter().for_each(|i| states.get_or_insert(self.states)[i] = value);
                 }
-                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+                Role::Parameter(_) | Role::Link(_) | Role::Text(_) | Role::Derived(_) => {
                     self.values[metadata.variable] = value;
                     if Values::is_of_ground(metadata.variable) {
                         self.ground = None;
@@ -104,7 +104,7 @@ impl Unit {
     pub fn text(&self, reference: u32) -> Result<&str, Fault> {
         match known(reference, Kind::String)?.role {
             Role::Text(text) => Ok(&self.values[text]),
-            Role::Input(_) | Role::Parameter(_) | Role::Derived(_) | Role::Output(_) => Ok(""),
+            Role::Input(_) | Role::Parameter(_) | Role::Link(_) | Role::Derived(_) | Role::Output(_) => Ok(""),
         }
     }
 
@@ -116,7 +116,7 @@ impl Unit {
         let metadata = known(reference, kind)?;
         match metadata.role {
             Role::Input(input) => Ok(self.present_inputs()[input].value),
-            Role::Parameter(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
+            Role::Parameter(_) | Role::Link(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
             Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
                 (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
                 (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
@@ -164,7 +164,7 @@ pub(super) fn output(reference: u32, wanted: &str) -> Result<Output, Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Output(output) => Ok(output),
-        Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+        Role::Input(_) | Role::Parameter(_) | Role::Link(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
             Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
         }
@@ -177,7 +177,7 @@ pub(super) fn input(reference: u32, wanted: &str) -> Result<(Input, &'static Met
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Input(input) => Ok((input, metadata)),
-        Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+        Role::Output(_) | Role::Parameter(_) | Role::Link(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
             Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
         }

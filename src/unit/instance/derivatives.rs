@@ -44,7 +44,7 @@ impl Direction {
     pub fn add(&mut self, reference: u32, component: f64) -> Result<(), Fault> {
         let metadata = known(reference, Kind::Real)?;
         match metadata.role {
-            Role::Input(_) | Role::Parameter(_) => {}
+            Role::Input(_) | Role::Parameter(_) | Role::Link(_) => {}
             Role::Derived(_) | Role::Output(_) | Role::Text(_) => {
                 let (name, found) = (metadata.name, metadata.causality.one());
                 return Err(Fault::new(format!(
@@ -149,7 +149,7 @@ fn unknown(reference: u32) -> Result<Unknown, Fault> {
     match metadata.role {
         Role::Output(output) => Ok(Unknown::Output(output)),
         Role::Derived(parameter) => Ok(Unknown::Derived(derived(parameter))),
-        Role::Input(_) | Role::Parameter(_) | Role::Text(_) => {
+        Role::Input(_) | Role::Parameter(_) | Role::Link(_) | Role::Text(_) => {
             let (name, found) = (metadata.name, metadata.causality.one());
             Err(Fault::new(format!("{name} is {found}; expected an output or a calculated parameter to differentiate")))
         }
