@@ -213,21 +213,11 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
     /// Value and rate of an event function `elapsed` seconds after the beginning of the step.
     #[inline]
     fn sample(&mut self, function: EventFunction, elapsed: f64) -> Sample {
-        match function {
-            EventFunction::QuarterTurn => {
-                let state = self.state(elapsed);
-                quarter_turn::remaining_angle([state[0], state[1]])
-            }
-            EventFunction::Reaction(_)
-            | EventFunction::Gap(_)
-            | EventFunction::Held(_)
-            | EventFunction::Unloaded(_)
-            | EventFunction::Slide
-            | EventFunction::Friction(_)
-            | EventFunction::Speed
-            | EventFunction::StandingSlide
-            | EventFunction::Restraint(_) => function.sample(&self.at(elapsed)),
+        if function == EventFunction::QuarterTurn {
+            let state = self.state(elapsed);
+            return quarter_turn::remaining_angle([state[0], state[1]]);
         }
+        function.sample(&self.at(elapsed))
     }
 
     /// A candidate of [`Channels::candidates`], with its channel, `elapsed` seconds after the beginning of the step.

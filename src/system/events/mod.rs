@@ -193,18 +193,7 @@ impl EventFunction {
 
     /// Whether the block has the watched restraint, if this event function belongs to one.
     pub fn is_of(self, body: &Body) -> bool {
-        match self {
-            EventFunction::Restraint(function) => function.is_of(body),
-            EventFunction::Reaction(_)
-            | EventFunction::Gap(_)
-            | EventFunction::Held(_)
-            | EventFunction::Unloaded(_)
-            | EventFunction::Slide
-            | EventFunction::Friction(_)
-            | EventFunction::Speed
-            | EventFunction::StandingSlide
-            | EventFunction::QuarterTurn => true,
-        }
+        if let EventFunction::Restraint(function) = self { function.is_of(body) } else { true }
     }
 
     /// Returns the round-off of a zero of this event function.
