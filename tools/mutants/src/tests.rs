@@ -75,6 +75,7 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
         match *test {
             "lib" => command.arg("--lib"),
             "gradients" => command.args(["--package=rocking-gradients", "--test=gradients"]),
+            "studies" => command.args(["--package=rocking-studies", "--test=studies"]),
             test => command.args(["--test", test]),
         };
     }
