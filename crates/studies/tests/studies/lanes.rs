@@ -120,14 +120,19 @@ fn intervals() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     prop::collection::vec((duration, -8.0..8.0, vertical), 20..60)
 }
 
-/// Inputs and end (s) of each interval. The acceleration is constant in every fourth.
+/// Inputs and end (s) of each interval. The acceleration is constant in every fourth and jumps before every fifth; during every ninth a
+/// moment acts.
 fn inputs(intervals: &[(f64, f64, f64)]) -> Vec<(Inputs, f64)> {
     let (mut time, mut before) = (0.0, [0.0; 2]);
     let mut made = Vec::new();
     for (number, &(duration, x, z)) in intervals.iter().enumerate() {
+        if number % 5 == 2 {
+            before = [-x, 0.5 * z];
+        }
         let to = if number % 4 == 3 { before } else { [x, z] };
         let ramp = |i: usize| Ramp { value: before[i], rate: (to[i] - before[i]) / duration };
-        made.push((Inputs { time, a_gx: ramp(0), a_gz: ramp(1), ..Inputs::default() }, time + duration));
+        let m_y = Ramp::held(if number % 9 == 4 { 10.0 } else { 0.0 });
+        made.push((Inputs { time, a_gx: ramp(0), a_gz: ramp(1), m_y, ..Inputs::default() }, time + duration));
         (time, before) = (time + duration, to);
     }
     made
