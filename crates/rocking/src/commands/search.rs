@@ -7,25 +7,24 @@ use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 
 use crate::options::accelerograms::Accelerograms;
-use crate::options::block::in_options;
+use crate::options::block::{block, in_options};
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
-use crate::options::run::{ProcessorOptions, SizeOptions, warn};
+use crate::options::run::ProcessorOptions;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use crate::output::summary::{Object, Summary};
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Ratios, Supports};
+use rocking_block::block::Foundation;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnSeparation, Settings};
-use rocking_studies::doubts;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{BlockSpec, GaborSpec, HoldSpec, PulseSpec, RunSpec, limits};
+use rocking_studies::spec::{BlockSpec, GaborSpec, PulseSpec, RunSpec, limits};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -34,9 +33,13 @@ pub struct SearchCommand {
     target: Target,
 }
 
+/// Parameters of a block that a search for the damping of its supports varies, or excludes.
+const OF_NO_SEARCH_FOR_DAMPING: [&str; 5] = ["xi_v", "stiffness", "damping", "foundation", "restitution_factor"];
+
 #[derive(Subcommand)]
 enum Target {
     /// Find the smallest xi_v without complete separation in free vibration from theta_dot(0) = 0.95 alpha p
+    #[command(mut_args(|arg| if OF_NO_SEARCH_FOR_DAMPING.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
     Damping(Box<Damping>),
     /// Find the smallest amplitude of a pulse, or factor on a record, that overturns a block
     Overturning(Box<Overturning>),
@@ -57,7 +60,7 @@ struct Damping {
     #[arg(long, value_name = "XI_V", default_value_t = 1e-6)]
     resolution: f64,
     #[command(flatten)]
-    block: BlockOptions,
+    block: BlockSpec,
     #[command(flatten)]
     search: SearchOptions,
 }
@@ -84,52 +87,13 @@ struct Overturning {
     /// Width to which each change is bisected, in the unit of the amplitude or factor
     #[arg(long, value_name = "A", default_value_t = 1e-6)]
     resolution: f64,
-    /// Vertical damping ratio xi_v of the supports
-    #[arg(long, default_value_t = BlockSpec::DEFAULT.number(|spec| spec.xi_v))]
-    xi_v: f64,
     /// Action at complete separation
     #[arg(long, value_parser = separations(), default_value = OnSeparation::Fly.word())]
     on_separation: OnSeparation,
-    /// Foundation under the block
-    #[arg(long, value_parser = rocking_studies::spec::block::foundations(), default_value = BlockSpec::DEFAULT.foundation().word())]
-    foundation: Foundation,
-    /// Factor on Housner's restitution e of the rigid base; their product is at most 1
-    #[arg(long, value_name = "FACTOR", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.restitution_factor))]
-    restitution_factor: f64,
     #[command(flatten)]
-    block: BlockOptions,
+    block: BlockSpec,
     #[command(flatten)]
     search: SearchOptions,
-}
-
-#[derive(Args)]
-#[command(next_help_heading = "Block")]
-struct BlockOptions {
-    /// Slenderness angle alpha [rad]
-    #[arg(long, value_name = "RAD", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.alpha))]
-    alpha: f64,
-    /// Frequency parameter p [rad/s]
-    #[arg(long, value_name = "RAD/S", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.p))]
-    p: f64,
-    #[command(flatten)]
-    size: SizeOptions,
-    /// Stiffness ratio eta = omega_v/p of the supports
-    #[arg(long, default_value_t = BlockSpec::DEFAULT.number(|spec| spec.eta))]
-    eta: f64,
-    /// Restitution epsilon of the landing corner, from 0 to 1
-    #[arg(long, default_value_t = Common::default().epsilon)]
-    epsilon: f64,
-    /// Shape factor gamma = M R0²/I0
-    #[arg(long, default_value_t = Common::default().gamma)]
-    gamma: f64,
-    /// Gravitational acceleration [m/s2]
-    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
-    g: f64,
-    /// Mass M; it changes the motion only together with --tie [kg]
-    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
-    mass: f64,
-    #[command(flatten)]
-    hold: HoldSpec,
 }
 
 #[derive(Args)]
@@ -165,16 +129,19 @@ impl Damping {
         self.search.check_table(&[])?;
         check("rate", rate, |_| true, "a finite number")?;
         let scan = self.search.scan(from, to, resolution)?;
-        let shape = self.block.shape(Foundation::Viscoelastic, explicit)?;
-        let eta = self.block.eta;
-        let block_with = |xi_v| self.block.tied(shape, Supports::Viscoelastic(Ratios { eta, xi_v }));
-        self.block.check_mass(&block_with(from)?, explicit)?;
+        explicit.refuse_unless(false, &OF_NO_SEARCH_FOR_DAMPING, "in a search for the damping of supports")?;
+        let spec = in_ratios(&self.block, "")?;
+        spec.block().map_err(in_options)?;
+        let block_with = |xi_v| BlockSpec { xi_v: Some(xi_v), ..spec.clone() }.block();
         let (settings, width) = (self.search.settings()?, self.search.processor.width());
         self.search.search(
             "xi_v",
             "",
             &scan,
-            |progress| Ok(search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)?),
+            |progress| {
+                search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)
+                    .map_err(in_options)
+            },
             OutcomeMap::damping_against_separation,
             |found, threshold, shown| {
                 let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
@@ -200,28 +167,13 @@ impl Damping {
 impl Overturning {
     /// Searches for the smallest strength that overturns.
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-        let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = *self;
-        let rigid = foundation == Foundation::Rigid;
-        explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
-        explicit.refuse_unless(
-            rigid,
-            &["restitution-factor"],
-            "on viscoelastic supports; expected --foundation rigid",
-        )?;
         explicit.refuse_unless(!explicit.has("record"), &["pulse", "period", "phase", "cycles"], "with --record")?;
         self.search.check_table(&self.accelerograms.files().named())?;
-        let eta = self.block.eta;
-        let supports = match foundation {
-            Foundation::Viscoelastic => Supports::Viscoelastic(Ratios { eta, xi_v }),
-            Foundation::Rigid => Supports::Rigid { restitution_factor },
-        };
-        let block = self.block.tied(self.block.shape(foundation, explicit)?, supports)?;
-        self.block.check_mass(&block, explicit)?;
-        warn(doubts::of_blocks([block]));
+        let block = block(&in_ratios(&self.block, ", --stiffness and --damping, or --foundation rigid")?)?;
         let (shaking, name, unit) = self.shaking(block.gravity)?;
         let [least, greatest] = search::usual_strengths(&block, &shaking);
         let (from, to) = (self.from.unwrap_or(least), self.to.unwrap_or(greatest));
-        let scan = self.search.scan(from, to, resolution)?;
+        let scan = self.search.scan(from, to, self.resolution)?;
         let settings = Settings { on_separation: self.on_separation, ..self.search.settings()? };
         let width = self.search.processor.width();
         self.search.search(
@@ -262,40 +214,28 @@ impl Overturning {
     }
 }
 
-impl BlockOptions {
-    /// Returns α and p, which do not depend on the supports.
-    fn shape(&self, foundation: Foundation, explicit: &ExplicitOptions) -> anyhow::Result<[f64; 2]> {
-        let Some([width, height]) = self.size.read(explicit, &["alpha", "p"])? else {
-            return Ok([self.alpha, self.p]);
-        };
-        anyhow::ensure!(
-            foundation == Foundation::Rigid || explicit.has("eta"),
-            "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid"
-        );
-        let physical = Physical { width, height, supports: Supports::HOUSNER, inertia: None };
-        let block = Block::from_physical(&physical, &self.common()?)?;
-        Ok([block.alpha, block.p])
+/// Returns the parameters with α, p and γ instead of sizes on supports whose stiffness is given by η. An error names it and these `others`.
+fn in_ratios(spec: &BlockSpec, others: &str) -> anyhow::Result<BlockSpec> {
+    let BlockSpec { width, eta, xi_v, stiffness, .. } = *spec;
+    if width.is_none() || stiffness.is_some() || spec.foundation() == Foundation::Rigid {
+        return Ok(spec.clone());
     }
-
-    fn common(&self) -> Result<Common, BlockError> {
-        let BlockOptions { epsilon, gamma, g, mass, .. } = *self;
-        self.hold.common(Common { epsilon, gamma, gravity: g, mass, ..Common::default() })
-    }
-
-    /// Returns the block with its ties.
-    fn tied(&self, [alpha, p]: [f64; 2], supports: Supports<Ratios>) -> Result<Block, BlockError> {
-        let given = Dimensionless { alpha, p, supports };
-        Block::from_dimensionless(&given, &self.common()?)?.with_ties(&self.hold.links())
-    }
-
-    /// Refuses ties without a mass.
-    fn check_mass(&self, block: &Block, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-        anyhow::ensure!(
-            block.ties().is_empty() || explicit.has("mass"),
-            "--tie without --mass; expected both, since the effect of a tie depends on the mass"
-        );
-        Ok(())
-    }
+    let sized = BlockSpec { foundation: Some(Foundation::Rigid), eta: None, xi_v: None, ..spec.clone() };
+    let block = sized.block().map_err(in_options)?;
+    anyhow::ensure!(eta.is_some(), "--width without --eta; expected the stiffness ratio of the supports{others}");
+    let [alpha, p, gamma] = [block.alpha, block.p, block.gamma].map(Some);
+    Ok(BlockSpec {
+        alpha,
+        p,
+        gamma,
+        eta,
+        xi_v,
+        width: None,
+        height: None,
+        center_height: None,
+        inertia: None,
+        ..spec.clone()
+    })
 }
 
 impl SearchOptions {

@@ -26,7 +26,7 @@ impl ExplicitOptions<'_> {
     /// `why` completes the message "--amplitude has no effect …", as in "without --pulse".
     pub fn refuse_unless(&self, read: bool, options: &[&str], why: &str) -> anyhow::Result<()> {
         match options.iter().find(|option| !read && self.has(option)) {
-            Some(option) => anyhow::bail!("--{option} has no effect {why}"),
+            Some(option) => anyhow::bail!("--{} has no effect {why}", option.replace('_', "-")),
             None => Ok(()),
         }
     }

@@ -16,7 +16,7 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{OutcomeBoundary, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, BlockError, Corner, Foundation};
+use rocking_block::block::{Block, Corner, Foundation};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
@@ -60,14 +60,14 @@ fn changes_of_end(
 ///
 /// # Errors
 /// An invalid block at an end of the range.
-pub fn damping_against_separation(
-    block_with: &(dyn Fn(f64) -> Result<Block, BlockError> + Sync),
+pub fn damping_against_separation<E: std::fmt::Display>(
+    block_with: &(dyn Fn(f64) -> Result<Block, E> + Sync),
     rate: f64,
     settings: Settings,
     scan: &Scan,
     width: Option<VectorWidth>,
     progress: SearchProgress,
-) -> Result<OutcomeMap<End>, BlockError> {
+) -> Result<OutcomeMap<End>, E> {
     block_with(scan.from).and(block_with(scan.to))?;
     let run = |xi_v| {
         // A block that is valid at both ends of the range is valid between them.
