@@ -28,7 +28,7 @@ use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
 use rocking_studies::spec::{BlockSpec, RunSpec, damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, EndCounts, Greatest, Statistics};
-use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{CheckedSpectrum, InProportion, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -98,25 +98,6 @@ struct BlockOptions {
     /// One option per damper
     #[arg(long, value_name = "KEY=NUMBER,...", value_parser = damper, allow_hyphen_values = true)]
     damper_ratio: Vec<Tie>,
-}
-
-/// Parses the foundation of a curve.
-fn base(text: &str) -> anyhow::Result<Base> {
-    let lower = text.to_lowercase();
-    let (rigid, numbers) = match lower.strip_prefix("rigid") {
-        Some("") => return Ok(Base::HOUSNER),
-        Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
-        None => (false, lower.as_str()),
-    };
-    let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
-    match (rigid, numbers.unwrap_or_default().as_slice()) {
-        (true, &[epsilon]) => Ok(Base::rigid(epsilon, 1.0)),
-        (true, &[epsilon, restitution_factor]) => Ok(Base::rigid(epsilon, restitution_factor)),
-        (false, &[eta, xi_v, epsilon]) => Ok(Base::viscoelastic(eta, xi_v, epsilon)),
-        _ => anyhow::bail!(
-            "--foundation {text}; expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"
-        ),
-    }
 }
 
 /// Runs the command.
@@ -214,7 +195,10 @@ impl SpectrumCommand {
             motions.extend(names(&horizontal).into_iter().zip(alone));
         }
         motions.extend(grounds);
-        let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
+        let bases = foundation
+            .iter()
+            .map(|text| text.parse().map_err(|message| anyhow::anyhow!("--foundation {text}; {message}")));
+        let bases = bases.collect::<anyhow::Result<Vec<_>>>()?;
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, friction, ..Common::default() },

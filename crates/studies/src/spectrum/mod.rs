@@ -64,6 +64,27 @@ impl std::fmt::Display for Base {
     }
 }
 
+/// Reads the written form, in any case.
+impl std::str::FromStr for Base {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Base, &'static str> {
+        let lower = text.to_lowercase();
+        let (rigid, numbers) = match lower.strip_prefix("rigid") {
+            Some("") => return Ok(Base::HOUSNER),
+            Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
+            None => (false, lower.as_str()),
+        };
+        let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse()).collect();
+        match (rigid, numbers.unwrap_or_default().as_slice()) {
+            (true, &[epsilon]) => Ok(Base::rigid(epsilon, 1.0)),
+            (true, &[epsilon, factor]) => Ok(Base::rigid(epsilon, factor)),
+            (false, &[eta, xi_v, epsilon]) => Ok(Base::viscoelastic(eta, xi_v, epsilon)),
+            _ => Err("expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"),
+        }
+    }
+}
+
 /// Frequency parameters p (rad/s), evenly spaced in 1/p, from the greatest to the least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {

@@ -8,7 +8,7 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::Sizes;
+use rocking_studies::spectrum::{Base, Sizes};
 
 use crate::program::{Table, files, refused, rocking, stdout, text};
 use crate::studies::{PULSE, labels, resumes_to_the_same_bytes};
@@ -215,6 +215,14 @@ fn a_record_with_and_without_its_vertical_component() {
     let labels = labels(&std::fs::read_to_string(folder.path().join("both.svg")).unwrap());
     for label in ["2π/p (s)", "η = 40, ξv = 0.4, ε = 0; horizontal + vertical"] {
         assert!(labels.iter().any(|drawn| drawn == label), "{label} is not in the picture: {labels:?}");
+    }
+}
+
+#[test]
+fn foundations_of_curves_are_read_as_they_are_written() {
+    for base in [Base::HOUSNER, Base::rigid(0.2, 1.0), Base::rigid(0.0, 0.95), Base::viscoelastic(40.0, 0.1, 0.5)] {
+        assert_eq!(base.to_string().parse(), Ok(base));
+        assert_eq!(base.to_string().to_uppercase().parse(), Ok(base));
     }
 }
 
