@@ -266,3 +266,38 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
         self.motion.at(start + elapsed, state)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::{Block, Common, Corner, Dimensionless, Supports};
+    use crate::excitation::{Inputs, Pulse, Ramp};
+    use crate::simulation::{Initial, Settings, Simulation};
+    use crate::system::motion_mode::Gripping;
+
+    /// State and work at a time inside a swing are those of a run that ends there.
+    #[test]
+    fn the_interior_of_a_swing_is_the_motion_up_to_there() {
+        let numbers = Dimensionless { alpha: 0.25, p: 2.0, supports: Supports::HOUSNER };
+        let block = Block::from_dimensionless(&numbers, &Common::default()).unwrap();
+        let inputs = Inputs { a_gx: Ramp { value: 0.3, rate: 2.0 }, ..Inputs::default() };
+        let [theta, theta_dot] = [0.1, 0.2];
+        let initial = Initial { theta, theta_dot, ..Initial::default() };
+        let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+        let start = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        let excitation = start.setup.excitation(0.0, &inputs);
+        let swing = Swing::of(&block, Corner::Right, &excitation, [0.0, theta, theta_dot], 0.1, 1e-9);
+        let motion = Motion::<_, 4>::under(Gripping::<false, true, true>, &block, &start.run.pose, &excitation);
+        let mut inside = StepInterior { motion, between: Between::Swing(0.0, &swing), evaluations: 0 };
+        for fraction in [0.3, 0.8] {
+            let elapsed = fraction * swing.size;
+            let mut run = start.clone();
+            run.advance(elapsed, &inputs, &mut |_| ()).unwrap();
+            let (found, expected) = (inside.state(elapsed), run.state());
+            let close = |found: f64, expected: f64| (found - expected).abs() < 1e-10 * expected.abs();
+            assert!(close(found[0], expected[0]) && close(found[1], expected[1]), "{found:?}, not {expected:?}");
+            let (found, expected) = (inside.work(elapsed)[0], run.run.sums.input);
+            assert!(close(found, expected), "a work of {found}, not {expected}");
+        }
+    }
+}

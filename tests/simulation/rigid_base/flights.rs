@@ -292,3 +292,25 @@ fn an_event_displays_time_kind_and_regimes() {
     };
     assert_eq!(event.to_string(), "t = 1.250000000 s: lift-off of L, full contact -> tilting right");
 }
+
+/// A block that comes down slides or leaves the ground before it lands if that falls away ever faster: once its corner bears nothing.
+#[test]
+fn a_corner_is_free_before_the_other_one_lands() {
+    for fall in [250.0, 500.0] {
+        let initial = Initial { theta: 0.02, theta_dot: -0.3, ..Initial::default() };
+        let inputs = Inputs { a_gz: Ramp { value: 0.0, rate: -fall }, ..Inputs::default() };
+        let begin = || start(block(0.25, 2.0, 0.0), OnSeparation::Fly, Pulse::NONE, &initial, &inputs);
+        let events = go(&mut begin(), 0.1, &inputs);
+        let Some(Event { time, kind: EventKind::Slip | EventKind::LiftOff(Corner::Right), .. }) = events.first() else {
+            panic!("{events:?}")
+        };
+        let reaction = |time: f64| {
+            let mut before = begin();
+            assert_eq!(go(&mut before, time, &inputs), []);
+            before.observe(&inputs).reaction[1] / (before.block().mass * G)
+        };
+        // The reaction vanishes linearly.
+        let [just, earlier] = [1e-6, 2e-6].map(|ahead| reaction(time - ahead));
+        assert!(just > 0.0 && (earlier - 2.0 * just).abs() < 1e-4 * earlier, "N = {just} and {earlier} M g");
+    }
+}
