@@ -123,3 +123,29 @@ fn derivatives_of_a_block_that_is_held_are_differences() {
         }
     }
 }
+
+/// With its states held, a block that has just lifted comes closer to its support, which recovers: the derivative with respect to time alone.
+#[test]
+fn an_uplift_shrinks_with_time_while_the_support_recovers() {
+    let block = block(Foundation::Viscoelastic, 0.25, 30.0, 0.1);
+    let mut simulation = start(block, &Initial { theta_dot: 0.5 * block.alpha * block.p, ..Initial::default() });
+    let inputs = Inputs::default();
+    let mut time = 0.0;
+    while simulation.regime() == Regime::FullContact {
+        time += 1e-5;
+        simulation.advance(time, &inputs, &mut |_| ()).unwrap();
+    }
+    time += 3e-4;
+    simulation.advance(time, &inputs, &mut |_| ()).unwrap();
+    assert_eq!(simulation.regime(), Regime::TiltingRight);
+    let states = simulation.states(&inputs);
+    let (seen, _) = simulation.directional(&inputs, &[0.0; STATES], &inputs, 1.0);
+    let uplift_at = |time: f64| {
+        let mut later = simulation.clone();
+        later.set_states(time, &states);
+        later.observe(&inputs).uplift[0]
+    };
+    const STEP: f64 = 1e-6;
+    let expected = (uplift_at(time + STEP) - uplift_at(time - STEP)) / (2.0 * STEP);
+    assert!(expected < 0.0 && (seen.uplift[0].eps / expected - 1.0).abs() < 1e-5, "{:?}, not {expected}", seen.uplift);
+}
