@@ -206,8 +206,8 @@ impl Simulation {
 }
 
 impl RunState {
-    /// Returns the stop, or an earlier one up to which the clock resolves the motion. No call reaches an earlier one: by then the block
-    /// rests, or the call has failed.
+    /// Returns the stop, or the latest time at which the clock resolves the motion. No call reaches that: by then the block rests, or the
+    /// call has failed.
     fn within_reach(&self, body: &Body, stop: f64) -> f64 {
         let Body { omega_v, p, .. } = *body;
         let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);

@@ -80,7 +80,7 @@ pub enum SimulationError {
         /// Time of the last good state (s).
         time: f64,
     },
-    /// The motion takes more steps than any reasonable call.
+    /// The motion takes more steps than any reasonable call, or the clock does not resolve them.
     #[error(
         "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion"
     )]

@@ -22,7 +22,7 @@ pub struct EnergySums {
     pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy gained as the horizontal constraint changes at lift-off. `impacts` includes it with the opposite sign.
+    /// Energy gained by changes of the horizontal constraint. `impacts` includes it with the opposite sign.
     pub constraint: f64,
 }
 
@@ -82,7 +82,7 @@ pub struct Energies {
     pub total: f64,
     /// Kinetic energy relative to the ground.
     pub kinetic: f64,
-    /// Energy of the weight and of the springs under the touching corners.
+    /// Potential energy of weight, supports and restraints.
     pub potential: f64,
     /// Work of the ground motion and the loads.
     pub input: f64,
@@ -95,7 +95,7 @@ pub struct Energies {
     pub restraints: restraints::RestraintEnergies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy gained as the horizontal constraint changes at lift-off. `impacts` includes it with the opposite sign.
+    /// Energy gained by changes of the horizontal constraint. `impacts` includes it with the opposite sign.
     pub constraint: f64,
     /// The balance: `total − initial − input + dashpots + friction + restraints + impacts`, round-off and integration error.
     pub residual: f64,

@@ -30,7 +30,7 @@ pub enum StepKind {
     Stayed,
     /// By a step of order 8, or by its beginning up to an event.
     Step,
-    /// By a [short step](crate::numerics::short).
+    /// By a [short step](crate::numerics::short), or at rest on the rigid base.
     ShortStep,
     /// By this [swing](crate::system::swing), or by its beginning.
     Swing(Swing),

@@ -27,7 +27,7 @@ fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
     T::select_less(h.abs(), n * MAX_FRICTION_DEMAND, h.abs() / n, T::from(MAX_FRICTION_DEMAND))
 }
 
-/// The linear combinations of two polynomials that are one of them.
+/// Weights that select one polynomial of a pair.
 pub(super) const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Some of the runs in lanes, or whether it is a single run.

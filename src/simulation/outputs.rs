@@ -6,10 +6,10 @@ use crate::excitation::Forcing;
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Scalar};
-use crate::system::dynamics::instant;
+use crate::system::dynamics::{instant, instant_held};
 use crate::system::evaluation::Evaluation;
 use crate::system::forces;
-use crate::system::instant::Instant;
+use crate::system::instant::{Footing, Held, Instant};
 
 /// Greatest reported friction demand of a block without a limit of friction. The ratio has no bound as the vertical reaction vanishes.
 pub const MAX_FRICTION_DEMAND: f64 = 1e6;
@@ -239,8 +239,23 @@ impl Evaluation<'_> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
         let forcing = self.forcing.with_derivative(direction);
-        let x = instant(self.body, self.regime, state, footing, forcing);
+        let x = self.instant_along(state, footing, forcing, time);
         let support_heights = self.support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         observe(self.body, self.regime, &x, support_heights, forcing)
+    }
+
+    /// Solves the equations of motion with derivatives in the direction of state, footing, forcing and `time`, with which the support of
+    /// a held corner creeps.
+    pub(super) fn instant_along(
+        &self,
+        state: [Dual64; 4],
+        footing: Footing<Dual64>,
+        forcing: Forcing<Dual64>,
+        time: f64,
+    ) -> Instant<Dual64> {
+        let Some(held) = self.held else { return instant(self.body, self.regime, state, footing, forcing) };
+        let Held { corner, top, standing } = held.with_rates(self.body);
+        let held = Held { corner, top: top.map(|top| Dual64::new(top.re, time * top.eps)), standing };
+        instant_held(self.body, [state[0], state[1]], held, footing, forcing)
     }
 }

@@ -150,7 +150,7 @@ impl RunState {
 
     /// Stays at rest under a pulse until a corner lifts or the piece ends.
     ///
-    /// Returns `None`, having done nothing, where it is unclear whether one does.
+    /// Returns `None` if that is unclear of the first interval, with the budget spent; later ones are left to the caller.
     #[inline(never)]
     pub(super) fn stays_under_pulse<'a>(
         &mut self,

@@ -135,7 +135,7 @@ impl Simulation {
         self.run.pose.time = time;
     }
 
-    /// Lets time pass to `until` (s) for a held block. Only steps take any other block there.
+    /// Advances the clock of a frozen block to `until` (s). Any other block needs steps.
     pub fn wait(&mut self, until: f64) {
         if self.is_frozen() {
             self.run.pose.time = until;

@@ -52,7 +52,7 @@ pub(super) enum FirstStep<'a> {
 /// The end of steps.
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
 pub(super) enum StepsOutcome<'a> {
-    /// The motion lasts, or another mode begins.
+    /// No event has happened. The caller continues unless this is the stop.
     Lasts,
     /// The event function has reached zero; the block there, before the event.
     Event(EventFunction, Evaluation<'a>),

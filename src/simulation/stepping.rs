@@ -153,7 +153,7 @@ impl RunState {
         }
     }
 
-    /// Whether a short step may end at `stop`: of rare modes none does.
+    /// Whether a short step may end at `stop`; never in modes with a held corner or with works of friction and restraints.
     #[inline(always)]
     fn short_step_to<const N: usize>(&self, stop: f64, mode: impl MotionMode, limits: &Limits<N>) -> ShortStepTo {
         if mode.held().is_some() || mode.is_extended() {

@@ -225,7 +225,7 @@ impl RunState {
         lift_off
     }
 
-    /// Comes to the end of a swing in which nothing happens.
+    /// Commits a swing up to its end or to an event.
     #[inline(always)]
     fn commit_swing(&mut self, end: f64, state: State, work: f64, body: &Body) {
         self.peaks.include_rotation(state[0].abs(), body);

@@ -61,7 +61,7 @@ pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     Posture::new(body, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// Solves the equations of motion at an instant `x`, with exact rates in dual parts: those along the motion.
+/// Solves the equations of motion at an instant `x`, with the rates along the motion in dual parts.
 ///
 /// The dual parts of the forcing are its rates.
 #[inline(always)]

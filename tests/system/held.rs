@@ -102,6 +102,23 @@ fn a_corner_that_would_be_pressed_back_is_held() {
     assert!(energies.residual.abs() < 1e-10 * energies.input.abs(), "{energies:?}");
 }
 
+/// The derivatives of outputs with respect to the ground acceleration are differences while a corner is held, too.
+#[test]
+fn derivatives_with_a_held_corner_are_differences() {
+    let mut simulation = start(pulse(HELD));
+    simulation.advance(0.4003, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
+    let push = |a_gx: f64| Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
+    assert_eq!(simulation.observe(&push(0.0)).reaction[0], 0.0);
+    let found = simulation.observe_direction(&push(0.0), &push(1.0), 0.0);
+    let [before, after] = [-1e-4, 1e-4].map(|a_gx| simulation.observe(&push(a_gx)));
+    let of = |seen: &Observation<f64>| [seen.theta_ddot, seen.v_ddot, seen.u_ddot, seen.horizontal, seen.reaction[1]];
+    let found = of(&found.map(|x| x.eps));
+    for (found, (after, before)) in found.into_iter().zip(of(&after).into_iter().zip(of(&before))) {
+        let expected = (after - before) / 2e-4;
+        assert!((found - expected).abs() < 1e-6 * expected.abs().max(1e-3), "{found}, not {expected}");
+    }
+}
+
 /// Under a slightly stronger push the gap opens, and L lifts when its reaction falls to zero.
 #[test]
 fn a_corner_whose_gap_opens_lifts() {

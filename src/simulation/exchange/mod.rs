@@ -17,12 +17,12 @@ use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::state::RunState;
 use crate::simulation::step_interior::{Between, StepInterior};
 use crate::simulation::{Energies, Simulation, SimulationError};
-use crate::system::dynamics::{foot_height, instant, instant_held};
+use crate::system::dynamics::foot_height;
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, EventFunction, ROUNDING, extended_event_functions, watched};
 use crate::system::forces::energy;
 use crate::system::instant::Pose;
-use crate::system::instant::{Footing, Held, Powers, State};
+use crate::system::instant::{Footing, Powers, State};
 use crate::system::motion_mode::{AnyMode, MotionMode};
 use piece::{ExchangePiece, Foreseen};
 
@@ -188,7 +188,7 @@ impl Simulation {
         self.run.piece.and_then(|piece| piece.last).map_or(self.run.pose.time, |last| last.time)
     }
 
-    /// Includes the peaks since the last call. `inputs` are linear in time over that step.
+    /// Includes peaks, slip and plastic paths of the step since the last call, unless a state is not finite. `inputs` are linear over it.
     ///
     /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
     pub fn complete_step(&mut self, inputs: &Inputs) {
@@ -250,14 +250,7 @@ impl Simulation {
             }
         };
         let forcing = now.forcing.with_derivative(direction);
-        let x = match now.held {
-            Some(held) => {
-                let Held { corner, top, standing } = held.with_rates(block);
-                let held = Held { corner, top: top.map(|top| Dual64::new(top.re, time * top.eps)), standing };
-                instant_held(block, [motion[0], motion[1]], held, footing, forcing)
-            }
-            None => instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing),
-        };
+        let x = now.instant_along([motion[0], motion[1], w, w_dot], footing, forcing, time);
         let held_since = self.run.ending.map_or(self.run.pose.time, |(_, ended)| ended);
         let support_heights = Motion::from_pose(block, &self.run.pose, &excitation).support_heights(held_since);
         let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));

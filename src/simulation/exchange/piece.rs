@@ -29,7 +29,7 @@ impl ExchangePiece {
     }
 }
 
-/// The next event, if no solver need resolve the motion before. Such are the ever shorter impacts of rocking that dies out, and bounces.
+/// A predicted event, too near for a solver to resolve the motion before: of rocking that dies out, or of bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::simulation) struct Foreseen {
     /// The block right before the event.

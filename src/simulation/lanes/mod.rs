@@ -2,8 +2,8 @@
 //!
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
 //! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
-//! only an event or a peak may be inside. A step on supports with too great an error is repeated in a lane.
-//! So do runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base.
+//! only an event or a peak may be inside. A step on supports with too great an error is repeated in a lane, as is a short step that may hold
+//! an event. Runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base take all their steps alone.
 
 mod bounds;
 mod force_peaks;
@@ -41,9 +41,9 @@ pub struct Lane {
     /// The caller's mark of the run.
     pub tag: usize,
     simulation: Simulation,
-    /// Time of the next stop (s).
+    /// Requested time (s).
     until: f64,
-    /// Time to which the excitation is smooth (s).
+    /// Requested time or the next kink of the excitation, whichever is first (s).
     stop: f64,
     /// Time at which the piece that ends there begins (s).
     since: f64,

@@ -1,6 +1,6 @@
 //! Landing from flight, or while the other corner slides.
 //!
-//! A corner that lands from flight grips; otherwise it lands without a horizontal impulse.
+//! A corner that lands from flight grips, or slides if friction is limited; otherwise it lands without a horizontal impulse.
 
 use crate::block::{Contact, Corner, Foot, Regime};
 use crate::numerics::dual::Dual;
@@ -112,7 +112,7 @@ where
         }
     }
 
-    /// Lands `corner` alone: it stops horizontally and rebounds with ε times its vertical rate.
+    /// Lands `corner` alone: it stops horizontally, or slides with friction, and rebounds with ε times its vertical rate.
     ///
     /// The rebound is at most what the energy allows, and at least the rate with which the horizontal stop alone throws the corner up.
     fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) -> TransitionCounts {

@@ -1,4 +1,4 @@
-//! Landing on a support while the other corner stands and grips.
+//! Landing on a support while the other corner stands and grips, or with friction.
 
 use crate::block::{Body, Corner, Foot, Foundation};
 use crate::numerics::Scalar;

@@ -89,7 +89,7 @@ where
         counts
     }
 
-    /// Moves the supports of corners that landed and lifted in this instant to the corners.
+    /// Restarts the recovery of supports whose corners landed and lifted in this instant, from the heights of the corners.
     ///
     /// Such a corner keeps its height, and the clock may be off the landing by its resolution, in which supports creep.
     fn rejoin_supports(&mut self) -> TransitionCounts {

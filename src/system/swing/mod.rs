@@ -121,7 +121,7 @@ const fn numbers(row: usize) -> Series {
 /// The least order, by which reactions and their changes are known.
 const MIN: usize = 4;
 
-/// Part of the flight at constant acceleration.
+/// Longest first attempt of a swing, over the duration of an arc at constant acceleration.
 const OF_FLIGHT: f64 = 1.25;
 
 static NUMBER: Series = numbers(0);
