@@ -79,7 +79,7 @@ pub enum Role {
     Input(Input),
     /// A number, set by the importer before initialization ends.
     Parameter(Parameter),
-    /// A number of a tie or damper, set by the importer before initialization ends.
+    /// A number of a restraint, set by the importer before initialization ends.
     Link(Link),
     /// A text, set by the importer before initialization ends.
     Text(Text),
