@@ -55,7 +55,7 @@ impl<T> std::ops::Deref for Block<T> {
 impl<T: Elementary> Body<T> {
     /// Whether the block, unlike the paper's, is uneven, restrained, or has a limit of friction. Its horizontal position then has an
     /// effect, and is kept when the foot changes.
-    pub fn is_extended(&self) -> bool {
+    pub fn tracks_foot(&self) -> bool {
         self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.restraints.is_empty()
     }
 }

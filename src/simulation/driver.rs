@@ -63,7 +63,7 @@ impl Simulation {
         run.end_if_separated(&setup);
         let start = run.now(&block, &excitation);
         run.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
-        let shown = system.released(&run.pose, &start).unwrap_or(run.pose);
+        let shown = system.pose_after_jump(&run.pose, &start).unwrap_or(run.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
         run.peaks.include(&shown.channels_called());
         run.peaks.include_restraints(&shown);
@@ -84,14 +84,14 @@ impl Simulation {
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
-        self.settle(inputs, observer)?;
+        self.apply_pending_event(inputs, observer)?;
         self.pieces(until, inputs, None, observer)
     }
 
     /// Advances as [`Simulation::advance`] does, but not past the first event later than `after` (s). That event is not yet applied, and
     /// the result is `None`.
     ///
-    /// [`Simulation::settle`] then applies it; continuing under the same inputs gives the bits of an uninterrupted run. An event
+    /// [`Simulation::apply_pending_event`] then applies it; continuing under the same inputs gives the bits of an uninterrupted run. An event
     /// that ends the run is applied.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl Simulation {
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Option<Progress>, SimulationError> {
-        self.settle(inputs, observer)?;
+        self.apply_pending_event(inputs, observer)?;
         let progress = self.pieces(until, inputs, Some(after), observer)?;
         Ok(self.run.pending.is_none().then_some(progress))
     }
@@ -113,14 +113,18 @@ impl Simulation {
     /// # Errors
     /// The event leaves no regime that lasts.
     #[inline]
-    pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+    pub fn apply_pending_event(
+        &mut self,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
         if self.run.pending.is_some() {
             self.apply_pending(inputs, observer, |_| ())?;
         }
         Ok(())
     }
 
-    /// Applies a pending event as [`Simulation::settle`] does, and returns the rates right after it.
+    /// Applies a pending event as [`Simulation::apply_pending_event`] does, and returns the rates right after it.
     ///
     /// # Errors
     /// The event leaves no regime that lasts.
@@ -140,9 +144,9 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
         inspect: impl FnOnce(&Evaluation) -> R,
     ) -> Result<Option<R>, SimulationError> {
-        let Some(Pending { function, piece }) = self.run.pending.take() else { return Ok(None) };
+        let Some(Pending { function, piece_start }) = self.run.pending.take() else { return Ok(None) };
         let Simulation { setup, run } = self;
-        let excitation = setup.excitation(piece, inputs);
+        let excitation = setup.excitation(piece_start, inputs);
         let now = run.now(&setup.system.block, &excitation);
         run.apply(setup, function, &now, observer).map(|after| Some(inspect(&after)))
     }
@@ -192,7 +196,7 @@ impl Simulation {
                 Ok(StepsOutcome::Lasts) => {}
                 Ok(StepsOutcome::Event(function, now)) => {
                     if stop_after.is_some_and(|after| run.stops(setup, after, function, &now)) {
-                        run.pending = Some(Pending { function, piece: since });
+                        run.pending = Some(Pending { function, piece_start: since });
                         return Ok(());
                     }
                     run.apply(setup, function, &now, observer)?;

@@ -117,7 +117,7 @@ impl Steps {
             Ok(StepsOutcome::Lasts) => None,
             Err(error) => return Err(error),
         };
-        simulation.run.pending = reached.map(|function| Pending { function, piece: time });
+        simulation.run.pending = reached.map(|function| Pending { function, piece_start: time });
         let evaluations = simulation.run.counts.evaluations - counts.evaluations;
         if simulation.run.pose.time == time {
             self.kind = StepKind::Stayed;
@@ -162,7 +162,7 @@ fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &
 }
 
 /// Size of a state with the horizontal motion: `[θ, θ̇, w, ẇ, u, u̇]`.
-const EXTENDED: usize = 6;
+const WITH_U: usize = 6;
 
 /// Times inside a step at which the block is looked at.
 pub struct Samples<'a, T> {
@@ -201,7 +201,7 @@ pub fn repeat_step(
         return (state(last), pose.footing);
     }
     match mode.extended() {
-        Some(_) => repeat_under::<EXTENDED>(&mode, body, pose, excitation, kind, end, samples),
+        Some(_) => repeat_under::<WITH_U>(&mode, body, pose, excitation, kind, end, samples),
         None => dispatch_mode!(mode, mode => repeat_under::<4>(&mode, body, pose, excitation, kind, end, samples)),
     }
 }

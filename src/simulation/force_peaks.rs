@@ -4,7 +4,7 @@
 use crate::numerics::Real;
 use crate::numerics::bernstein::{DEGREE, Highest, Pair, Row};
 use crate::numerics::scalar::greatest;
-use crate::simulation::outputs::{MAX_FRICTION_DEMAND, Strain, strain};
+use crate::simulation::outputs::{MAX_FRICTION_DEMAND, PeakQuantities, peak_quantities};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
 
@@ -178,12 +178,12 @@ impl<R: Real> ForcePeaks<R> {
     {
         let coefficients = forces.coefficients();
         self.include(runs, mass, coefficients[0]);
-        let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
+        let (most, peak_shear, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
         let mut exceeds = runs.except(runs);
         let mut exceeds_at_end = exceeds;
         for &[n, h] in coefficients {
             exceeds_at_end = <RunsOf<G>>::less(most, n)
-                .or(<RunsOf<G>>::less(steepest, h.abs()))
+                .or(<RunsOf<G>>::less(peak_shear, h.abs()))
                 .or(<RunsOf<G>>::less(demand * n, h.abs()));
             exceeds = exceeds.or(exceeds_at_end);
         }
@@ -227,7 +227,7 @@ impl<R: Real> ForcePeaks<R> {
             segment.include_at(self, exceeds, place);
             // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
             let mut demand = greatest(self.friction_demand, at_end);
-            let (mut steepest, mut rising, mut found) = (zero, searched, searched.except(searched));
+            let (mut demand_place, mut rising, mut found) = (zero, searched, searched.except(searched));
             for _ in 0..MAX_ROUNDS {
                 let Highest { place, exceeds, known } = resultant.highest(rising, [-visible * demand, side], zero);
                 searched = searched.except(rising.except(known));
@@ -236,10 +236,10 @@ impl<R: Real> ForcePeaks<R> {
                     break;
                 }
                 found = found.or(rising);
-                steepest = rising.choose(place, steepest);
+                demand_place = rising.choose(place, demand_place);
                 demand = rising.choose(friction_demand(resultant.at(place)), demand);
             }
-            segment.include_at(self, found, steepest);
+            segment.include_at(self, found, demand_place);
         }
         searched
     }
@@ -248,13 +248,13 @@ impl<R: Real> ForcePeaks<R> {
 impl ForcePeaks<f64> {
     /// Includes the forces of an instant.
     pub(super) fn include_forces(&mut self, now: &Evaluation) {
-        self.include_strain(&strain(now.body, now.regime, &now.instant, [0.0; 2]));
+        self.include_quantities(&peak_quantities(now.body, now.regime, &now.instant, [0.0; 2]));
     }
 
     /// Includes the forces of a block.
     #[inline]
-    pub(super) fn include_strain(&mut self, strain: &Strain<f64>) {
-        let &Strain { reaction: [left, right], horizontal, friction_demand, .. } = strain;
+    pub(super) fn include_quantities(&mut self, quantities: &PeakQuantities<f64>) {
+        let &PeakQuantities { reaction: [left, right], horizontal, friction_demand, .. } = quantities;
         self.reaction = greater(greater(self.reaction, left), right);
         self.horizontal = greater(self.horizontal, horizontal.abs());
         self.friction_demand = greater(self.friction_demand, friction_demand);

@@ -49,7 +49,7 @@ impl Start {
         let at = |pose: &Pose<DirectionalDual>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
         let pose = system.beginning(initial, *time, excitation);
         let mut begins = at(&pose);
-        let mut goes_on = system.released(&pose, &begins).map_or(begins, |pose| at(&pose));
+        let mut goes_on = system.pose_after_jump(&pose, &begins).map_or(begins, |pose| at(&pose));
         if block.foundation == Foundation::Rigid && goes_on.regime == Regime::FullContact {
             lean(&mut goes_on, initial);
             begins = goes_on;

@@ -64,7 +64,7 @@ impl<const N: usize> Limits<N> {
         let work_weight = allowed / ((i0 + r0 * r0) * alpha * p);
         let of_motion = [rocking * allowed, allowed, vertical * upright, upright, p * across, across];
         let weights = State::from(std::array::from_fn(|i| *of_motion.get(i).unwrap_or(&work_weight)));
-        let restrained = if mode.is_extended() { restraints::fastest(block) } else { 0.0 };
+        let restrained = if mode.integrates_u() { restraints::fastest(block) } else { 0.0 };
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(restrained);
         Limits { weights, work_weight, longest, short_fraction: if tolerance >= LOOSE { 1.0 } else { SHORT_FRACTION } }
     }

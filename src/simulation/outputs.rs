@@ -70,7 +70,8 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     support_heights: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
-    let Strain { reaction, horizontal, uplift, friction_demand } = strain(body, regime, x, support_heights);
+    let PeakQuantities { reaction, horizontal, uplift, friction_demand } =
+        peak_quantities(body, regime, x, support_heights);
     let power = x.powers(body, regime, forcing);
     let [friction_power, restraint_power @ ..] = forces::dissipated(body, &forcing, x).map(|power| power * body.mass);
     Observation {
@@ -99,7 +100,7 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
 }
 
 /// The observed quantities besides θ that have peaks, in the units of [`Observation`].
-pub struct Strain<T> {
+pub struct PeakQuantities<T> {
     /// Vertical reactions.
     pub reaction: [T; 2],
     /// Horizontal reaction.
@@ -112,16 +113,16 @@ pub struct Strain<T> {
 
 /// Returns these quantities; `support_heights` are the heights of the supports.
 #[inline(always)]
-pub fn strain<P: Scalar, T: CombinesWith<P>>(
+pub fn peak_quantities<P: Scalar, T: CombinesWith<P>>(
     body: &Body<P>,
     regime: Regime,
     x: &Instant<T>,
     support_heights: [T; 2],
-) -> Strain<T> {
+) -> PeakQuantities<T> {
     let [left, right] = x.reaction;
     let reaction = [left * body.mass, right * body.mass];
     let horizontal = x.horizontal * body.mass;
-    Strain {
+    PeakQuantities {
         reaction,
         horizontal,
         // No closure: it would not be inlined into the lanes, and compiled without their vectors.

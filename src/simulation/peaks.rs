@@ -8,7 +8,7 @@ use crate::block::{Body, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
-use crate::simulation::outputs::{Observation, Strain, strain};
+use crate::simulation::outputs::{Observation, PeakQuantities, peak_quantities};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
 
@@ -306,7 +306,8 @@ where
         let [left, right] = self.support_heights;
         let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         let x = self.with_rates(self.forcing_rate());
-        let Strain { reaction, horizontal, uplift, friction_demand } = strain(self.body, self.regime, &x, tops);
+        let PeakQuantities { reaction, horizontal, uplift, friction_demand } =
+            peak_quantities(self.body, self.regime, &x, tops);
         Channels {
             theta: sample(x.theta),
             reaction: [sample(reaction[0]), sample(reaction[1])],

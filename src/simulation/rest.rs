@@ -5,7 +5,7 @@ use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
 use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
-use crate::simulation::outputs::strain;
+use crate::simulation::outputs::peak_quantities;
 use crate::simulation::state::RunState;
 use crate::simulation::step::{StepsInput, StepsOutcome};
 use crate::simulation::swings::longest_swing;
@@ -108,7 +108,7 @@ impl RunState {
     /// Stays at rest while the excitation changes linearly, if no corner lifts before the end. Returns whether it did. Reactions are
     /// linear, too, and the friction demand, their quotient, has its peak at an end.
     #[inline(always)]
-    pub(super) fn stays_upright(
+    pub(super) fn rest_under_ramp(
         &mut self,
         mode: impl MotionMode,
         input: &StepsInput,
@@ -118,18 +118,18 @@ impl RunState {
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
         let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
-        let strain_at = |time: f64| {
+        let quantities_at = |time: f64| {
             instant_of(block, mode.foundation(), mode.regime(), state.0, footing, excitation.at(time), |x| {
                 let [left, right] = x.reaction;
-                (left > pressed && right > pressed).then(|| strain(block, mode.regime(), &x, [0.0; 2]))
+                (left > pressed && right > pressed).then(|| peak_quantities(block, mode.regime(), &x, [0.0; 2]))
             })
         };
-        let (here, there) = (strain_at(time), strain_at(stop));
+        let (here, there) = (quantities_at(time), quantities_at(stop));
         let (Some(here), Some(there)) = (here, there) else { return Ok(false) };
         input.spend(budget, time, longest_swing(block.p, 0.0))?;
         self.peaks.raise_forces(|forces| {
-            forces.include_strain(&here);
-            forces.include_strain(&there);
+            forces.include_quantities(&here);
+            forces.include_quantities(&there);
         });
         self.counts.evaluations += 1;
         self.counts.steps += 1;
@@ -152,7 +152,7 @@ impl RunState {
     ///
     /// Returns `None` if that is unclear of the first interval, with the budget spent; later ones are left to the caller.
     #[inline(never)]
-    pub(super) fn stays_under_pulse<'a>(
+    pub(super) fn rest_under_pulse<'a>(
         &mut self,
         mode: impl MotionMode,
         input: &StepsInput<'a>,

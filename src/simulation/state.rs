@@ -94,7 +94,7 @@ pub(super) struct RunState {
 pub(super) struct Pending {
     pub(super) function: EventFunction,
     /// Beginning of the smooth piece of the excitation that leads to the event (s). A piece that ends at the event still acts.
-    pub(super) piece: f64,
+    pub(super) piece_start: f64,
 }
 
 impl RunState {
@@ -124,7 +124,10 @@ impl Simulation {
             && self.run.slip.total.is_finite()
             && self.run.plastic_paths.iter().all(|path| path.is_finite())
             && self.run.ending.is_none_or(|(_, time)| time.is_finite())
-            && self.run.pending.is_none_or(|pending| pending.piece.is_finite() && pending.function.is_of(self.block()))
+            && self
+                .run
+                .pending
+                .is_none_or(|pending| pending.piece_start.is_finite() && pending.function.is_of(self.block()))
             && piece.and_then(|piece| piece.foreseen).is_none_or(|foreseen| foreseen.function.is_of(self.block()))
             && sums.is_finite()
             && others.into_iter().all(f64::is_finite)
@@ -266,19 +269,19 @@ impl Simulation {
     /// The observed quantities right after these inputs begin to act. A corner that the rigid base would have to pull has lifted. The next
     /// step counts that event.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
-        let seen = self.shown(inputs, |now| now.observe());
+        let seen = self.inspect_after_jump(inputs, |now| now.observe());
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
     /// Whether the foot slides right after these inputs have begun to act. The next step counts the event.
     pub fn slides_under(&self, inputs: &Inputs) -> bool {
         let slides = |now: &Evaluation| !now.footing.grips() && now.regime != Regime::Separated;
-        !self.is_frozen() && self.shown(inputs, slides)
+        !self.is_frozen() && self.inspect_after_jump(inputs, slides)
     }
 
     /// [`Simulation::observe`] with the exact rates of change along the motion in the dual parts.
     pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
-        let seen = self.shown(inputs, |now| now.observe_rates());
+        let seen = self.inspect_after_jump(inputs, |now| now.observe_rates());
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
@@ -287,7 +290,7 @@ impl Simulation {
     pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
         let time = if self.run.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(direction, time);
-        let seen = self.shown(inputs, |now| now.observe_direction(direction, time));
+        let seen = self.inspect_after_jump(inputs, |now| now.observe_direction(direction, time));
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
@@ -300,14 +303,14 @@ impl Simulation {
     }
 
     /// Passes the block right after these inputs have begun to act to `inspect`.
-    pub(super) fn shown<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
+    pub(super) fn inspect_after_jump<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
         let (block, pose) = (self.block(), &self.run.pose);
         let excitation = self.excitation(inputs);
         let mut now = self.run.now(block, &excitation);
         if let Some((_, ended)) = self.run.ending {
             // Under a block that is held the supports are, too.
             now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
-        } else if let Some(released) = self.setup.system.released(pose, &now) {
+        } else if let Some(released) = self.setup.system.pose_after_jump(pose, &now) {
             now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
         }
         inspect(&now)
@@ -325,7 +328,7 @@ impl Simulation {
         if self.is_frozen() {
             return Energies::default();
         }
-        self.shown(inputs, |now| {
+        self.inspect_after_jump(inputs, |now| {
             let block = now.body;
             let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
             let [kinetic, potential] = [kinetic.eps, potential.eps].map(|energy| energy * block.mass);

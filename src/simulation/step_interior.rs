@@ -61,18 +61,18 @@ fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, du
 
 /// Whether an event function may fall through zero between two instants.
 #[inline(always)]
-pub(super) fn may_hold_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
+pub(super) fn may_contain_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
     let may_fall = |function: EventFunction| {
         let start = function.sample_on(mode.foundation(), here);
         let end = function.sample_on(mode.foundation(), there);
         may_fall(mode, start, end, rounding(mode, function, here.body, [start, end]), there.time - here.time)
     };
     watched(mode).into_iter().flatten().any(may_fall)
-        || (!mode.is_static() && may_hold_extended_event(mode, here, there))
+        || (!mode.is_static() && may_contain_extended_event(mode, here, there))
 }
 
 #[inline(never)]
-fn may_hold_extended_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
+fn may_contain_extended_event(mode: impl MotionMode, here: &Evaluation, there: &Evaluation) -> bool {
     extended_event_functions(mode, here.body).into_iter().flatten().any(|function| {
         let (start, end) = (function.sample(here), function.sample(there));
         roots::may_fall(start, end, function.rounding(here.body), there.time - here.time)

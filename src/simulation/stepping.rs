@@ -10,9 +10,10 @@ use crate::simulation::peaks::greater;
 use crate::simulation::state::RunState;
 use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
 use crate::simulation::step_interior::{
-    Between, EventCrossing, MAX_TURN, SMALL_TURN, StepInterior, event_time, first_event, may_hold_event, turn_in_flight,
+    Between, EventCrossing, MAX_TURN, SMALL_TURN, StepInterior, event_time, first_event, may_contain_event,
+    turn_in_flight,
 };
-use crate::system::evaluation::{DAMPED, EXTENDED, Evaluation, Motion};
+use crate::system::evaluation::{DAMPED, Evaluation, Motion, WITH_WORKS};
 use crate::system::events::EventFunction;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
@@ -58,7 +59,7 @@ impl RunState {
         let mode = AnyMode::of(block, &self.pose);
         match mode.extended() {
             Some(mode) if block.restraints.has_dampers() => self.steps_under::<DAMPED>(mode, input, None, budget),
-            Some(mode) => self.steps_under::<EXTENDED>(mode, input, None, budget),
+            Some(mode) => self.steps_under::<WITH_WORKS>(mode, input, None, budget),
             None => {
                 let made = if let FirstStep::Made(step) = input.first { Some(step) } else { None };
                 dispatch_mode!(mode, mode => self.steps_under::<4>(mode, input, made, budget))
@@ -82,7 +83,7 @@ impl RunState {
             return self.swings(mode, pivot, input, budget);
         }
         let steady = excitation.is_constant();
-        if mode.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(mode, input, budget)? {
+        if mode.is_at_rest() && excitation.is_linear() && !steady && self.rest_under_ramp(mode, input, budget)? {
             return Ok(StepsOutcome::Lasts);
         }
         // After an event the block is evaluated again instead of copied. The count of evaluations leaves this one out.
@@ -92,14 +93,14 @@ impl RunState {
         let may_have_fallen = mode.foundation() == Foundation::Rigid || mode.has_friction();
         if input.begins_piece
             && may_have_fallen
-            && let Some(function) = setup.system.fallen(&here)
+            && let Some(function) = setup.system.crossed_by_jump(&here)
         {
             return Ok(StepsOutcome::Event(function, here));
         }
         if mode.is_at_rest()
             && !excitation.is_linear()
             && excitation.has_series()
-            && let Some(outcome) = self.stays_under_pulse(mode, input, budget)?
+            && let Some(outcome) = self.rest_under_pulse(mode, input, budget)?
         {
             return Ok(outcome);
         }
@@ -156,7 +157,7 @@ impl RunState {
     /// Whether a short step may end at `stop`; never in modes with a held corner or with works of friction and restraints.
     #[inline(always)]
     fn short_step_to<const N: usize>(&self, stop: f64, mode: impl MotionMode, limits: &Limits<N>) -> ShortStepTo {
-        if mode.held().is_some() || mode.is_extended() {
+        if mode.held().is_some() || mode.integrates_u() {
             return ShortStepTo::TooFar;
         }
         self.control.short_step(stop - self.pose.time, limits.longest)
@@ -185,7 +186,7 @@ impl RunState {
             self.control.reject_short(size, factor);
             return false;
         }
-        if may_hold_event(motion.mode(), here, &there) {
+        if may_contain_event(motion.mode(), here, &there) {
             return false;
         }
         let [start, end] = self.peaks.channels_at_ends(here, &there, near_a_peak(size, limits.longest));

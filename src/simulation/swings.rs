@@ -85,14 +85,14 @@ impl ActingSwing<'_> {
 }
 
 /// A swing up to a fraction of it.
-struct SwingPart<'a>(ActingSwing<'a>, f64);
+struct SwingForces<'a>(ActingSwing<'a>, f64);
 
-impl ForceSegment for SwingPart<'_> {
+impl ForceSegment for SwingForces<'_> {
     type Pair = Pair;
 
     #[inline(always)]
     fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
-        let SwingPart(acting, fraction) = self;
+        let SwingForces(acting, fraction) = self;
         if runs {
             peaks.include(true, acting.mass, acting.forces_at(place * fraction));
             peaks.evaluations += 1.0;
@@ -172,7 +172,7 @@ impl RunState {
                 self.commit_swing(end, state, swing.work(fraction), block);
             } else {
                 let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
-                if begins_piece && let Some(function) = setup.system.fallen(&here) {
+                if begins_piece && let Some(function) = setup.system.crossed_by_jump(&here) {
                     self.counts.steps -= 1;
                     return Ok(StepsOutcome::Event(function, here));
                 }
@@ -220,7 +220,7 @@ impl RunState {
         }
         let with_end = lift_off != Zero::None || !next_is_swing;
         self.counts.evaluations += self.peaks.raise_forces(|peaks| {
-            peaks.raise(true, &SwingPart(*acting, fraction), &forces, [mass, visible], with_end);
+            peaks.raise(true, &SwingForces(*acting, fraction), &forces, [mass, visible], with_end);
         });
         lift_off
     }

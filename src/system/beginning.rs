@@ -50,7 +50,7 @@ where
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = PoseUpdate::begin(self, &pose, excitation);
         change.grip_at_start(&mut placement);
-        let _ = change.settle(contacts.regime(), placement);
+        let _ = change.resolve_regime(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);
         change.pose
     }

@@ -67,12 +67,12 @@ pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
     restraints: States<T>,
 }
 
-/// Number of quantities integrated under an [extended](MotionMode::EXTENDED) mode. They are `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// Number of quantities integrated under an [extended](MotionMode::INTEGRATES_U) mode. They are `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
 /// [dissipative](forces::dissipated) forces since the beginning of the step, the dampers' last.
 pub const DAMPED: usize = 6 + forces::DISSIPATIVE;
 
 /// Number of these of a block without dampers: that of a vector of the processor.
-pub const EXTENDED: usize = DAMPED - 1;
+pub const WITH_WORKS: usize = DAMPED - 1;
 
 impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
     /// Returns the motion of a block from a pose on.
@@ -310,7 +310,7 @@ pub fn rate<R: Scalar>(
 #[inline(always)]
 fn rate_of<R: Scalar>(mode: impl MotionMode, body: &Body<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
     // `Footing::free_work` is the horizontal part of the work on a free block.
-    let closed = !mode.grips() && !mode.is_extended();
+    let closed = !mode.grips() && !mode.integrates_u();
     let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
     Rate {
         state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),

@@ -25,7 +25,7 @@ pub trait MotionMode: Copy {
 
     /// Whether the horizontal motion is integrated, with the works of friction and restraints. It is for a foot that slides against
     /// friction, and for a block with restraints.
-    const EXTENDED: bool = false;
+    const INTEGRATES_U: bool = false;
 
     /// The corner of the rigid base about which the block turns. Only its weight and the excitation act.
     #[inline(always)]
@@ -48,10 +48,10 @@ pub trait MotionMode: Copy {
         Self::STATIC
     }
 
-    /// [`MotionMode::EXTENDED`], as a value.
+    /// [`MotionMode::INTEGRATES_U`], as a value.
     #[inline(always)]
-    fn is_extended(self) -> bool {
-        Self::EXTENDED
+    fn integrates_u(self) -> bool {
+        Self::INTEGRATES_U
     }
 
     /// Whether friction is limited.
@@ -75,9 +75,9 @@ pub trait MotionMode: Copy {
     }
 }
 
-/// A mode known at run time; if `EXTENDED`, the horizontal motion is integrated too.
+/// A mode known at run time; if `INTEGRATES_U`, the horizontal motion is integrated too.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AnyMode<const EXTENDED: bool = false> {
+pub struct AnyMode<const INTEGRATES_U: bool = false> {
     regime: Regime,
     foundation: Foundation,
     grips: bool,
@@ -114,9 +114,9 @@ impl AnyMode {
     }
 }
 
-impl<const EXTENDED: bool> MotionMode for AnyMode<EXTENDED> {
+impl<const INTEGRATES_U: bool> MotionMode for AnyMode<INTEGRATES_U> {
     const STATIC: bool = false;
-    const EXTENDED: bool = EXTENDED;
+    const INTEGRATES_U: bool = INTEGRATES_U;
 
     #[inline(always)]
     fn regime(self) -> Regime {

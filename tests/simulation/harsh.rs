@@ -393,6 +393,6 @@ fn setting_the_clock_back_after_a_lift_off_changes_no_event() {
             }
         }
         simulation.advance_to_event(4.0, time, &inputs, &mut |_| ()).unwrap();
-        simulation.settle(&inputs, &mut |_| ()).unwrap();
+        simulation.apply_pending_event(&inputs, &mut |_| ()).unwrap();
     }
 }

@@ -391,7 +391,7 @@ fn the_energy_of_the_constraint_is_that_of_the_horizontal_motion() {
         }
         let before = (seen(&simulation), simulation.energies().kinetic);
         let mut events = Vec::new();
-        simulation.settle(&inputs, &mut |event| events.push(*event)).unwrap();
+        simulation.apply_pending_event(&inputs, &mut |event| events.push(*event)).unwrap();
         expected += simulation.energies().kinetic - before.1;
         match events[0].kind {
             EventKind::LiftOff(_) => kinds[0] += 1,

@@ -348,8 +348,8 @@ fn event_functions_have_their_rates() {
         let standing = pose.contacts.regime() != Regime::Separated;
         if standing && !pose.footing.grips() && !(block.foundation == Foundation::Rigid && now.regime.pivot().is_none())
         {
-            let slide = EventFunction::Slide.sample(&now);
-            check("slide", at, slide.rate, 1e-2 * block.gravity, |now| EventFunction::Slide.sample(now).value);
+            let slide = EventFunction::GripPressure.sample(&now);
+            check("slide", at, slide.rate, 1e-2 * block.gravity, |now| EventFunction::GripPressure.sample(now).value);
         }
     }
 }
@@ -383,7 +383,7 @@ fn the_pressure_if_gripped_is_that_after_the_impulse() {
         let least = least.fold(f64::INFINITY, f64::min);
         let found = pressure_if_gripped(&block, now.regime, &x);
         assert!((found - least).abs() < 1e-12 * (block.gravity + least.abs()), "{found} and {least}, {pose:?}");
-        assert_eq!(EventFunction::Slide.sample(&now).value, -found);
+        assert_eq!(EventFunction::GripPressure.sample(&now).value, -found);
     }
 }
 

@@ -75,7 +75,7 @@ impl Follower {
         // The peaks begin with the block that a jump of the excitation has released.
         let now = follower.at(&follower.pose, &excitation);
         let start = Segment {
-            start: follower.system.released(&follower.pose, &now).unwrap_or(follower.pose),
+            start: follower.system.pose_after_jump(&follower.pose, &now).unwrap_or(follower.pose),
             start_shift: follower.shift,
             excitation,
             kind: StepKind::Stayed,
@@ -276,7 +276,7 @@ impl Follower {
         let now = self.at(&self.pose, &excitation);
         let shown = match simulation.ending() {
             Some(_) => now,
-            None => match self.system.released(&self.pose, &now) {
+            None => match self.system.pose_after_jump(&self.pose, &now) {
                 Some(released) => self.at(&released, &excitation),
                 None => now,
             },

@@ -41,7 +41,7 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
     // No command passes a pulse through a building.
-    if plan.block.is_extended() || plan.sweep.has_building() {
+    if plan.block.tracks_foot() || plan.sweep.has_building() {
         return None;
     }
     let mut line = CommandLine::new("search overturning");

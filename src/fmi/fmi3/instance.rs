@@ -112,13 +112,13 @@ impl Instance {
     /// `fmi3UpdateDiscreteStates`: applies an event.
     ///
     /// # Errors
-    /// Those of [`Unit::pass_events`](crate::unit::instance::Unit::pass_events) and [`Unit::settle`](crate::unit::instance::Unit::settle).
+    /// Those of [`Unit::pass_events`](crate::unit::instance::Unit::pass_events) and [`Unit::apply_pending_event`](crate::unit::instance::Unit::apply_pending_event).
     pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         if self.unit.interface() == Interface::ModelExchange {
             return self.new_discrete_states();
         }
         let log = &self.log;
-        self.unit.settle(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))?;
+        self.unit.apply_pending_event(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))?;
         Ok(AfterEvent { ended: self.unit.has_ended(), ..AfterEvent::default() })
     }
 

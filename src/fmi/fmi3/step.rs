@@ -160,7 +160,7 @@ impl Instance {
                 Reached::Event => {
                     step.event = version.event_mode;
                     if !version.event_mode {
-                        unit.settle(&mut tell)?;
+                        unit.apply_pending_event(&mut tell)?;
                     }
                     break;
                 }

@@ -18,7 +18,7 @@ use crate::simulation::state::RunState;
 use crate::simulation::step_interior::{Between, StepInterior};
 use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::foot_height;
-use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
+use crate::system::evaluation::{Evaluation, Motion, WITH_WORKS};
 use crate::system::events::{Event, EventFunction, ROUNDING, extended_event_functions, watched};
 use crate::system::forces::energy;
 use crate::system::instant::Pose;
@@ -205,9 +205,11 @@ impl Simulation {
         if let Some(last) = last.filter(|last| last.time < there.time) {
             let mode = AnyMode::of(block, &last);
             match mode.extended() {
-                Some(mode) => {
-                    self.run.accumulate_step::<EXTENDED>(Motion::under(mode, block, &last, &excitation), &last, &there)
-                }
+                Some(mode) => self.run.accumulate_step::<WITH_WORKS>(
+                    Motion::under(mode, block, &last, &excitation),
+                    &last,
+                    &there,
+                ),
                 None => self.run.accumulate_step::<4>(Motion::under(mode, block, &last, &excitation), &last, &there),
             }
         }
@@ -274,7 +276,7 @@ impl Simulation {
             };
             let Sample { value, rate } = function.sample(now);
             let rateless = rate.abs() <= NO_RATE * function.rounding(now.body) * now.body.p;
-            let jumps = (function, now.body.foundation) == (EventFunction::Slide, Foundation::Rigid);
+            let jumps = (function, now.body.foundation) == (EventFunction::GripPressure, Foundation::Rigid);
             let follows = function.follows_from_state(now.body.foundation) && !jumps;
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })

@@ -61,7 +61,7 @@ impl<V: Simd> ForcePair for Pairs<V> {
 }
 
 /// Swings up to a fraction, and the forces that act on them.
-pub struct SwingSegments<'a, V: Simd> {
+pub struct LaneSwingForces<'a, V: Simd> {
     pub pivoting: &'a Pivoting<Wide<V>>,
     pub mass: Wide<V>,
     pub excitation: &'a Excitation<Wide<V>>,
@@ -70,7 +70,7 @@ pub struct SwingSegments<'a, V: Simd> {
     pub fraction: Wide<V>,
 }
 
-impl<V: Simd> ForceSegment for SwingSegments<'_, V> {
+impl<V: Simd> ForceSegment for LaneSwingForces<'_, V> {
     type Pair = Pairs<V>;
 
     #[inline(always)]

@@ -46,7 +46,7 @@ pub struct Lane {
     /// Requested time or the next kink of the excitation, whichever is first (s).
     stop: f64,
     /// Time at which the piece that ends there begins (s).
-    since: f64,
+    piece_start: f64,
     /// Whether nothing but horizontal and vertical accelerations acts.
     without_moment: bool,
     /// The pulse that acts, unless it is constant.
@@ -93,7 +93,7 @@ impl Lane {
             simulation,
             until: time,
             stop: time,
-            since: time,
+            piece_start: time,
             without_moment: false,
             wave: None,
             longest_under_pulse: f64::INFINITY,
@@ -127,7 +127,7 @@ impl Lane {
         let Simulation { setup, run: RunState { pose, counts, .. } } = &mut self.simulation;
         let Setup { pulse, system: System { block, .. }, .. } = &*setup;
         self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
-        self.since = pose.time;
+        self.piece_start = pose.time;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let wave = if on_supports && inputs.is_ground_motion() && !pulse.acts_at(pose.time) {
             self.without_moment = true;
@@ -214,11 +214,11 @@ impl Lane {
     /// The solver cannot go on: see [`SimulationError`].
     pub fn step_alone(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let single = self.mode.is_some();
-        let Lane { simulation, stop, since, attempt, next, swing, budget, .. } = self;
+        let Lane { simulation, stop, piece_start, attempt, next, swing, budget, .. } = self;
         let Simulation { setup, run } = simulation;
         let block = &setup.system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
-        let excitation = if on_supports { setup.excitation(*since, inputs) } else { swing.excitation };
+        let excitation = if on_supports { setup.excitation(*piece_start, inputs) } else { swing.excitation };
         let outcome = if let NextStep::Landing(pivot) = *next {
             Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), run.now(block, &excitation)))
         } else {
@@ -237,7 +237,7 @@ impl Lane {
         if on_supports {
             self.transposed.read(&self.simulation, &self.limits)
         } else {
-            self.swing.turn(&self.simulation)
+            self.swing.set_pivot(&self.simulation)
         }
         done
     }

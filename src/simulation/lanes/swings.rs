@@ -8,7 +8,7 @@ use crate::numerics::control::is_resolved;
 use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{ForcePeaks, PRESSED, visible};
-use crate::simulation::lanes::force_peaks::SwingSegments;
+use crate::simulation::lanes::force_peaks::LaneSwingForces;
 use crate::simulation::lanes::{BatchKind, Lane, NextStep};
 use crate::simulation::swings::{UPRIGHT, allowed_error, longest_swing};
 use crate::system::instant::State;
@@ -42,13 +42,13 @@ impl LaneSwing {
             away: 0.0,
             visible: visible(simulation.setup.settings.tolerance),
         };
-        swing.turn(simulation);
+        swing.set_pivot(simulation);
         swing
     }
 
     /// Adopts the pivot of a run.
     #[inline]
-    pub fn turn(&mut self, simulation: &Simulation) {
+    pub fn set_pivot(&mut self, simulation: &Simulation) {
         if let Some(pivot) = simulation.run.pose.contacts.regime().pivot() {
             (self.offset, self.away) = (simulation.block().offset(pivot), -pivot.sign());
         }
@@ -155,7 +155,7 @@ impl Task for GroupSwing<'_> {
         let others = taken.except(peaks.are_above(bounds.reaction, bounds.horizontal, [mass, pivoting.gravity]));
         if others.any() {
             let segments =
-                SwingSegments { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, fraction };
+                LaneSwingForces { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, fraction };
             let (forces, pressed) = (swings.forces(fraction, pivoting.gravity), pivoting.gravity * PRESSED);
             let mut holds = others;
             for &[n, _] in forces.coefficients() {
@@ -216,7 +216,7 @@ impl<V: Simd> Ends<V> {
         }
         let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
         if turned.any() {
-            is_decided = is_decided.except(turned.except(swings.stays_upright(away)));
+            is_decided = is_decided.except(turned.except(swings.excludes_quarter_turn(away)));
         }
         Ends { lands, fraction, is_decided }
     }

@@ -145,7 +145,7 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
     }
 
     /// Lets the foot grip, with the velocities of a placement that suits it.
-    pub(super) fn hold(&mut self, placement: &Placement<T>) -> TransitionCounts {
+    pub(super) fn grip_at(&mut self, placement: &Placement<T>) -> TransitionCounts {
         self.path.push(self.regime());
         self.grip_here(placement)
     }

@@ -43,7 +43,7 @@ where
         both.velocities = velocities;
         both.corners = [(both.corners[0].0, rates[0]), (both.corners[1].0, rates[1])];
         *self = landed;
-        Ok(TransitionCounts::impacts(2) + self.stand(&mut both) + self.settle(Regime::FullContact, both))
+        Ok(TransitionCounts::impacts(2) + self.stand(&mut both) + self.resolve_regime(Regime::FullContact, both))
     }
 
     /// Whether, in flight, the gap under this corner is closed to round-off and closing.
@@ -80,10 +80,10 @@ where
         placement.corners[i].1 = after;
         let mut before = regime;
         if flying {
-            counts += self.hold(&placement);
+            counts += self.grip_at(&placement);
             before = self.regime();
         }
-        counts + self.settle(before, placement)
+        counts + self.resolve_regime(before, placement)
     }
 
     /// Returns the vertical rate of a corner after its landing from flight (m/s). Its support moves at `support` (m/s).
@@ -173,7 +173,7 @@ where
             if stands {
                 self.pose.contacts.set(corner, Contact::Bearing);
             } else {
-                self.lift(corner);
+                self.mark_lifted(corner);
             }
             if let Some(rate) = rate {
                 placement.corners[corner.index()] = (T::from(0.0), rate);
@@ -188,6 +188,6 @@ where
             }
             Regime::TiltingLeft | Regime::TiltingRight => counts += self.stand(&mut placement),
         }
-        counts + self.settle_on_rigid_base().1
+        counts + self.resolve_regime_on_rigid_base().1
     }
 }

@@ -133,7 +133,7 @@ where
             }
         }
         if now.body.foundation == Foundation::Rigid {
-            counts += self.settle_under_friction().1;
+            counts += self.resolve_regime_under_friction().1;
         }
         (if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }, counts)
     }
@@ -144,14 +144,14 @@ where
             self.place(placement);
             self.apply_friction(placement)
         } else {
-            self.hold(placement)
+            self.grip_at(placement)
         }
     }
 
     /// Keeps the horizontal position of a gripping block where it has an effect. It does with restraints, friction or an eccentric centre
     /// of mass.
     pub(super) fn place_foot(&mut self, placement: &Placement<T>) -> TransitionCounts {
-        if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
+        if self.system.block.tracks_foot() && self.pose.footing.grips() && self.regime() != Regime::Separated {
             self.grip_here(placement)
         } else {
             TransitionCounts::NONE
@@ -160,7 +160,7 @@ where
 
     /// Takes horizontal position and velocity of a gripping foot at the beginning.
     pub(in crate::system) fn grip_at_start(&self, placement: &mut Placement<T>) {
-        if self.system.block.is_extended() && self.regime() != Regime::Separated {
+        if self.system.block.tracks_foot() && self.regime() != Regime::Separated {
             let now = self.now();
             (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
         }

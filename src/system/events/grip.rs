@@ -76,7 +76,7 @@ where
     pub(super) fn grip_from(&mut self, mut placement: Placement<T>) -> TransitionCounts {
         let before = self.regime();
         match self.system.block.foundation {
-            Foundation::Viscoelastic => self.grip(&mut placement) + self.settle(before, placement),
+            Foundation::Viscoelastic => self.grip(&mut placement) + self.resolve_regime(before, placement),
             Foundation::Rigid => self.grip_rigid_base(placement),
         }
     }
@@ -86,7 +86,7 @@ where
         let block = &self.system.block;
         let velocities = impact::grip(block, self.regime(), placement.theta, placement.velocities);
         placement.set_velocities(block, velocities);
-        self.hold(placement)
+        self.grip_at(placement)
     }
 
     fn grip_rigid_base(&mut self, placement: Placement<T>) -> TransitionCounts {

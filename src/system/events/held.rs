@@ -59,21 +59,21 @@ where
 
     /// Lifts the held corner, since the standing one stopped and no longer presses it back. The standing one grips, or slides on.
     pub(super) fn stop_standing_corner(&mut self, held: &Held<T>, now: &Evaluation<T>) -> TransitionCounts {
-        let placement = Placement::of(&now.instant).with_pivot_held(now.body, held.corner.other());
-        self.take_off(held.corner, &placement) + self.settle(Regime::FullContact, placement)
+        let placement = Placement::of(&now.instant).with_pivot_constraint(now.body, held.corner.other());
+        self.lift_off_support(held.corner, &placement) + self.resolve_regime(Regime::FullContact, placement)
     }
 
     /// Handles two corners without load, so that nothing holds the block horizontally. The paper's analysis ends here.
     pub(super) fn lose_support(&mut self, x: &Instant<T>) -> (Release, TransitionCounts) {
         let (placement, mut counts) = (Placement::of(x), TransitionCounts::NONE);
         if self.system.flies && self.system.block.friction.value() == 0.0 {
-            self.release(x);
+            self.free_horizontally(x);
         } else {
             for corner in Corner::BOTH {
-                counts += self.take_off(corner, &placement);
+                counts += self.lift_off_support(corner, &placement);
             }
         }
-        counts += self.settle(Regime::FullContact, placement);
+        counts += self.resolve_regime(Regime::FullContact, placement);
         (if self.regime() == Regime::FullContact { Release::Slides } else { Release::Lifts }, counts)
     }
 }

@@ -55,7 +55,7 @@ where
         placement.velocities.u_dot =
             impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
         let gained = placement.velocities.kinetic(block) - before.kinetic(block);
-        counts + TransitionCounts::constraint(gained.value()) + self.settle(regime, placement)
+        counts + TransitionCounts::constraint(gained.value()) + self.resolve_regime(regime, placement)
     }
 
     /// Lands `corner` with friction, also from flight. A horizontal impulse within its limit slows the foot of the regime after it.
@@ -81,7 +81,7 @@ where
             placement.corners[i].1 = rate;
             counts += TransitionCounts::impacts(1);
         }
-        counts + self.settle(regime, placement)
+        counts + self.resolve_regime(regime, placement)
     }
 
     /// Returns a corner's rate after a landing (m/s). It is that of its support if the corner would leave it hardly faster.

@@ -88,14 +88,14 @@ where
         now: &Evaluation<T>,
     ) -> (Release, TransitionCounts) {
         match self.system.block.foundation {
-            Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
-            Foundation::Rigid => self.leave_rigid_base(corner, now),
+            Foundation::Viscoelastic => self.unload_support(corner, was_held, now),
+            Foundation::Rigid => self.unload_rigid_base(corner, now),
         }
     }
 
-    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> (Release, TransitionCounts) {
+    fn unload_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> (Release, TransitionCounts) {
         let x = &now.instant;
-        let opens = self.lets_go(corner, x.corner_dot[corner.index()], now);
+        let opens = self.gap_would_open(corner, x.corner_dot[corner.index()], now);
         match self.regime() {
             Regime::FullContact => {
                 let other_is_held = self.pose.contacts.held() == Some(corner.other());
@@ -110,34 +110,34 @@ where
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
                 if !opens && self.system.block.friction.value() == 0.0 =>
             {
-                self.release(x);
+                self.free_horizontally(x);
                 return (Release::Slides, TransitionCounts::NONE);
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => {}
         }
         let (before, placement) = (self.regime(), Placement::of(x));
-        (Release::Lifts, self.take_off(corner, &placement) + self.settle(before, placement))
+        (Release::Lifts, self.lift_off_support(corner, &placement) + self.resolve_regime(before, placement))
     }
 
     /// Whether the gap under `corner`, which no longer bears anything, would open.
     ///
     /// It always does for a foot without horizontal force, and for the last corner in the paper's analysis, which ends there.
-    pub(super) fn lets_go(&self, corner: Corner, corner_dot: T, now: &Evaluation<T>) -> bool {
+    pub(super) fn gap_would_open(&self, corner: Corner, corner_dot: T, now: &Evaluation<T>) -> bool {
         let last = !now.regime.touches(corner.other());
         let is_free = matches!(self.pose.footing, Footing::Free { .. });
         is_free || (last && !self.system.flies) || gap_opening(now, corner, corner_dot).value() >= 0.0
     }
 
     /// Lifts `corner` off its support, which creeps back from now on.
-    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement<T>) -> TransitionCounts {
+    pub(super) fn lift_off_support(&mut self, corner: Corner, placement: &Placement<T>) -> TransitionCounts {
         self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, placement.corners[corner.index()].0)));
         TransitionCounts::LIFTOFF
     }
 
     /// Lets `corner` leave the rigid base, and the other one rather than be pulled.
-    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
-        let (first, of_first) = self.let_go(corner, now);
-        let (last, of_others) = self.settle_on_rigid_base();
+    pub(super) fn unload_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
+        let (first, of_first) = self.unload_rigid_corner(corner, now);
+        let (last, of_others) = self.resolve_regime_on_rigid_base();
         let release = match last {
             Some(Release::Lifts) => Release::Lifts,
             Some(Release::Slides | Release::Held) | None => first,
@@ -149,21 +149,21 @@ where
     /// hold.
     ///
     /// The paper's analysis ends when the last corner bears nothing.
-    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
+    pub(super) fn unload_rigid_corner(&mut self, corner: Corner, now: &Evaluation<T>) -> (Release, TransitionCounts) {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
         let holds = self.pose.footing.grips() && self.system.block.friction.value() == 0.0;
         if last && self.system.flies && holds && acceleration_if_let_go(now, corner).value() < 0.0 {
-            self.release(x);
+            self.free_horizontally(x);
             return (Release::Slides, TransitionCounts::NONE);
         }
-        self.lift(corner);
+        self.mark_lifted(corner);
         self.continue_from(&Placement::of(x));
         (Release::Lifts, TransitionCounts::LIFTOFF)
     }
 
     /// Marks `corner` as lifted off the rigid base.
-    pub(super) fn lift(&mut self, corner: Corner) {
+    pub(super) fn mark_lifted(&mut self, corner: Corner) {
         self.pose.contacts.set(corner, Contact::Lifted(Creep::default()));
     }
 }

@@ -63,7 +63,7 @@ pub enum EventFunction {
     Unloaded(Corner),
     /// The distance of a sliding foot from being pressed on if it gripped (m/s²). On supports see [`grip::pressure_if_gripped`]; on the
     /// rigid base it is p times the vertical rate with which gripping would throw the corner up.
-    Slide,
+    GripPressure,
     /// The distance of H, which pushes the foot, from its limit `μ N` (m/s²). From L it pushes to the right, from R to the left.
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
@@ -82,7 +82,7 @@ pub enum EventFunction {
 #[inline(always)]
 pub fn watched(mode: impl MotionMode) -> [Option<EventFunction>; 4] {
     use Corner::{Left, Right};
-    use EventFunction::{Gap, Held, QuarterTurn, Reaction, Slide, Unloaded};
+    use EventFunction::{Gap, GripPressure, Held, QuarterTurn, Reaction, Unloaded};
     let (left, right, contact) = match (mode.regime(), mode.held()) {
         (Regime::FullContact, None) => (Reaction(Left), Reaction(Right), None),
         (Regime::FullContact, Some(Left)) => (Held(Left), Reaction(Right), Some(Unloaded(Left))),
@@ -95,7 +95,7 @@ pub fn watched(mode: impl MotionMode) -> [Option<EventFunction>; 4] {
         Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !mode.grips() && !mode.has_friction(),
         Regime::Separated => false,
     };
-    [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
+    [Some(left), Some(right), Some(QuarterTurn), if slides { Some(GripPressure) } else { contact }]
 }
 
 /// Returns the event functions of friction and restraints. Two of the foot come before those of the restraints.
@@ -147,7 +147,7 @@ impl EventFunction {
             EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner),
             EventFunction::Held(corner) => held::pressed_on(at, corner),
             EventFunction::Unloaded(corner) => held::unloading(at, corner),
-            EventFunction::Slide => grip::slide(at),
+            EventFunction::GripPressure => grip::slide(at),
             EventFunction::Friction(push) => friction::margin(at, push),
             EventFunction::Speed => friction::speed(at),
             EventFunction::StandingSlide => held::standing_slide(at),
@@ -163,7 +163,7 @@ impl EventFunction {
             EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
             EventFunction::Held(corner) => held::pressed_on(at, corner).value,
             EventFunction::Unloaded(corner) => held::unloading(at, corner).value,
-            EventFunction::Slide => grip::distance(at.body, at.regime, &at.instant),
+            EventFunction::GripPressure => grip::distance(at.body, at.regime, &at.instant),
             EventFunction::Friction(push) => friction::distance(at.body, &at.instant, push),
             EventFunction::Speed => friction::speed(at).value,
             EventFunction::StandingSlide => held::standing_slide(at).value,
@@ -178,7 +178,10 @@ impl EventFunction {
     /// of inputs' rates.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
-            EventFunction::Gap(_) | EventFunction::Slide | EventFunction::Speed | EventFunction::StandingSlide => true,
+            EventFunction::Gap(_)
+            | EventFunction::GripPressure
+            | EventFunction::Speed
+            | EventFunction::StandingSlide => true,
             EventFunction::Restraint(function) => function.follows_from_state(),
             EventFunction::Reaction(_) => match foundation {
                 Foundation::Viscoelastic => true,
@@ -204,7 +207,7 @@ impl EventFunction {
                 lift_off::rounding(body)
             }
             EventFunction::Gap(_) => landing::rounding(body),
-            EventFunction::Slide => grip::rounding(body),
+            EventFunction::GripPressure => grip::rounding(body),
             EventFunction::Friction(_) => friction::margin_rounding(body),
             EventFunction::Speed | EventFunction::StandingSlide => friction::speed_rounding(body),
             EventFunction::Restraint(function) => ROUNDING * function.size(body),
@@ -258,7 +261,7 @@ where
                 };
                 (Some(EventKind::Landing(corner)), counts)
             }
-            EventFunction::Slide => (Some(EventKind::Grip), change.grip_from(Placement::of(&now.instant))),
+            EventFunction::GripPressure => (Some(EventKind::Grip), change.grip_from(Placement::of(&now.instant))),
             EventFunction::Unloaded(_) => {
                 change.pose.contacts.let_bear();
                 (None, TransitionCounts::NONE)
@@ -286,7 +289,7 @@ where
     ///
     /// It is a reaction on the rigid base, or the distance of H from the limit of friction.
     #[inline]
-    pub fn fallen(&self, now: &Evaluation<T>) -> Option<EventFunction> {
+    pub fn crossed_by_jump(&self, now: &Evaluation<T>) -> Option<EventFunction> {
         if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
             let slides = |function: &EventFunction| function.value(now).value() < -function.rounding(&self.block);
             // Friction first, since a sliding foot has other reactions.
@@ -298,7 +301,7 @@ where
     }
 
     /// Returns the pose right after `now` if a corner leaves the rigid base or slides.
-    pub fn released(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
-        Some(self.transition(pose, now, self.fallen(now)?).pose)
+    pub fn pose_after_jump(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
+        Some(self.transition(pose, now, self.crossed_by_jump(now)?).pose)
     }
 }

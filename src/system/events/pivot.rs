@@ -26,11 +26,11 @@ where
         } else if theta_dot.value().abs() < self.system.slowest * block.p.value() {
             self.pose.state = State::zeros();
         } else {
-            self.lift(corner.other());
+            self.mark_lifted(corner.other());
             self.pose.state = State::from([zero, theta_dot, zero, zero]);
             counts += TransitionCounts::LIFTOFF;
         }
-        counts + self.settle_on_rigid_base().1
+        counts + self.resolve_regime_on_rigid_base().1
     }
 
     /// Changes the pivot with friction.
@@ -61,7 +61,7 @@ where
         if ends {
             return self.stand(&mut placement);
         }
-        self.lift(corner.other());
+        self.mark_lifted(corner.other());
         TransitionCounts::LIFTOFF + self.stand(&mut placement)
     }
 }

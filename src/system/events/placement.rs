@@ -55,7 +55,7 @@ impl<T: Elementary> Placement<T> {
     }
 
     /// Returns the placement with the horizontal constraint at the `pivot` instead of the middle. The other corner has left full contact.
-    pub fn with_pivot_held(mut self, body: &Body<T>, pivot: Corner) -> Placement<T> {
+    pub fn with_pivot_constraint(mut self, body: &Body<T>, pivot: Corner) -> Placement<T> {
         self.velocities.u_dot = impact::height_over(body, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
         self
     }

@@ -21,7 +21,11 @@ where
     /// Decides the regime: drops touching corners one by one while a support would pull. It would pull now, or within round-off of time.
     ///
     /// `before` is the previous regime.
-    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) -> TransitionCounts {
+    pub(in crate::system) fn resolve_regime(
+        &mut self,
+        mut before: Regime,
+        mut placement: Placement<T>,
+    ) -> TransitionCounts {
         let mut counts = TransitionCounts::NONE;
         let block = &self.system.block;
         // Events closer than this differ by round-off. Far from t = 0 the clock may show one time for distinct events.
@@ -30,7 +34,7 @@ where
             self.pose.contacts.let_bear();
             let regime = self.regime();
             if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
-                let kept = if self.landed && block.is_extended() {
+                let kept = if self.landed && block.tracks_foot() {
                     let (kept, of_trial) = self.with_momentum(pivot, &placement);
                     counts += of_trial;
                     kept
@@ -40,7 +44,7 @@ where
                 placement = match kept {
                     Some(kept) => kept,
                     None => {
-                        let held = placement.with_pivot_held(block, pivot);
+                        let held = placement.with_pivot_constraint(block, pivot);
                         let gained = held.velocities.kinetic(block) - placement.velocities.kinetic(block);
                         counts += TransitionCounts::constraint(gained.value());
                         held
@@ -68,7 +72,7 @@ where
                 let n = reaction(block, corner, height, rate).value();
                 // For a reaction of zero the rate decides.
                 let n = if n.abs() <= lift_off::rounding(block) { 0.0 } else { n };
-                match self.leaves(corner, n, rate, resolution, &now) {
+                match self.classify_unloading(corner, n, rate, resolution, &now) {
                     Some(Release::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
                         leaving = Some((corner, n));
                     }
@@ -77,11 +81,11 @@ where
                         self.pose.contacts.let_bear();
                         counts += self.hold_corner(corner, height);
                     }
-                    Some(Release::Slides) => self.release(&now.instant),
+                    Some(Release::Slides) => self.free_horizontally(&now.instant),
                 }
             }
             let Some((corner, _)) = leaving else { break };
-            counts += self.take_off(corner, &placement);
+            counts += self.lift_off_support(corner, &placement);
         }
         if self.landed {
             counts += self.rejoin_supports();
@@ -131,7 +135,14 @@ where
 
     /// Returns whether and how a touching corner leaves its support. It has the reaction `n` per mass (m/s²) and the rate `corner_dot`
     /// (m/s).
-    fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Release> {
+    fn classify_unloading(
+        &self,
+        corner: Corner,
+        n: f64,
+        corner_dot: T,
+        resolution: f64,
+        now: &Evaluation<T>,
+    ) -> Option<Release> {
         if n < 0.0 {
             return Some(Release::Lifts);
         }
@@ -143,7 +154,7 @@ where
         };
         if !falling {
             None
-        } else if self.lets_go(corner, corner_dot, now) {
+        } else if self.gap_would_open(corner, corner_dot, now) {
             Some(Release::Lifts)
         } else {
             match now.regime {
@@ -159,20 +170,20 @@ where
     }
 
     /// Lets corners leave the rigid base that it would have to pull. Returns how the last of them left.
-    pub(super) fn settle_on_rigid_base(&mut self) -> (Option<Release>, TransitionCounts) {
+    pub(super) fn resolve_regime_on_rigid_base(&mut self) -> (Option<Release>, TransitionCounts) {
         let before = self.apply_friction_here();
-        let (last, counts) = self.settle_under_friction();
+        let (last, counts) = self.resolve_regime_under_friction();
         (last, before + counts)
     }
 
     /// Settles the block on the rigid base after friction has been applied.
-    pub(super) fn settle_under_friction(&mut self) -> (Option<Release>, TransitionCounts) {
+    pub(super) fn resolve_regime_under_friction(&mut self) -> (Option<Release>, TransitionCounts) {
         let (mut last, mut counts) = (None, TransitionCounts::NONE);
         loop {
             counts += TransitionCounts::EVALUATION;
             let now = self.now();
             let Some(corner) = self.system.leaving_rigid_base(&now) else { return (last, counts) };
-            let (release, of_corner) = self.let_go(corner, &now);
+            let (release, of_corner) = self.unload_rigid_corner(corner, &now);
             last = Some(release);
             counts += of_corner + self.apply_friction_here();
         }

@@ -9,7 +9,7 @@ use crate::system::instant::{Footing, Instant};
 
 impl<T: Elementary> PoseUpdate<'_, T> {
     /// Releases the block horizontally.
-    pub(super) fn release(&mut self, x: &Instant<T>) {
+    pub(super) fn free_horizontally(&mut self, x: &Instant<T>) {
         self.pose.footing = Footing::Free { u: x.u, u_dot: x.u_dot };
     }
 }

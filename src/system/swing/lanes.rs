@@ -225,7 +225,7 @@ impl<V: Simd> Swings<V> {
 
     /// Finds the lanes that exclude a quarter turn, as [`Swing::quarter_turn`] does.
     #[inline(always)]
-    pub fn stays_upright(&self, away: Wide<V>) -> Lanes<V> {
+    pub fn excludes_quarter_turn(&self, away: Wide<V>) -> Lanes<V> {
         let Swing { order, ref theta, .. } = self.series;
         let mut rest = [Wide::default(); DEGREE + 1];
         for k in 0..order.min(ORDER) + 1 {

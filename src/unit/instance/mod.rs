@@ -337,14 +337,14 @@ impl Unit {
     ///
     /// # Errors
     /// The event leaves no regime that lasts.
-    pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
+    pub fn apply_pending_event(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let acting = self.acting();
         let Unit { phase, simulation, observed, .. } = self;
         let Some(simulation) = simulation else {
             return Err(Fault::new("found no block; expected the call after initialization"));
         };
         *observed = ObservationCache::default();
-        simulation.settle(&acting, observer).map_err(|error| {
+        simulation.apply_pending_event(&acting, observer).map_err(|error| {
             *phase = Phase::Error;
             Fault::new(error.to_string())
         })

@@ -28,10 +28,10 @@ impl Unit {
     /// An event that the last step left unapplied is applied first.
     ///
     /// # Errors
-    /// Those of [`Unit::advance`] for its arguments, and of [`Unit::settle`].
+    /// Those of [`Unit::advance`] for its arguments, and of [`Unit::apply_pending_event`].
     pub fn begin_substeps(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<f64, Fault> {
         let end = self.begin_step(time, step)?;
-        self.settle(observer)?;
+        self.apply_pending_event(observer)?;
         Ok(end)
     }
 

@@ -47,7 +47,7 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
             while simulation.time() < until || simulation.is_at_event() {
                 let mut changes = vec![];
                 simulation
-                    .settle(&inputs, &mut |event| {
+                    .apply_pending_event(&inputs, &mut |event| {
                         changes.push(match event.kind {
                             EventKind::Restraint(RestraintEvent::Tie(kind, i, TieEvent::Taut | TieEvent::Slack)) => {
                                 Some(format!("tie{}", number(kind, i)))

@@ -175,7 +175,7 @@ fn check(draw: &Draw) -> Result<(), String> {
         let before = simulation.energies().kinetic;
         let [mut lands, mut lifts] = [false; 2];
         simulation
-            .settle(&inputs, &mut |event| {
+            .apply_pending_event(&inputs, &mut |event| {
                 lands |= matches!(event.kind, EventKind::Landing(_));
                 lifts |= matches!(event.kind, EventKind::LiftOff(_));
                 repeated.count(event, 1e-9 / block.p);
@@ -311,7 +311,9 @@ fn landings_stop_feet_that_slide() {
         let mut end = None;
         while simulation.time() < 6.0 && !matches!(end, Some(Progress::Ended(..))) {
             let (slid, mut landed) = (simulation.slides(), false);
-            simulation.settle(&inputs, &mut |event| landed = matches!(event.kind, EventKind::Landing(_))).unwrap();
+            simulation
+                .apply_pending_event(&inputs, &mut |event| landed = matches!(event.kind, EventKind::Landing(_)))
+                .unwrap();
             if landed && slid && !simulation.slides() {
                 stopped += 1;
                 assert_eq!(simulation.observe(&inputs).slip_rate, 0.0);

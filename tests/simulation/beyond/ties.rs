@@ -335,7 +335,7 @@ fn a_corner_that_lands_and_lifts_at_once_is_not_pressed_down() {
     );
     let mut landed = simulation.clone();
     assert!(landed.advance_to_event(8.76, 8.755, &inputs, &mut |_| ()).unwrap().is_none());
-    landed.settle(&inputs, &mut |_| ()).unwrap();
+    landed.apply_pending_event(&inputs, &mut |_| ()).unwrap();
     let seen = landed.observe(&inputs);
     let arm = 0.5 * (width * libm::cos(seen.theta) + height * libm::sin(seen.theta));
     let rate = seen.v_dot + arm * seen.theta_dot;

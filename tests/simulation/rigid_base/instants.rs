@@ -155,7 +155,7 @@ fn a_block_at_rest_lifts_at_the_first_zero_of_a_reaction() {
         assert!(simulation.counts().evaluations < 20, "{:?}", simulation.counts());
         let lift_off = EventKind::LiftOff(Corner::BOTH[lifting]);
         assert_eq!(simulation.is_at_event(), a_p != 1.5);
-        simulation.settle(&inputs, &mut |event| assert_eq!(event.kind, lift_off)).unwrap();
+        simulation.apply_pending_event(&inputs, &mut |event| assert_eq!(event.kind, lift_off)).unwrap();
         let times = || (0..=10_000).map(|i| exact * f64::from(i) / 10_000.0);
         let greatest = |of: &dyn Fn(f64) -> f64| times().map(of).fold(0.0, f64::max);
         let demand = |time: f64| mass * push(time).abs() / reactions(time).iter().sum::<f64>();

@@ -216,7 +216,7 @@ fn a_sliding_corner_grips_if_the_grip_presses_it_down() {
         };
         let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
         let before = at(&pose);
-        let transition = system.transition(&pose, &before, EventFunction::Slide);
+        let transition = system.transition(&pose, &before, EventFunction::GripPressure);
         let after = at(&transition.pose);
         assert_eq!((transition.event, after.regime), (Some(EventKind::Grip), Regime::on(corner)));
         // The impulse acts at the corner, r0 cos φ below the centre of mass.

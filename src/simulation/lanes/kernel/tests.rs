@@ -10,7 +10,7 @@ use crate::numerics::control::Attempt;
 use crate::numerics::roots;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::step_interior::may_hold_event;
+use crate::simulation::step_interior::may_contain_event;
 use crate::simulation::{Initial, Settings, Simulation};
 use crate::system::evaluation::Motion;
 use crate::system::events::{EventFunction, watched};
@@ -19,7 +19,7 @@ use crate::system::instant;
 /// What a lane finds at both ends of a step.
 #[derive(Debug, Default, PartialEq)]
 struct Found {
-    may_hold_event: bool,
+    may_contain_event: bool,
     /// The event functions of L, R and the quarter turn.
     may_fall: [bool; 3],
     rests: bool,
@@ -73,7 +73,7 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let peaks = peaks.map(Wide::store);
         let found = |i: usize| Found {
-            may_hold_event: may_fall.iter().any(|falls| falls >> i & 1 == 1),
+            may_contain_event: may_fall.iter().any(|falls| falls >> i & 1 == 1),
             may_fall: may_fall.map(|falls| falls >> i & 1 == 1),
             rests: rests >> i & 1 == 1,
             may_rise_inside: inside >> i & 1 == 1,
@@ -107,7 +107,7 @@ impl Case {
         peaks.include(&end);
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = peaks;
         Found {
-            may_hold_event: may_hold_event(mode, &here, &there),
+            may_contain_event: may_contain_event(mode, &here, &there),
             may_fall: surfaces(mode).map(|function| {
                 let (start, end) = (function.sample(&here), function.sample(&there));
                 roots::may_fall_by_bounds(start, end, function.rounding(&system.block), duration)

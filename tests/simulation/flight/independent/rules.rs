@@ -172,7 +172,7 @@ impl Run<'_> {
                 Kind::Grip
             }
         };
-        self.settle(BOTH.map(|i| self.touching[i] && !before[i]), exact);
+        self.apply_pending_event(BOTH.map(|i| self.touching[i] && !before[i]), exact);
         self.events.push(IndependentEvent { time: self.time, kind, before, after: self.touching });
     }
 
@@ -295,7 +295,7 @@ impl Run<'_> {
 
     /// Releases the touching corners whose supports would have to pull, now or within the resolution of the clock. `exact` are
     /// rates known more accurately than from the state.
-    fn settle(&mut self, landed: [bool; 2], exact: [Option<f64>; 2]) {
+    fn apply_pending_event(&mut self, landed: [bool; 2], exact: [Option<f64>; 2]) {
         let gravity = self.block.gravity;
         self.held = None;
         let resolution = 4.0 * f64::EPSILON * self.time.max(1.0 / self.block.omega_v);
