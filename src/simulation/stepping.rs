@@ -197,6 +197,10 @@ impl RunState {
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
+        // Without a limit of friction a foot may slide in any mode.
+        if !motion.mode().grips() {
+            self.accumulate_slip(here, &there);
+        }
         let mut work = step.work;
         work[0] += here.footing.free_work(&there.footing);
         self.commit(&there, work);
