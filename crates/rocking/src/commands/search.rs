@@ -216,8 +216,9 @@ impl Overturning {
 
 /// Returns the parameters with α, p and γ instead of sizes on supports whose stiffness is given by η. An error names it and these `others`.
 fn in_ratios(spec: &BlockSpec, others: &str) -> anyhow::Result<BlockSpec> {
-    let BlockSpec { width, eta, xi_v, stiffness, .. } = *spec;
-    if width.is_none() || stiffness.is_some() || spec.foundation() == Foundation::Rigid {
+    let BlockSpec { width, eta, xi_v, stiffness, damping, .. } = *spec;
+    let has_springs = stiffness.is_some() || damping.is_some();
+    if width.is_none() || has_springs || spec.foundation() == Foundation::Rigid {
         return Ok(spec.clone());
     }
     let sized = BlockSpec { foundation: Some(Foundation::Rigid), eta: None, xi_v: None, ..spec.clone() };
