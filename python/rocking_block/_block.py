@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Block(_engine.Block):
     """An immutable rigid block on viscoelastic supports, or on a rigid base.
 
-    It is defined by the paper's four parameters (Palmeri & Makris 2008), or by its dimensions and the properties of a
-    support. Either way all of these are attributes, and so are `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max`,
+    Its outline is given by the paper's `alpha` and `p` (Palmeri & Makris 2008) or by sizes, and its supports by `eta` and `xi_v`
+    or by `K` and `C`, in any combination. Either way all of these are attributes, and so are `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max`,
     `theta_separation`, `alpha_L` and `alpha_R`. Attributes that a rigid base lacks are nan.
 
     Parameters
@@ -36,7 +36,7 @@ class Block(_engine.Block):
     p : float, default 1
         Frequency parameter p = √(γ g / ((1 + γ) R0)) [rad/s], eq. (3).
     eta : float, default 40
-        Stiffness ratio η = ω_v/p [1].
+        Stiffness ratio η = ω_v/p [1]; required with `width` unless `K` and `C` are given.
     xi_v : float, default 0.1
         Vertical damping ratio ξ_v [1].
     width, height : float

@@ -6,7 +6,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rocking_block::block::restraints::LinkKind;
-use rocking_block::block::{self as engine, Common, Corner, Foundation, Parameterization};
+use rocking_block::block::{self as engine, BlockParameters, Corner, Foundation};
 use rocking_studies::doubts;
 use rocking_studies::spec::words::{Words, friction};
 use rocking_studies::spec::{BlockSpec, SpecError};
@@ -44,8 +44,8 @@ impl Hash for Block {
 }
 
 impl Block {
-    /// Returns the parameters of this block in the user's parameterization.
-    pub fn parameterization(&self) -> PyResult<(Parameterization, Common)> {
+    /// Returns the parameters of this block as given.
+    pub fn block_parameters(&self) -> PyResult<BlockParameters> {
         self.spec.parameters().map_err(refused)
     }
 }

@@ -77,7 +77,6 @@ pub fn fit<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<(String, Vec<Columns<'py>>)> {
-    let (parameterization, common) = block.get().parameterization()?;
     let options = Options {
         starts: whole("starts", options.starts, 1..=100_000)? as u32,
         seed: whole("seed", options.seed, 0..=i64::MAX)?,
@@ -85,8 +84,8 @@ pub fn fit<'py>(
         tolerance: options.tolerance,
     };
     let tests = tests.iter().map(Test::of_engine).collect::<PyResult<Vec<_>>>()?;
-    let ties = block.get().block.ties().to_vec();
-    let problem = Problem { parameterization, common, ties, free: free(&shared), tests, options };
+    let (block, ties) = (block.get().block_parameters()?, block.get().block.ties().to_vec());
+    let problem = Problem { block, ties, free: free(&shared), tests, options };
     let pool = pool(threads)?;
     let work = move |progress: &Progress| fitted(&problem, &pool, &|done, total| progress.advance(done, total));
     let found = wait(py, tick, work)?.map_err(invalid)?;

@@ -74,7 +74,7 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
-    let (parameterization, common) = block.get().parameterization()?;
+    let block_parameters = block.get().block_parameters()?;
     let (block, settings) = (block.get().block, options.settings()?);
     warn(py, doubts::of_end(&pulse, !ground.is_empty()), 2)?;
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
@@ -83,8 +83,7 @@ pub fn history<'py>(
         MemoryError::Refused { .. } => PyMemoryError::new_err(error.to_string()),
     })?;
     let parameters = Parameters {
-        parameterization,
-        common,
+        block: block_parameters,
         ties: block.ties().to_vec(),
         initial,
         pulse,

@@ -110,9 +110,11 @@ def test_a_block_amounts_to_what_the_paper_says():
         ({"foundation": "rigid", "eta": 40}, "eta has no effect on a rigid base"),
         ({"restitution_factor": 1}, 'restitution_factor has no effect on viscoelastic supports; expected foundation="rigid"'),
         ({"width": 1}, "width without height; expected both, or center_height"),
-        ({"width": 1, "height": 2}, 'width without K and C; expected both and mass, or foundation="rigid"'),
+        ({"width": 1, "height": 2}, 'width without eta, or K and C; expected the supports, or foundation="rigid"'),
+        ({"width": 1, "height": 2, "eta": 40, "K": 1e6, "C": 1e3, "mass": 2}, "eta has no effect with K and C"),
         ({"width": 1, "alpha": 0.2}, "alpha has no effect with width"),
-        ({"K": 1e6}, "K has no effect without width"),
+        ({"K": 1e6}, "K without C; expected both"),
+        ({"C": 1e6}, "C without K; expected both"),
     ],
 )
 def test_a_block_that_is_none_is_refused(parameters, message):

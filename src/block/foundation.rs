@@ -16,7 +16,7 @@ pub enum Foundation {
     Rigid = 2,
 }
 
-/// The foundation with its parameters: supports `V`, as [`Ratios`] or [`Springs`], or a rigid base.
+/// The foundation with its parameters: supports `V`, as [`Ratios`], [`Springs`] or either, or a rigid base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Supports<V, T = f64> {
     /// A vertical Kelvin–Voigt support under each corner.
@@ -44,6 +44,15 @@ pub struct Springs<T = f64> {
     pub stiffness: T,
     /// Damping C (N.s/m).
     pub damping: T,
+}
+
+/// Both supports, in one of two parameterizations. The other one follows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum KelvinVoigt<T = f64> {
+    /// In the paper's ratios.
+    Ratios(Ratios<T>),
+    /// In SI units.
+    Springs(Springs<T>),
 }
 
 impl<T: Scalar> Springs<T> {

@@ -2,7 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`parameters`] | the two parameterizations of a block |
+//! | [`parameters`] | the parameters of a block, each part in one of two parameterizations |
 //! | [`body`] | the part of a block that equations of motion, event functions and steps read |
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
@@ -19,15 +19,13 @@ pub mod restraints;
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::scalar::Elementary;
-use parameters::{check_common, not_negative, open_range, positive};
-
 pub use body::Body;
 pub use contact::{Contact, Contacts, Regime, StandingSlide};
 #[cfg(feature = "lanes")]
 pub(crate) use foundation::RECOVERED;
-pub use foundation::{Creep, Foundation, Ratios, Springs, Supports};
+pub use foundation::{Creep, Foundation, KelvinVoigt, Ratios, Springs, Supports};
 pub use geometry::{Corner, Foot, Kinematics, Lever};
-pub use parameters::{BlockError, Common, Dimensionless, Parameterization, Physical};
+pub use parameters::{BlockError, BlockParameters, Common, Dimensionless, Outline};
 pub use restraints::Restraints;
 
 /// A block on its foundation, in both parameterizations. A `Block<f64>` from a checked constructor is valid.
@@ -61,63 +59,22 @@ struct Shape<T> {
     gamma: T,
 }
 
-/// Both supports in both parameterizations.
-#[derive(Clone, Copy)]
-struct SupportPair<T> {
-    omega_v: T,
-    xi_v: T,
-    springs: Springs<T>,
-}
-
 impl Block {
+    /// Makes a block without restraints.
+    ///
+    /// # Errors
+    /// The first invalid parameter, with its value and the valid ones.
+    pub fn new(parameters: &BlockParameters) -> Result<Block, BlockError> {
+        parameters.check()?;
+        Block::unchecked(parameters).checked()
+    }
+
     /// Makes a block with the paper's parameters.
     ///
     /// # Errors
-    /// The first invalid parameter, with its value and the valid ones.
-    pub fn from_dimensionless(d: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
-        check_common(common)?;
-        open_range("alpha", d.alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
-        positive("p", d.p)?;
-        match d.supports {
-            Supports::Viscoelastic(Ratios { eta, xi_v }) => {
-                positive("eta", eta)?;
-                not_negative("xi_v", xi_v)?;
-            }
-            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor)?,
-        }
-        Block::of_dimensionless(d, common).checked()
-    }
-
-    /// Makes a block with these sizes.
-    ///
-    /// # Errors
-    /// The first invalid parameter, with its value and the valid ones.
-    pub fn from_physical(physical: &Physical, common: &Common) -> Result<Block, BlockError> {
-        check_common(common)?;
-        positive("width", physical.width)?;
-        positive("height", physical.height)?;
-        match physical.supports {
-            Supports::Viscoelastic(Springs { stiffness, damping }) => {
-                positive("K", stiffness)?;
-                not_negative("C", damping)?;
-            }
-            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor)?,
-        }
-        if let Some(inertia) = physical.inertia {
-            positive("inertia", inertia)?;
-        }
-        Block::of_physical(physical, common).checked()
-    }
-
-    /// Makes a block with these parameters.
-    ///
-    /// # Errors
-    /// The first invalid parameter, with its value and the valid ones.
-    pub fn from_parameters(parameterization: &Parameterization, common: &Common) -> Result<Block, BlockError> {
-        match parameterization {
-            Parameterization::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
-            Parameterization::Physical(physical) => Block::from_physical(physical, common),
-        }
+    /// Those of [`Block::new`].
+    pub fn from_dimensionless(dimensionless: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
+        Block::new(&dimensionless.with(common))
     }
 
     /// Refuses derived quantities that overflow or vanish although each parameter is valid.
@@ -167,61 +124,37 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Makes a block with the paper's parameters, without checks.
-    pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
-        let Dimensionless { alpha, p, supports } = *d;
-        let Common { mass, gamma, gravity, .. } = *common;
-        let (sin, cos) = alpha.sin_cos();
-        let r0 = gamma / (gamma + 1.0) * gravity / (p * p);
-        let supports = supports.map(
-            |Ratios { eta, xi_v }| {
-                let omega_v = eta * p;
-                let (stiffness, damping) = (mass * 0.5 * omega_v * omega_v, xi_v * mass * omega_v);
-                SupportPair { omega_v, xi_v, springs: Springs { stiffness, damping } }
-            },
-            |factor| factor,
-        );
-        Block::of_shape(Shape { alpha, r0, b: r0 * sin, h: r0 * cos, p, gamma }, supports, common)
-    }
-
-    /// Makes a block with these sizes, without checks.
-    pub fn of_physical(physical: &Physical<T>, common: &Common<T>) -> Block<T> {
-        let Common { mass, gravity, .. } = *common;
-        let (b, h) = (physical.width * 0.5, physical.height * 0.5);
-        let r0 = b.hypot(h);
-        let gamma = physical.inertia.map_or(common.gamma, |inertia| mass * r0 * r0 / inertia);
-        let supports = physical.supports.map(
-            |springs| {
-                let omega_v = (springs.stiffness * 2.0 / mass).sqrt();
-                SupportPair { omega_v, xi_v: springs.damping / (mass * omega_v), springs }
-            },
-            |factor| factor,
-        );
-        let p = (gamma / (gamma + 1.0) * gravity / r0).sqrt();
-        Block::of_shape(Shape { alpha: b.atan2(h), r0, b, h, p, gamma }, supports, common)
-    }
-
-    /// Makes a block with these parameters, without checks.
-    pub fn of_parameters(parameterization: &Parameterization<T>, common: &Common<T>) -> Block<T> {
-        match parameterization {
-            Parameterization::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, common),
-            Parameterization::Physical(physical) => Block::of_physical(physical, common),
-        }
-    }
-
-    /// A block of this shape on these supports, without restraints.
-    fn of_shape(shape: Shape<T>, supports: Supports<SupportPair<T>, T>, common: &Common<T>) -> Block<T> {
-        let Shape { alpha, r0, b, h, p, gamma } = shape;
-        let Common { mass, gravity, epsilon, eccentricity, friction, .. } = *common;
-        let (zero, half) = (T::from(0.0), T::from(0.5));
-        let uneven = eccentricity * 0.5 / b;
-        let foundation = supports.foundation();
-        let restitution_factor = supports.restitution_factor().unwrap_or(T::from(1.0));
-        let none = Springs { stiffness: zero, damping: zero };
-        let (SupportPair { omega_v, xi_v, springs }, creep_rate) = match supports {
-            Supports::Viscoelastic(pair) => (pair, pair.springs.creep_rate()),
-            Supports::Rigid { .. } => (SupportPair { omega_v: zero, xi_v: zero, springs: none }, zero),
+    /// Makes a block without restraints, and without checks.
+    pub fn unchecked(parameters: &BlockParameters<T>) -> Block<T> {
+        let BlockParameters { outline, supports, common } = *parameters;
+        let Common { mass, gamma, gravity, epsilon, eccentricity, friction } = common;
+        let Shape { alpha, r0, b, h, p, gamma } = match outline {
+            Outline::Slenderness { alpha, p } => {
+                let (sin, cos) = alpha.sin_cos();
+                let r0 = gamma / (gamma + 1.0) * gravity / (p * p);
+                Shape { alpha, r0, b: r0 * sin, h: r0 * cos, p, gamma }
+            }
+            Outline::Sizes { width, height, inertia } => {
+                let (b, h) = (width * 0.5, height * 0.5);
+                let r0 = b.hypot(h);
+                let gamma = inertia.map_or(gamma, |inertia| mass * r0 * r0 / inertia);
+                Shape { alpha: b.atan2(h), r0, b, h, p: (gamma / (gamma + 1.0) * gravity / r0).sqrt(), gamma }
+            }
         };
+        let (zero, half) = (T::from(0.0), T::from(0.5));
+        let (omega_v, xi_v, Springs { stiffness, damping }, creep_rate) = match supports {
+            Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios { eta, xi_v })) => {
+                let omega_v = eta * p;
+                let springs = Springs { stiffness: mass * 0.5 * omega_v * omega_v, damping: xi_v * mass * omega_v };
+                (omega_v, xi_v, springs, springs.creep_rate())
+            }
+            Supports::Viscoelastic(KelvinVoigt::Springs(springs)) => {
+                let omega_v = (springs.stiffness * 2.0 / mass).sqrt();
+                (omega_v, springs.damping / (mass * omega_v), springs, springs.creep_rate())
+            }
+            Supports::Rigid { .. } => (zero, zero, Springs { stiffness: zero, damping: zero }, zero),
+        };
+        let uneven = eccentricity * 0.5 / b;
         Block {
             body: Body {
                 mass,
@@ -233,7 +166,7 @@ impl<T: Elementary> Block<T> {
                 eccentricity,
                 weight_fraction: [half - uneven, half + uneven],
                 p,
-                foundation,
+                foundation: supports.foundation(),
                 omega_v,
                 xi_v,
                 creep_rate,
@@ -243,9 +176,9 @@ impl<T: Elementary> Block<T> {
             alpha,
             gamma,
             epsilon,
-            restitution_factor,
-            stiffness: springs.stiffness,
-            damping: springs.damping,
+            restitution_factor: supports.restitution_factor().unwrap_or(T::from(1.0)),
+            stiffness,
+            damping,
         }
     }
 
@@ -254,7 +187,7 @@ impl<T: Elementary> Block<T> {
         self.mass * self.i0
     }
 
-    /// Its parameters that both parameterizations have.
+    /// Its parameters beside the outline and the supports.
     pub fn common(&self) -> Common<T> {
         Common {
             mass: self.mass,

@@ -1,43 +1,90 @@
-//! The two parameterizations of a block, the paper's symbols or sizes, and the errors of invalid parameters.
+//! The parameters of a block, each part in one of two parameterizations, and the errors of invalid ones.
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Ratios, Springs, Supports};
+use crate::block::{KelvinVoigt, Ratios, Springs, Supports};
 
-/// The paper's parameters, plain or with derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Dimensionless<T = f64> {
-    /// Slenderness angle α (rad), 0 < α < π/2.
-    pub alpha: T,
-    /// Frequency parameter p (rad/s).
-    pub p: T,
-    /// Its supports, or the rigid base.
-    pub supports: Supports<Ratios<T>, T>,
-}
-
-/// Sizes of the block, and its supports in SI units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Physical<T = f64> {
-    /// Width of the base, 2b (m).
-    pub width: T,
-    /// Twice the height of the centre of mass over the base, 2h (m).
-    pub height: T,
-    /// Its supports, or the rigid base.
-    pub supports: Supports<Springs<T>, T>,
-    /// Centroidal moment of inertia I0 (kg.m²), in place of the one that follows from γ.
-    pub inertia: Option<T>,
-}
-
-/// The parameters of a block in one of two parameterizations. The other one follows.
+/// Size and shape of a block, in one of two parameterizations. The other one follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Parameterization<T = f64> {
+pub enum Outline<T = f64> {
     /// The paper's parameters.
-    Dimensionless(Dimensionless<T>),
-    /// Sizes, stiffness and damping.
-    Physical(Physical<T>),
+    Slenderness {
+        /// Slenderness angle α (rad), 0 < α < π/2.
+        alpha: T,
+        /// Frequency parameter p (rad/s).
+        p: T,
+    },
+    /// Lengths, and perhaps the inertia.
+    Sizes {
+        /// Width of the base, 2b (m).
+        width: T,
+        /// Twice the height of the centre of mass over the base, 2h (m).
+        height: T,
+        /// Centroidal moment of inertia I0 (kg.m²), in place of the one that follows from γ.
+        inertia: Option<T>,
+    },
 }
 
-/// Parameters common to both parameterizations.
+/// The parameters that define a block without restraints, plain or with derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockParameters<T = f64> {
+    /// Its size and shape.
+    pub outline: Outline<T>,
+    /// Its supports, or the rigid base.
+    pub supports: Supports<KelvinVoigt<T>, T>,
+    /// Its other parameters.
+    pub common: Common<T>,
+}
+
+impl BlockParameters {
+    pub(super) fn check(&self) -> Result<(), BlockError> {
+        check_common(&self.common)?;
+        match self.outline {
+            Outline::Slenderness { alpha, p } => {
+                open_range("alpha", alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
+                positive("p", p)?;
+            }
+            Outline::Sizes { width, height, inertia } => {
+                positive("width", width)?;
+                positive("height", height)?;
+                inertia.map_or(Ok(()), |inertia| positive("inertia", inertia))?;
+            }
+        }
+        match self.supports {
+            Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios { eta, xi_v })) => {
+                positive("eta", eta)?;
+                not_negative("xi_v", xi_v)
+            }
+            Supports::Viscoelastic(KelvinVoigt::Springs(Springs { stiffness, damping })) => {
+                positive("K", stiffness)?;
+                not_negative("C", damping)
+            }
+            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor),
+        }
+    }
+}
+
+/// The paper's parameters and a rigid base or supports in its ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dimensionless {
+    /// Slenderness angle α (rad), 0 < α < π/2.
+    pub alpha: f64,
+    /// Frequency parameter p (rad/s).
+    pub p: f64,
+    /// Its supports, or the rigid base.
+    pub supports: Supports<Ratios>,
+}
+
+impl Dimensionless {
+    /// Returns these with the other parameters of a block.
+    pub fn with(&self, common: &Common) -> BlockParameters {
+        let Dimensionless { alpha, p, supports } = *self;
+        let supports = supports.with(KelvinVoigt::Ratios);
+        BlockParameters { outline: Outline::Slenderness { alpha, p }, supports, common: *common }
+    }
+}
+
+/// Parameters beside the outline and the supports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Common<T = f64> {
     /// Mass M (kg).
@@ -119,7 +166,7 @@ impl BlockError {
     }
 }
 
-pub(super) fn check_common(common: &Common) -> Result<(), BlockError> {
+fn check_common(common: &Common) -> Result<(), BlockError> {
     positive("mass", common.mass)?;
     positive("gamma", common.gamma)?;
     positive("g", common.gravity)?;
@@ -130,7 +177,7 @@ pub(super) fn check_common(common: &Common) -> Result<(), BlockError> {
     Ok(())
 }
 
-pub(super) fn positive(name: &'static str, value: f64) -> Result<(), BlockError> {
+fn positive(name: &'static str, value: f64) -> Result<(), BlockError> {
     open_range(name, value, 0.0, f64::INFINITY, "a finite number > 0")
 }
 
@@ -142,12 +189,6 @@ pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), BlockEr
     }
 }
 
-pub(super) fn open_range(
-    name: &'static str,
-    value: f64,
-    low: f64,
-    high: f64,
-    expected: &'static str,
-) -> Result<(), BlockError> {
+fn open_range(name: &'static str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), BlockError> {
     if value > low && value < high { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
 }

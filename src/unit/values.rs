@@ -4,8 +4,7 @@
 
 use crate::block::restraints::{Tie, Ties};
 use crate::block::{
-    Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Restraints, Springs,
-    Supports,
+    Block, BlockError, BlockParameters, Common, Foundation, KelvinVoigt, Outline, Ratios, Restraints, Springs, Supports,
 };
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
@@ -77,8 +76,7 @@ impl Values {
     /// # Errors
     /// The first invalid parameter of the block, of its supports, or of a tie or damper.
     pub fn block(&self) -> Result<Block, BlockError> {
-        let (parameterization, common) = self.block_parameters(|variable| self[variable]);
-        let block = Block::from_parameters(&parameterization, &common)?;
+        let block = Block::new(&self.block_parameters(|variable| self[variable]))?;
         if self.foundation() == Foundation::Rigid {
             self.block_on_supports()?;
         }
@@ -99,20 +97,17 @@ impl Values {
     /// # Errors
     /// The first invalid parameter.
     pub fn block_on_supports(&self) -> Result<Block, BlockError> {
-        let (parameterization, common) = self.parameters_on(Foundation::Viscoelastic, |variable| self[variable]);
-        Block::from_parameters(&parameterization, &common)
+        Block::new(&self.parameters_on(Foundation::Viscoelastic, |variable| self[variable]))
     }
 
     /// Makes [`Values::block_on_supports`] with the parameters from `of`, without checks.
     pub fn varied_block_on_supports<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
-        let (parameterization, common) = self.parameters_on(Foundation::Viscoelastic, of);
-        Block::of_parameters(&parameterization, &common)
+        Block::unchecked(&self.parameters_on(Foundation::Viscoelastic, of))
     }
 
     /// Makes the block with the parameters from `of`, such as numbers with derivatives, without checks.
     pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
-        let (parameterization, common) = self.block_parameters(&of);
-        let mut block = Block::of_parameters(&parameterization, &common);
+        let mut block = Block::unchecked(&self.block_parameters(&of));
         block.body.restraints = Restraints { ties: Ties::of(&self.ties(of)) };
         block
     }
@@ -124,15 +119,11 @@ impl Values {
     }
 
     /// Returns the parameters of the block from `of`.
-    pub fn block_parameters<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (Parameterization<T>, Common<T>) {
+    pub fn block_parameters<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> BlockParameters<T> {
         self.parameters_on(self.foundation(), of)
     }
 
-    fn parameters_on<T: Elementary>(
-        &self,
-        foundation: Foundation,
-        of: impl Fn(Variable) -> T,
-    ) -> (Parameterization<T>, Common<T>) {
+    fn parameters_on<T: Elementary>(&self, foundation: Foundation, of: impl Fn(Variable) -> T) -> BlockParameters<T> {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
@@ -141,38 +132,30 @@ impl Values {
             eccentricity: of(Variable::Eccentricity),
             friction: of(Variable::Friction),
         };
-        let parameterization = if self.is_physical() {
+        let is_physical = self.is_physical();
+        let outline = if is_physical {
             let height = if self.has_center_height() {
                 of(Variable::PhysicalCenterHeight) * 2.0
             } else {
                 of(Variable::PhysicalHeight)
             };
-            Parameterization::Physical(Physical {
-                width: of(Variable::PhysicalWidth),
-                height,
-                supports: match foundation {
-                    Foundation::Viscoelastic => Supports::Viscoelastic(Springs {
-                        stiffness: of(Variable::PhysicalK),
-                        damping: of(Variable::PhysicalC),
-                    }),
-                    Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
-                },
-                inertia: self.has_inertia().then(|| of(Variable::PhysicalInertia)),
-            })
+            let inertia = self.has_inertia().then(|| of(Variable::PhysicalInertia));
+            Outline::Sizes { width: of(Variable::PhysicalWidth), height, inertia }
         } else {
-            Parameterization::Dimensionless(Dimensionless {
-                alpha: of(Variable::DimensionlessAlpha),
-                p: of(Variable::DimensionlessP),
-                supports: match foundation {
-                    Foundation::Viscoelastic => Supports::Viscoelastic(Ratios {
-                        eta: of(Variable::DimensionlessEta),
-                        xi_v: of(Variable::DimensionlessXiV),
-                    }),
-                    Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
-                },
-            })
+            Outline::Slenderness { alpha: of(Variable::DimensionlessAlpha), p: of(Variable::DimensionlessP) }
         };
-        (parameterization, common)
+        let supports = match foundation {
+            Foundation::Viscoelastic if is_physical => Supports::Viscoelastic(KelvinVoigt::Springs(Springs {
+                stiffness: of(Variable::PhysicalK),
+                damping: of(Variable::PhysicalC),
+            })),
+            Foundation::Viscoelastic => Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios {
+                eta: of(Variable::DimensionlessEta),
+                xi_v: of(Variable::DimensionlessXiV),
+            })),
+            Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
+        };
+        BlockParameters { outline, supports, common }
     }
 
     /// Returns the chosen item of an enumeration.

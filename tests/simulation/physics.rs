@@ -1,7 +1,9 @@
 //! Closed forms, symmetries and balances of runs.
 
 use nalgebra::{Matrix4, Vector4};
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Physical, Ratios, Regime, Springs, Supports};
+use rocking_block::block::{
+    Block, BlockParameters, Common, Corner, Dimensionless, KelvinVoigt, Outline, Ratios, Regime, Supports,
+};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Settings, Simulation};
@@ -220,13 +222,9 @@ fn blocks_of_different_size_are_similar() {
 #[test]
 fn sizes_and_dimensionless_parameters_are_the_same_block() {
     let d = block(0.25, 1.0, 40.0, 0.1, 0.0);
-    let physical = Physical {
-        width: 2.0 * d.b,
-        height: 2.0 * d.h,
-        supports: Supports::Viscoelastic(Springs { stiffness: d.stiffness, damping: d.damping }),
-        inertia: None,
-    };
-    let p = Block::from_physical(&physical, &Common::default()).unwrap();
+    let outline = Outline::Sizes { width: 2.0 * d.b, height: 2.0 * d.h, inertia: None };
+    let supports = d.springs().with(KelvinVoigt::Springs);
+    let p = Block::new(&BlockParameters { outline, supports, common: Common::default() }).unwrap();
     for (a, b) in [
         (d.alpha, p.alpha),
         (d.r0, p.r0),

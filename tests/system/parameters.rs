@@ -5,17 +5,14 @@ use std::f64::consts::FRAC_PI_2;
 use rocking_block::block::restraints::MAX_TIES;
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::{
-    Block, BlockError, Body, Common, Corner, Dimensionless, Foundation, Physical, Ratios, Springs, Supports,
+    Block, BlockError, BlockParameters, Body, Common, Corner, Dimensionless, Foundation, KelvinVoigt, Outline, Ratios,
+    Springs, Supports,
 };
 
 const PAPER: Dimensionless =
     Dimensionless { alpha: 0.3, p: 1.7, supports: Supports::Viscoelastic(Ratios { eta: 35.0, xi_v: 0.15 }) };
-const SIZES: Physical = Physical {
-    width: 1.3,
-    height: 3.1,
-    supports: Supports::Viscoelastic(Springs { stiffness: 2.0e4, damping: 150.0 }),
-    inertia: None,
-};
+const SIZES: Outline = Outline::Sizes { width: 1.3, height: 3.1, inertia: None };
+const SPRINGS: Springs = Springs { stiffness: 2.0e4, damping: 150.0 };
 
 /// The paper's block on other supports.
 fn on(eta: f64, xi_v: f64) -> Dimensionless {
@@ -27,23 +24,28 @@ fn rigid(restitution_factor: f64) -> Dimensionless {
     Dimensionless { supports: Supports::Rigid { restitution_factor }, ..PAPER }
 }
 
-/// The sizes with other supports.
-fn springs(stiffness: f64, damping: f64) -> Physical {
-    Physical { supports: Supports::Viscoelastic(Springs { stiffness, damping }), ..SIZES }
+/// A block of these lengths on these supports.
+fn sized(outline: Outline, springs: Springs) -> Result<Block, BlockError> {
+    let supports = Supports::Viscoelastic(KelvinVoigt::Springs(springs));
+    Block::new(&BlockParameters { outline, supports, common: common() })
 }
 
 fn common() -> Common {
     Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, gravity: 9.7, ..Common::default() }
 }
 
-/// Both parametrizations satisfy the relations of docs/model.md.
+/// Both parameterizations of outline and supports satisfy the relations of docs/model.md, in any combination.
 #[test]
 fn parameters_satisfy_the_relations_of_the_paper() {
     let paper = Block::from_dimensionless(&PAPER, &common()).unwrap();
-    let sized = Block::from_physical(&SIZES, &common()).unwrap();
+    let slender_on_springs = sized(PAPER.with(&common()).outline, SPRINGS).unwrap();
+    let sized_on_ratios = Block::new(&BlockParameters { outline: SIZES, ..PAPER.with(&common()) }).unwrap();
+    let sized = sized(SIZES, SPRINGS).unwrap();
+    assert_eq!((slender_on_springs.alpha, slender_on_springs.damping), (PAPER.alpha, 150.0));
+    assert_eq!((2.0 * sized_on_ratios.b, sized_on_ratios.xi_v), (1.3, 0.15));
     assert_eq!((paper.alpha, paper.p, paper.xi_v), (PAPER.alpha, PAPER.p, 0.15));
     assert_eq!((2.0 * sized.b, 2.0 * sized.h, sized.stiffness, sized.damping), (1.3, 3.1, 2.0e4, 150.0));
-    for block in [paper, sized] {
+    for block in [paper, sized, slender_on_springs, sized_on_ratios] {
         let Block {
             gamma,
             epsilon,
@@ -96,21 +98,22 @@ fn refused(name: &str, value: f64, result: Result<Block, BlockError>) {
 #[test]
 fn errors_name_the_invalid_parameter() {
     let paper = |given: Dimensionless| Block::from_dimensionless(&given, &common());
-    let sizes = |given: Physical| Block::from_physical(&given, &common());
+    let lengths = |width: f64, height: f64| sized(Outline::Sizes { width, height, inertia: None }, SPRINGS);
+    let springs = |stiffness: f64, damping: f64| sized(SIZES, Springs { stiffness, damping });
     let with = |given: Common| Block::from_dimensionless(&PAPER, &given);
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         refused("alpha", value, paper(Dimensionless { alpha: value, ..PAPER }));
         refused("p", value, paper(Dimensionless { p: value, ..PAPER }));
         refused("eta", value, paper(on(value, 0.15)));
-        refused("width", value, sizes(Physical { width: value, ..SIZES }));
-        refused("height", value, sizes(Physical { height: value, ..SIZES }));
-        refused("K", value, sizes(springs(value, 150.0)));
+        refused("width", value, lengths(value, 3.1));
+        refused("height", value, lengths(1.3, value));
+        refused("K", value, springs(value, 150.0));
         refused("mass", value, with(Common { mass: value, ..common() }));
         refused("gamma", value, with(Common { gamma: value, ..common() }));
         refused("g", value, with(Common { gravity: value, ..common() }));
         if value != 0.0 {
             refused("xi_v", value, paper(on(35.0, value)));
-            refused("C", value, sizes(springs(2e4, value)));
+            refused("C", value, springs(2e4, value));
             refused("epsilon", value, with(Common { epsilon: value, ..common() }));
             refused("restitution_factor", value, paper(rigid(value)));
         }
@@ -130,7 +133,7 @@ fn errors_name_the_invalid_parameter() {
 fn derived_values_are_checked() {
     let infinite = Block::from_dimensionless(&on(35.0, 1e308), &Common { mass: 1e5, ..common() });
     assert_eq!(infinite.expect_err("an infinite damping").name(), "C");
-    let ratio = Block::from_physical(&springs(1e-300, 1e200), &common());
+    let ratio = sized(SIZES, Springs { stiffness: 1e-300, damping: 1e200 });
     assert_eq!(ratio.expect_err("an infinite damping ratio").name(), "C");
     let thin = Block::from_dimensionless(&Dimensionless { alpha: f64::MIN_POSITIVE, p: 1e3, ..PAPER }, &common());
     assert_eq!(thin.expect_err("a width that vanishes").name(), "b = R0 sin(alpha)");

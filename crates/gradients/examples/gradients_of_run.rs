@@ -1,7 +1,7 @@
 //! One run with derivatives, whose instructions `scripts/instructions --gradients` counts:
 //! `gradients_of_run (sine | record | rigid-sine | rigid-record) COUNT`, where COUNT is the number of parameters; 0 is the run alone.
 
-use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings, Simulation};
@@ -45,14 +45,7 @@ fn main() {
     let block = Block::from_dimensionless(&dimensionless, &common).expect("a block");
     let initial = Initial::default();
     let scale = ground.horizontal.is_some().then_some(1.0);
-    let parameters = Parameters {
-        parameterization: Parameterization::Dimensionless(dimensionless),
-        common,
-        ties: Vec::new(),
-        initial,
-        pulse,
-        scale,
-    };
+    let parameters = Parameters { block: dimensionless.with(&common), ties: Vec::new(), initial, pulse, scale };
     let names = parameters.names();
     let names: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.starts_with("initial")).collect();
     let (inputs, _) = ground.inputs_from(0.0);

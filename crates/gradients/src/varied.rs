@@ -2,7 +2,7 @@
 
 use rocking_block::block::restraints::{LinkKind, Tie, Ties, tie};
 use rocking_block::block::{
-    Block, Body, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
+    Block, BlockError, BlockParameters, Body, Common, Foundation, KelvinVoigt, Outline, Ratios, Springs, Supports,
 };
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
@@ -14,10 +14,8 @@ use crate::{BATCH, Number};
 /// The numbers of a run with respect to which derivatives exist.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters<T = f64> {
-    /// The parameters of the block that its parameterization has.
-    pub parameterization: Parameterization<T>,
-    /// Its other parameters.
-    pub common: Common<T>,
+    /// The parameters of the block.
+    pub block: BlockParameters<T>,
     /// Its ties.
     pub ties: Vec<Tie<T>>,
     /// Its initial values.
@@ -44,6 +42,14 @@ pub fn unit(name: &str) -> &'static str {
 }
 
 impl Parameters {
+    /// Makes the block with its ties.
+    ///
+    /// # Errors
+    /// The first invalid parameter.
+    pub fn checked_block(&self) -> Result<Block, BlockError> {
+        Block::new(&self.block)?.with_ties(&self.ties)
+    }
+
     /// Returns the names of all parameters that the run reads.
     pub fn names(&self) -> Vec<String> {
         let of_tie = |(tie, found): (String, &Tie)| {
@@ -60,7 +66,7 @@ impl Parameters {
 impl<T: Elementary> Parameters<T> {
     /// Returns the parameter with this name, or `None` if the run does not read it.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
-        let Parameters { parameterization, common, ties, initial, pulse, scale } = self;
+        let Parameters { block: BlockParameters { outline, supports, common }, ties, initial, pulse, scale } = self;
         if let Some((tie, key)) = name.split_once('.')
             && let Some(i) = tie::names(ties).iter().position(|known| known == tie)
         {
@@ -74,25 +80,22 @@ impl<T: Elementary> Parameters<T> {
             };
             return is_read.then_some(number);
         }
-        match parameterization {
-            Parameterization::Dimensionless(block) => match (name, &mut block.supports) {
-                ("alpha", _) => return Some(&mut block.alpha),
-                ("p", _) => return Some(&mut block.p),
-                ("eta", Supports::Viscoelastic(ratios)) => return Some(&mut ratios.eta),
-                ("xi_v", Supports::Viscoelastic(ratios)) => return Some(&mut ratios.xi_v),
-                ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
-                _ => {}
-            },
-            Parameterization::Physical(block) => match (name, &mut block.supports) {
-                ("width", _) => return Some(&mut block.width),
-                ("height", _) => return Some(&mut block.height),
-                ("K", Supports::Viscoelastic(springs)) => return Some(&mut springs.stiffness),
-                ("C", Supports::Viscoelastic(springs)) => return Some(&mut springs.damping),
-                ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
-                ("inertia", _) => return block.inertia.as_mut(),
-                ("gamma", _) if block.inertia.is_some() => return None,
-                _ => {}
-            },
+        match (name, outline) {
+            ("alpha", Outline::Slenderness { alpha, .. }) => return Some(alpha),
+            ("p", Outline::Slenderness { p, .. }) => return Some(p),
+            ("width", Outline::Sizes { width, .. }) => return Some(width),
+            ("height", Outline::Sizes { height, .. }) => return Some(height),
+            ("inertia", Outline::Sizes { inertia, .. }) => return inertia.as_mut(),
+            ("gamma", Outline::Sizes { inertia: Some(_), .. }) => return None,
+            _ => {}
+        }
+        match (name, supports) {
+            ("eta", Supports::Viscoelastic(KelvinVoigt::Ratios(ratios))) => return Some(&mut ratios.eta),
+            ("xi_v", Supports::Viscoelastic(KelvinVoigt::Ratios(ratios))) => return Some(&mut ratios.xi_v),
+            ("K", Supports::Viscoelastic(KelvinVoigt::Springs(springs))) => return Some(&mut springs.stiffness),
+            ("C", Supports::Viscoelastic(KelvinVoigt::Springs(springs))) => return Some(&mut springs.damping),
+            ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
+            _ => {}
         }
         let (acts, gabor) = (pulse.shape != PulseShape::None, pulse.shape == PulseShape::Gabor);
         match name {
@@ -118,33 +121,30 @@ impl<T: Elementary> Parameters<T> {
     }
 
     fn map<U: Elementary>(&self, of: impl Fn(T) -> U) -> Parameters<U> {
-        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = self.common;
+        let BlockParameters { outline, supports, common } = self.block;
+        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = common;
+        let outline = match outline {
+            Outline::Slenderness { alpha, p } => Outline::Slenderness { alpha: of(alpha), p: of(p) },
+            Outline::Sizes { width, height, inertia } => {
+                Outline::Sizes { width: of(width), height: of(height), inertia: inertia.map(&of) }
+            }
+        };
+        let of_supports = |supports| match supports {
+            KelvinVoigt::Ratios(Ratios { eta, xi_v }) => KelvinVoigt::Ratios(Ratios { eta: of(eta), xi_v: of(xi_v) }),
+            KelvinVoigt::Springs(Springs { stiffness, damping }) => {
+                KelvinVoigt::Springs(Springs { stiffness: of(stiffness), damping: of(damping) })
+            }
+        };
+        let common = Common {
+            mass: of(mass),
+            gamma: of(gamma),
+            epsilon: of(epsilon),
+            gravity: of(gravity),
+            eccentricity: of(eccentricity),
+            friction: of(friction),
+        };
         Parameters {
-            parameterization: match self.parameterization {
-                Parameterization::Dimensionless(Dimensionless { alpha, p, supports }) => {
-                    let ratios = |Ratios { eta, xi_v }| Ratios { eta: of(eta), xi_v: of(xi_v) };
-                    let supports = supports.map(ratios, &of);
-                    Parameterization::Dimensionless(Dimensionless { alpha: of(alpha), p: of(p), supports })
-                }
-                Parameterization::Physical(Physical { width, height, supports, inertia }) => {
-                    let springs =
-                        |Springs { stiffness, damping }| Springs { stiffness: of(stiffness), damping: of(damping) };
-                    Parameterization::Physical(Physical {
-                        width: of(width),
-                        height: of(height),
-                        supports: supports.map(springs, &of),
-                        inertia: inertia.map(&of),
-                    })
-                }
-            },
-            common: Common {
-                mass: of(mass),
-                gamma: of(gamma),
-                epsilon: of(epsilon),
-                gravity: of(gravity),
-                eccentricity: of(eccentricity),
-                friction: of(friction),
-            },
+            block: BlockParameters { outline, supports: supports.map(of_supports, &of), common },
             ties: self.ties.iter().map(|tie| tie.map(&of)).collect(),
             initial: Initial {
                 theta: of(self.initial.theta),
@@ -184,8 +184,8 @@ impl Varied {
         for (i, name) in names.iter().enumerate() {
             *varied.number(name)?.eps.get_mut(i)? = 1.0;
         }
-        let Parameters { parameterization, common, ties, initial, pulse, scale } = varied;
-        let mut derived = Block::of_parameters(&parameterization, &common);
+        let Parameters { block: parameters, ties, initial, pulse, scale } = varied;
+        let mut derived = Block::unchecked(&parameters);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
         derived.body.restraints.ties = Ties::of(&ties);
         let block = with_values(derived, block);

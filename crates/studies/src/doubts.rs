@@ -96,17 +96,13 @@ pub fn of_end(pulse: &Pulse, has_record: bool) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rocking_block::block::{Body, Common, Physical, Springs, Supports};
+    use rocking_block::block::{BlockParameters, Body, Common, KelvinVoigt, Outline, Springs, Supports};
 
     /// A block of 0.6 m × 2.4 m on stiff supports, with other sizes and damping.
     fn block(width: f64, height: f64, damping: f64, foundation: Foundation) -> Block {
-        let physical = Physical {
-            width,
-            height,
-            supports: Supports::of(foundation, Springs { stiffness: 1e7, damping }),
-            inertia: None,
-        };
-        Block::from_physical(&physical, &Common::default()).unwrap()
+        let outline = Outline::Sizes { width, height, inertia: None };
+        let supports = Supports::of(foundation, KelvinVoigt::Springs(Springs { stiffness: 1e7, damping }));
+        Block::new(&BlockParameters { outline, supports, common: Common::default() }).unwrap()
     }
 
     #[test]

@@ -220,14 +220,15 @@ fn equivalent(column: &Block) -> Result<(), FrameError> {
 mod tests {
     use super::*;
     use rocking_block::block::restraints::Tie;
-    use rocking_block::block::{Physical, Springs};
+    use rocking_block::block::{BlockParameters, KelvinVoigt, Outline, Springs};
 
     fn column(common: Common) -> Block {
         column_on(Supports::HOUSNER, common)
     }
 
-    fn column_on(supports: Supports<Springs>, common: Common) -> Block {
-        Block::from_physical(&Physical { width: 1.6, height: 9.6, supports, inertia: None }, &common).unwrap()
+    fn column_on(supports: Supports<KelvinVoigt>, common: Common) -> Block {
+        let outline = Outline::Sizes { width: 1.6, height: 9.6, inertia: None };
+        Block::new(&BlockParameters { outline, supports, common }).unwrap()
     }
 
     fn heavy() -> Common {
@@ -271,7 +272,10 @@ mod tests {
         let tie = Tie { block: [0.8, 9.0], ground: [3.0, 0.0], stiffness: 1e6, ..Tie::default() };
         for (column, expected) in [
             (
-                column_on(Supports::Viscoelastic(Springs { stiffness: 1e9, damping: 0.0 }), heavy()),
+                column_on(
+                    Supports::Viscoelastic(KelvinVoigt::Springs(Springs { stiffness: 1e9, damping: 0.0 })),
+                    heavy(),
+                ),
                 "foundation = viscoelastic of the column has no equivalent in a frame: on supports",
             ),
             (column(Common { epsilon: 0.1, ..heavy() }), "epsilon of the column"),

@@ -10,6 +10,7 @@ use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::input::parameters::Parameter;
 use rocking_studies::intensity::Measure;
 use rocking_studies::run::limit::Limit;
+use rocking_studies::spec::BlockSpec;
 use rocking_studies::spec::study::Distribution;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::ensemble::{Ensemble, SpreadTarget, SpreadWidth, UncertainQuantity};
@@ -105,12 +106,20 @@ fn parameter(name: &str) -> Parameter {
 /// The parameters of block, run and pulse that differ from those of the FMU. The pulse has these amplitudes.
 fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParameter> {
     let mut values: Vec<(&str, Vec<f64>)> = Vec::new();
-    if inputs.spec.width.is_some() {
+    let foundation = inputs.spec.foundation();
+    // The FMU has ratios only beside the paper's alpha and p.
+    let spec = match inputs.spec.eta {
+        Some(_) if inputs.spec.width.is_some() => {
+            BlockSpec { eta: inputs.spec.eta, ..BlockSpec::of(&inputs.run.block) }
+        }
+        _ => inputs.spec.clone(),
+    };
+    if spec.width.is_some() {
         values.push(("parameterization", vec![2.0]));
     }
-    values.extend(inputs.spec.said().map(|(name, value)| (name, vec![value])));
-    if inputs.spec.foundation() != Foundation::Viscoelastic {
-        values.push(("foundation", vec![f64::from(inputs.spec.foundation() as i32)]));
+    values.extend(spec.said().map(|(name, value)| (name, vec![value])));
+    if foundation != Foundation::Viscoelastic {
+        values.push(("foundation", vec![f64::from(foundation as i32)]));
     }
     values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
     if let Some(amplitudes) = amplitudes {

@@ -120,45 +120,25 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
 
 /// The parameters of the block without its ties. The second value is the height of the body (m), if it is given.
 fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
+    let limits = limits::properties::<BlockSpec>();
     let has_size = fields.one_of("shape", &["size", "ratios"]) == "size";
     let foundation = fields.choice("foundation");
     let on_supports = foundation == Foundation::Viscoelastic;
     let in_ratios = on_supports && (!has_size || fields.one_of("supports", &["ratios", "stiffness"]) == "ratios");
-    // A size on supports in ratios gives α, p and γ as on a rigid base.
-    let of_size = if in_ratios && has_size { Foundation::Rigid } else { foundation };
-    let mut spec = BlockSpec { foundation: Some(of_size), ..BlockSpec::default() };
-    if has_size {
-        spec.width = Some(fields.required("width", &limits::properties::<BlockSpec>()["width"]));
-    }
-    read_numbers(fields, &mut spec, foundation);
-    let body_height = spec.height;
-    if let (Some(center), Some(body)) = (spec.center_height, body_height) {
-        if center >= body {
-            let message = format!("found {center}; expected a height within the body, below {body} m, or nothing");
-            fields.refuse(FieldError::new("center_height", message));
-        }
-        spec.height = None;
-    }
-    if of_size != foundation && !fields.has_errors() {
-        let Some(Block { alpha, gamma, body, .. }) = block(fields, &spec) else { return (spec, body_height) };
-        let (alpha, p, gamma) = (Some(alpha), Some(body.p), Some(gamma));
-        let [width, height, center_height, inertia] = [None; 4];
-        spec = BlockSpec { alpha, p, gamma, width, height, center_height, inertia, ..spec };
-        spec.foundation = Some(foundation);
-        read_numbers(fields, &mut spec, foundation);
-    }
-    (spec, body_height)
-}
-
-/// Reads the numbers that are still missing, beside the others and on this foundation.
-fn read_numbers(fields: &mut Fields, spec: &mut BlockSpec, foundation: Foundation) {
-    let limits = limits::properties::<BlockSpec>();
     let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
-    let unread = BlockSpec::of_other_foundation(foundation);
-    for (name, given) in spec.numbers() {
-        let has_effect = spec.without_effect().iter().all(|(without, _)| *without != name);
-        let is_shown = !unread.contains(&name) && name != "width" && (slides || name != "friction");
-        if given.is_none() && has_effect && is_shown {
+    let mut spec = BlockSpec { foundation: Some(foundation), ..BlockSpec::default() };
+    if has_size {
+        spec.width = Some(fields.required("width", &limits["width"]));
+    }
+    for (name, _) in spec.numbers() {
+        let is_read = match name {
+            "width" => false,
+            "eta" | "xi_v" => in_ratios,
+            "K" | "C" => !in_ratios,
+            "friction" => slides,
+            _ => true,
+        };
+        if is_read && spec.without_effect().iter().all(|(without, _)| *without != name) {
             let (field, limits) = (field(name), &limits[name]);
             let found = match name {
                 "center_height" | "inertia" => fields.limited(&field, limits),
@@ -169,6 +149,15 @@ fn read_numbers(fields: &mut Fields, spec: &mut BlockSpec, foundation: Foundatio
             }
         }
     }
+    let body_height = spec.height;
+    if let (Some(center), Some(body)) = (spec.center_height, body_height) {
+        if center >= body {
+            let message = format!("found {center}; expected a height within the body, below {body} m, or nothing");
+            fields.refuse(FieldError::new("center_height", message));
+        }
+        spec.height = None;
+    }
+    (spec, body_height)
 }
 
 /// The field of a parameter.

@@ -1,18 +1,15 @@
 use super::*;
 use crate::glyphs;
 use resvg::usvg::{Options, Tree};
-use rocking_block::block::{Body, Common, Physical, Springs, Supports};
+use rocking_block::block::{BlockParameters, Body, Common, KelvinVoigt, Outline, Springs, Supports};
 use roxmltree::{Document, Node};
 
 /// Returns a block of this size.
 fn block(width: f64, height: f64, eccentricity: f64, foundation: Foundation) -> Block {
-    let physical = Physical {
-        width,
-        height,
-        supports: Supports::of(foundation, Springs { stiffness: 1.234e7, damping: 4.321e4 }),
-        inertia: None,
-    };
-    Block::from_physical(&physical, &Common { eccentricity, friction: 0.45, ..Common::default() }).unwrap()
+    let springs = KelvinVoigt::Springs(Springs { stiffness: 1.234e7, damping: 4.321e4 });
+    let (outline, supports) = (Outline::Sizes { width, height, inertia: None }, Supports::of(foundation, springs));
+    let common = Common { eccentricity, friction: 0.45, ..Common::default() };
+    Block::new(&BlockParameters { outline, supports, common }).unwrap()
 }
 
 /// Returns a tie with all of its values.

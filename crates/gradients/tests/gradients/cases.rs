@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use rocking_block::block::restraints::{LinkKind, Tie};
-use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::Initial;
@@ -60,22 +60,19 @@ pub fn reference(folder: &str, name: &str) -> Run {
     });
     let foundation = if case["foundation"] == "rigid" { Foundation::Rigid } else { Foundation::Viscoelastic };
     let initial = &case["initial"];
+    let supports = Supports::of(foundation, Ratios { eta: of("eta", 40.0), xi_v: of("xi_v", 0.1) });
+    let common = Common {
+        mass,
+        gamma: of("gamma", 3.0),
+        epsilon: of("epsilon", 0.0),
+        gravity: of("g", 9.81),
+        eccentricity: of("eccentricity", 0.0),
+        friction: of("friction", 0.0),
+    };
     Run {
         name: name.into(),
         parameters: Parameters {
-            parameterization: Parameterization::Dimensionless(Dimensionless {
-                alpha: of("alpha", 0.0),
-                p: of("p", 1.0),
-                supports: Supports::of(foundation, Ratios { eta: of("eta", 40.0), xi_v: of("xi_v", 0.1) }),
-            }),
-            common: Common {
-                mass,
-                gamma: of("gamma", 3.0),
-                epsilon: of("epsilon", 0.0),
-                gravity: of("g", 9.81),
-                eccentricity: of("eccentricity", 0.0),
-                friction: of("friction", 0.0),
-            },
+            block: Dimensionless { alpha: of("alpha", 0.0), p: of("p", 1.0), supports }.with(&common),
             ties: ties.collect(),
             initial: Initial {
                 theta: or(&initial["theta"], 0.0),

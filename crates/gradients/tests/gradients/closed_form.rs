@@ -1,6 +1,6 @@
 //! Derivatives against closed forms, which are evaluated in numbers with derivatives themselves.
 
-use rocking_block::block::{Common, Dimensionless, Parameterization, Supports};
+use rocking_block::block::{Common, Dimensionless, Supports};
 use rocking_block::numerics::scalar::{Elementary, Scalar};
 use rocking_gradients::{BATCH, Number};
 
@@ -104,9 +104,8 @@ fn lift_off_under_a_sine() {
 /// A stout block on the rigid base slides under a sine from where a_gx reaches μ g on, without rocking.
 fn sliding() -> Run {
     let mut run = reference("reference", "sine_rigid");
-    run.parameters.parameterization =
-        Parameterization::Dimensionless(Dimensionless { alpha: 0.6, p: 2.0, supports: Supports::HOUSNER });
-    run.parameters.common = Common { friction: 0.3, gravity: 9.81, ..Common::default() };
+    let common = Common { friction: 0.3, gravity: 9.81, ..Common::default() };
+    run.parameters.block = Dimensionless { alpha: 0.6, p: 2.0, supports: Supports::HOUSNER }.with(&common);
     run.parameters.pulse.amplitude = 5.0;
     run
 }

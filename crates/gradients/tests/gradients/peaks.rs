@@ -1,7 +1,7 @@
 //! Derivatives of peaks at the first instant, at jumps of the excitation, at events and where a slide stops.
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::Initial;
@@ -20,12 +20,10 @@ fn run(
     duration: f64,
 ) -> Run {
     let supports = Supports::of(foundation, Ratios { eta: 40.0, xi_v: 0.1 });
-    let dimensionless = Dimensionless { alpha, p, supports };
     Run {
         name: "a pulse".into(),
         parameters: Parameters {
-            parameterization: Parameterization::Dimensionless(dimensionless),
-            common,
+            block: Dimensionless { alpha, p, supports }.with(&common),
             ties: Vec::new(),
             initial: Initial::default(),
             pulse,
@@ -138,7 +136,7 @@ fn the_peak_pull_of_a_broken_tie_is_its_strength() {
     let mut at_impacts = 0;
     for strength in (2..60).map(|i| 100.0 * f64::from(i)) {
         let mut run = run(0.25, 2.0, on(Foundation::Rigid, 0.0), pulse(PulseShape::OneSine, 6.0, 1.0, 0.1), 1e-10, 2.0);
-        run.parameters.common.mass = 1000.0;
+        run.parameters.block.common.mass = 1000.0;
         let tie =
             Tie { block: [0.0, 3.0], stiffness: 1e4, pretension: 100.0, damping: 1e4, strength, ..Tie::default() };
         run.parameters.ties = vec![tie];

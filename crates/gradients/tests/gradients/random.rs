@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, Body, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Body, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::Initial;
@@ -71,8 +71,7 @@ fn derivatives_of_peaks_match_differences() {
         let run = |tolerance| Run {
             name: "random".into(),
             parameters: Parameters {
-                parameterization: Parameterization::Dimensionless(dimensionless),
-                common,
+                block: dimensionless.with(&common),
                 ties: ties.clone(),
                 initial: Initial::default(),
                 pulse,

@@ -1,6 +1,6 @@
 //! A run from its parameters → its results, and the same with their derivatives.
 
-use rocking_block::block::{Block, Parameterization, Supports};
+use rocking_block::block::{Block, Supports};
 use rocking_block::excitation::Inputs;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::outputs::Observation;
@@ -38,10 +38,7 @@ pub struct Results<T> {
 impl Run {
     /// The same block on Housner's rigid base.
     pub fn on_rigid_base(mut self) -> Run {
-        match &mut self.parameters.parameterization {
-            Parameterization::Dimensionless(block) => block.supports = Supports::HOUSNER,
-            Parameterization::Physical(block) => block.supports = Supports::HOUSNER,
-        }
+        self.parameters.block.supports = Supports::HOUSNER;
         self
     }
 
@@ -56,8 +53,7 @@ impl Run {
     }
 
     pub fn block(&self) -> Block {
-        let Parameters { parameterization, common, ties, .. } = &self.parameters;
-        Block::from_parameters(parameterization, common).unwrap().with_ties(ties).unwrap()
+        self.parameters.checked_block().unwrap()
     }
 
     pub fn begin(&self) -> (Simulation, Ground) {

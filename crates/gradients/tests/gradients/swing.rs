@@ -1,7 +1,7 @@
 //! The tangent series of a swing about a corner of the rigid base, against the equations of motion in numbers with derivatives.
 
 use rocking_block::block::restraints::States;
-use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Supports};
+use rocking_block::block::{Block, BlockParameters, Common, Contact, Contacts, Corner, Creep, Outline, Supports};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::follow::{Samples, StepKind, repeat_step};
@@ -11,11 +11,8 @@ use rocking_gradients::{BATCH, Number};
 
 /// A block on the rigid base and its excitation; `number` gives the numbers, each with its own index.
 fn setting<T: Elementary>(shape: PulseShape, number: impl Fn(f64, u32) -> T) -> (Block<T>, Excitation<T>) {
-    let dimensionless = Dimensionless {
-        alpha: number(0.25, 1),
-        p: number(1.5, 2),
-        supports: Supports::Rigid { restitution_factor: T::from(1.0) },
-    };
+    let outline = Outline::Slenderness { alpha: number(0.25, 1), p: number(1.5, 2) };
+    let supports = Supports::Rigid { restitution_factor: T::from(1.0) };
     let common = Common {
         mass: number(2.0, 3),
         gamma: number(2.5, 4),
@@ -24,7 +21,7 @@ fn setting<T: Elementary>(shape: PulseShape, number: impl Fn(f64, u32) -> T) -> 
         epsilon: T::from(0.0),
         friction: T::from(0.0),
     };
-    let block = Block::of_dimensionless(&dimensionless, &common);
+    let block = Block::unchecked(&BlockParameters { outline, supports, common });
     let ramp = |value: f64, i: u32| Ramp { value: number(value, i), rate: number(2.0 * value, i + 1) };
     let none = || Ramp::held(T::from(0.0));
     let inputs = Inputs {

@@ -13,7 +13,7 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use crate::output::summary::{Object, Summary};
-use rocking_block::block::{Block, Common, Physical, Supports};
+use rocking_block::block::{Block, BlockParameters, Common, Outline, Supports};
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::history::block_line;
 use rocking_studies::doubts;
@@ -75,8 +75,8 @@ impl FrameOptions {
         let FrameOptions { columns, width, height, mass, inertia, beam_mass, restitution_factor, g } = *self;
         check("height", height, |x| x > 0.0, "a length > 0 m")?;
         let common = Common { mass, gravity: g, ..Common::default() };
-        let physical = Physical { width, height, supports: Supports::Rigid { restitution_factor }, inertia };
-        let column = Block::from_physical(&physical, &common)?;
+        let (outline, supports) = (Outline::Sizes { width, height, inertia }, Supports::Rigid { restitution_factor });
+        let column = Block::new(&BlockParameters { outline, supports, common })?;
         warn(doubts::of_blocks([column]));
         Ok(Frame::new(columns, column, beam_mass)?)
     }

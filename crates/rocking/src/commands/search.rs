@@ -16,7 +16,6 @@ use crate::output::formats::check_table;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use crate::output::summary::{Object, Summary};
-use rocking_block::block::Foundation;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::run::outcome::End;
@@ -130,9 +129,11 @@ impl Damping {
         check("rate", rate, |_| true, "a finite number")?;
         let scan = self.search.scan(from, to, resolution)?;
         explicit.refuse_unless(false, &OF_NO_SEARCH_FOR_DAMPING, "in a search for the damping of supports")?;
-        let spec = in_ratios(&self.block, "")?;
-        spec.block().map_err(in_options)?;
-        let block_with = |xi_v| BlockSpec { xi_v: Some(xi_v), ..spec.clone() }.block();
+        let BlockSpec { width, eta, .. } = self.block;
+        let has_eta = width.is_none() || eta.is_some();
+        anyhow::ensure!(has_eta, "--width without --eta; expected the stiffness ratio of the supports");
+        block(&self.block)?;
+        let block_with = |xi_v| BlockSpec { xi_v: Some(xi_v), ..self.block.clone() }.block();
         let (settings, width) = (self.search.settings()?, self.search.processor.width());
         self.search.search(
             "xi_v",
@@ -169,7 +170,7 @@ impl Overturning {
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         explicit.refuse_unless(!explicit.has("record"), &["pulse", "period", "phase", "cycles"], "with --record")?;
         self.search.check_table(&self.accelerograms.files().named())?;
-        let block = block(&in_ratios(&self.block, ", --stiffness and --damping, or --foundation rigid")?)?;
+        let block = block(&self.block)?;
         let (shaking, name, unit) = self.shaking(block.gravity)?;
         let [least, greatest] = search::usual_strengths(&block, &shaking);
         let (from, to) = (self.from.unwrap_or(least), self.to.unwrap_or(greatest));
@@ -212,31 +213,6 @@ impl Overturning {
         let pulse = pulse.with_amplitude(None).map_err(in_options)?;
         Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
     }
-}
-
-/// Returns the parameters with α, p and γ instead of sizes on supports whose stiffness is given by η. An error names it and these `others`.
-fn in_ratios(spec: &BlockSpec, others: &str) -> anyhow::Result<BlockSpec> {
-    let BlockSpec { width, eta, xi_v, stiffness, damping, .. } = *spec;
-    let has_springs = stiffness.is_some() || damping.is_some();
-    if width.is_none() || has_springs || spec.foundation() == Foundation::Rigid {
-        return Ok(spec.clone());
-    }
-    let sized = BlockSpec { foundation: Some(Foundation::Rigid), eta: None, xi_v: None, ..spec.clone() };
-    let block = sized.block().map_err(in_options)?;
-    anyhow::ensure!(eta.is_some(), "--width without --eta; expected the stiffness ratio of the supports{others}");
-    let [alpha, p, gamma] = [block.alpha, block.p, block.gamma].map(Some);
-    Ok(BlockSpec {
-        alpha,
-        p,
-        gamma,
-        eta,
-        xi_v,
-        width: None,
-        height: None,
-        center_height: None,
-        inertia: None,
-        ..spec.clone()
-    })
 }
 
 impl SearchOptions {

@@ -95,16 +95,15 @@ fn summary(block: &Block) -> Summary {
 mod tests {
     use super::*;
     use rocking_block::block::restraints::Tie;
-    use rocking_block::block::{Common, Physical};
+    use rocking_block::block::{BlockParameters, Common, Outline, Supports};
 
     /// A block rocks beyond g tan α of its nearer corner (Shenton, 1996). It slides beyond μ g if that is less.
     #[test]
     fn the_start_of_the_motion_follows_the_nearer_corner_and_friction() {
         let block = |eccentricity: f64, friction: f64| {
-            let physical =
-                Physical { width: 0.8, height: 2.0, supports: rocking_block::block::Supports::HOUSNER, inertia: None };
+            let outline = Outline::Sizes { width: 0.8, height: 2.0, inertia: None };
             let common = Common { eccentricity, friction, gravity: 10.0, ..Common::default() };
-            Block::from_physical(&physical, &common).unwrap()
+            Block::new(&BlockParameters { outline, supports: Supports::HOUSNER, common }).unwrap()
         };
         let text = |block: Block| summary(&block).text.lines().last().unwrap().to_string();
         for (eccentricity, friction, expected) in [

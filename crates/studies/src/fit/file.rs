@@ -34,7 +34,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
         values = set(source, shared.iter().chain(&of_test))?;
         tests.push(test(&file, &path, table, folder, &values, &mut files)?);
     }
-    let (parameterization, common) = values.block_parameters(|variable| values[variable]);
+    let block = values.block_parameters(|variable| values[variable]);
     let default = Options::default();
     let options = Options {
         starts: starts.unwrap_or(default.starts),
@@ -44,7 +44,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
     };
     let ties = values.ties(|variable| values[variable]);
     let free = free(&file, "fit.", &file.fit.free)?;
-    let problem = Problem { parameterization, common, ties, free, tests, options };
+    let problem = Problem { block, ties, free, tests, options };
     let path = |error: &FitError| match error {
         FitError::Test { number, .. } => format!("tests.{}", number - 1),
         _ => "fit".into(),

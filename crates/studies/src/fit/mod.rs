@@ -265,7 +265,7 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Optio
         is_converged: best.is_converged,
         notes: Vec::new(),
         runs,
-        block: problem.block(&parameters).map_err(FitError::Block)?,
+        block: parameters.checked_block().map_err(FitError::Block)?,
     };
     fit.notes = notes::notes(&fit);
     match ends {
@@ -307,7 +307,7 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
 
 #[cfg(test)]
 mod tests {
-    use rocking_block::block::{Common, Dimensionless, Parameterization, Supports};
+    use rocking_block::block::{Common, Dimensionless, Supports};
 
     use super::*;
 
@@ -317,8 +317,7 @@ mod tests {
         let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
         let test = Test { noise: Some(1e-3), ..Test::release(0.1, vec![0.1, 0.2], vec![0.0; 2]) };
         let mut problem = Problem {
-            parameterization: Parameterization::Dimensionless(truth),
-            common: Common::default(),
+            block: truth.with(&Common::default()),
             ties: Vec::new(),
             free: vec![Free { bounds: Some([2.5, 3.5]), ..Free::named("p") }],
             tests: vec![test],
@@ -352,8 +351,7 @@ mod tests {
         let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
         let times: Vec<f64> = (1..=20).map(|i| 0.1 * f64::from(i)).collect();
         let mut problem = Problem {
-            parameterization: Parameterization::Dimensionless(truth),
-            common: Common::default(),
+            block: truth.with(&Common::default()),
             ties: Vec::new(),
             free: vec![Free { bounds: Some([2.5, 3.6]), ..Free::named("p") }],
             tests: vec![Test { noise: Some(0.02), ..Test::release(0.1, times.clone(), vec![0.0; 20]) }],

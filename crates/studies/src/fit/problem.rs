@@ -3,7 +3,7 @@
 use crate::spec::fit::FitTable;
 use crate::spec::limits;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Parameterization};
+use rocking_block::block::{BlockError, BlockParameters};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
@@ -98,10 +98,8 @@ impl Default for Options {
 /// A block, its tests and the free parameters of a fit.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The parameters of the block that its parameterization has.
-    pub parameterization: Parameterization,
-    /// Its other parameters.
-    pub common: Common,
+    /// The parameters of the block.
+    pub block: BlockParameters,
     /// Its ties.
     pub ties: Vec<Tie>,
     /// Free parameters of the block, which all tests share.
@@ -144,8 +142,7 @@ impl Problem {
     /// Returns the parameters of the block in a test.
     pub fn parameters(&self, test: &Test) -> Parameters {
         Parameters {
-            parameterization: self.parameterization,
-            common: self.common,
+            block: self.block,
             ties: self.ties.clone(),
             initial: test.initial,
             pulse: test.pulse,
@@ -153,20 +150,12 @@ impl Problem {
         }
     }
 
-    /// Makes the block with these parameters.
-    ///
-    /// # Errors
-    /// The first invalid parameter.
-    pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
-        Block::from_parameters(&parameters.parameterization, &parameters.common)?.with_ties(&parameters.ties)
-    }
-
     /// Returns the run of a test with these parameters.
     ///
     /// # Errors
     /// The first invalid parameter.
     pub fn run(&self, test: &Test, parameters: &Parameters) -> Result<Run, BlockError> {
-        let block = self.block(parameters)?;
+        let block = parameters.checked_block()?;
         let ground = test.ground.clone().scaled(parameters.scale.unwrap_or(1.0));
         let settings =
             Settings { tolerance: self.options.tolerance, on_separation: OnSeparation::Fly, ..Settings::default() };
@@ -178,7 +167,7 @@ impl Problem {
     /// # Errors
     /// An invalid block, or a column that its runs lack.
     pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
-        let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
+        let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
         let columns = columns(&block);
         let column = columns.iter().find(|column| column.name == test.output);
         Ok(column.map_or("1", |column| column.unit))
@@ -230,7 +219,7 @@ impl Problem {
     /// Returns the fault of a test as an inner error.
     fn check_test(&self, test: &Test) -> Result<Result<(), String>, FitError> {
         let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = test;
-        let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
+        let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
         let known: Vec<String> =
             columns(&block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
         let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());

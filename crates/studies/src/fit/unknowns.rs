@@ -190,7 +190,7 @@ fn bounds(
     let usual = match positive {
         Some(factor) => [start / factor, start * factor],
         None => {
-            let block = problem.block(&problem.parameters(test)).map_err(FitError::Block)?;
+            let block = problem.parameters(test).checked_block().map_err(FitError::Block)?;
             usual_bounds(name, start, test, [block.alpha, block.p, block.b, block.h])
         }
     };

@@ -2,7 +2,7 @@
 
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{
-    Block, BlockError, Common, Dimensionless, Foundation, Parameterization, Physical, Ratios, Springs, Supports,
+    Block, BlockError, BlockParameters, Common, Foundation, KelvinVoigt, Outline, Ratios, Springs, Supports,
 };
 use schemars::JsonSchema;
 
@@ -35,7 +35,7 @@ pub struct BlockSpec {
     #[schemars(title = "damping ratio ξ_v", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub xi_v: Option<f64>,
-    /// Width of the base; with --height, --stiffness, --damping and --mass it replaces alpha, p, eta and xi_v [m]
+    /// Width of the base; with --height or --center-height it replaces alpha and p [m]
     #[schemars(title = "width of the base", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub width: Option<f64>,
@@ -51,11 +51,11 @@ pub struct BlockSpec {
     #[schemars(title = "moment of inertia I0", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "KG.M2"))]
     pub inertia: Option<f64>,
-    /// Stiffness K of one support; not on a rigid base [N/m]
+    /// Stiffness K of one support; with --damping and --mass it replaces eta and xi_v [N/m]
     #[schemars(rename = "K", title = "stiffness K of a support", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N/M"))]
     pub stiffness: Option<f64>,
-    /// Damping C of one support; not on a rigid base [N.s/m]
+    /// Damping C of one support, with --stiffness [N.s/m]
     #[schemars(rename = "C", title = "damping C of a support", range(min = 0), extend("fit_factor" = 10))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "N.S/M"))]
     pub damping: Option<f64>,
@@ -192,11 +192,12 @@ impl BlockSpec {
         }
     }
 
-    /// Returns the numbers to state for this block. They are those that are no defaults, and the mass if it has an effect.
+    /// Returns the numbers to state for this block. They are those that are no defaults or needed beside others.
     pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let needs_mass = self.needs_mass().is_some();
+        let (needs_mass, needs_eta) = (self.needs_mass().is_some(), self.width.is_some());
         self.numbers().into_iter().zip(BlockSpec::DEFAULT.numbers()).filter_map(move |((name, value), (_, default))| {
-            let is_said = value != default || (name == "mass" && needs_mass);
+            let is_needed = (name == "mass" && needs_mass) || (name == "eta" && needs_eta);
+            let is_said = value != default || is_needed;
             value.filter(|_| is_said).map(|value| (name, value))
         })
     }
@@ -281,19 +282,18 @@ impl BlockSpec {
     /// # Errors
     /// The first parameter that would not be read, that needs another one, or that is out of range.
     pub fn block(&self) -> Result<Block, SpecError> {
-        let (parameterization, common) = self.parameters()?;
-        let block = Block::from_parameters(&parameterization, &common)?.with_ties(&self.hold.links())?;
+        let block = Block::new(&self.parameters()?)?.with_ties(&self.hold.links())?;
         match self.needs_mass() {
             Some((parameter, missing)) if self.mass.is_none() => Err(SpecError::Lacks { parameter, missing }),
             _ => Ok(block),
         }
     }
 
-    /// Returns the parameters in the parameterization of the user.
+    /// Returns the parameters as the user gives them, without ties.
     ///
     /// # Errors
     /// The first parameter that would not be read, or that needs another one.
-    pub fn parameters(&self) -> Result<(Parameterization, Common), SpecError> {
+    pub fn parameters(&self) -> Result<BlockParameters, SpecError> {
         self.refuse_without_effect()?;
         let common = self.hold.common(Common {
             mass: self.number(|spec| spec.mass),
@@ -302,31 +302,34 @@ impl BlockSpec {
             gravity: self.gravity(),
             ..Common::default()
         })?;
-        let restitution_factor = self.number(|spec| spec.restitution_factor);
-        let Some(width) = self.width else {
-            let supports = match self.foundation() {
-                Foundation::Viscoelastic => Supports::Viscoelastic(Ratios {
-                    eta: self.number(|spec| spec.eta),
-                    xi_v: self.number(|spec| spec.xi_v),
-                }),
-                Foundation::Rigid => Supports::Rigid { restitution_factor },
-            };
-            let (alpha, p) = (self.number(|spec| spec.alpha), self.number(|spec| spec.p));
-            return Ok((Parameterization::Dimensionless(Dimensionless { alpha, p, supports }), common));
-        };
-        let lacks = |missing| SpecError::Lacks { parameter: "width", missing };
-        let height = self.center_height.map(|height| 2.0 * height).or(self.height);
-        let height = height.ok_or(lacks("`height`; expected both, or `center_height`"))?;
-        let supports = match (self.foundation(), self.stiffness, self.damping) {
-            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => {
-                Supports::Viscoelastic(Springs { stiffness, damping })
+        let outline = match self.width {
+            None => Outline::Slenderness { alpha: self.number(|spec| spec.alpha), p: self.number(|spec| spec.p) },
+            Some(width) => {
+                let height = self.center_height.map(|height| 2.0 * height).or(self.height);
+                let missing = "`height`; expected both, or `center_height`";
+                let height = height.ok_or(SpecError::Lacks { parameter: "width", missing })?;
+                Outline::Sizes { width, height, inertia: self.inertia }
             }
-            (Foundation::Viscoelastic, ..) => {
-                return Err(lacks("`K` and `C`; expected both and `mass`, or `foundation = rigid`"));
-            }
-            (Foundation::Rigid, ..) => Supports::Rigid { restitution_factor },
         };
-        Ok((Parameterization::Physical(Physical { width, height, supports, inertia: self.inertia }), common))
+        let viscoelastic = match (self.stiffness, self.damping) {
+            (Some(stiffness), Some(damping)) => KelvinVoigt::Springs(Springs { stiffness, damping }),
+            (None, None) => {
+                KelvinVoigt::Ratios(Ratios { eta: self.number(|spec| spec.eta), xi_v: self.number(|spec| spec.xi_v) })
+            }
+            (Some(_), None) => return Err(SpecError::Lacks { parameter: "K", missing: "`C`; expected both" }),
+            (None, Some(_)) => return Err(SpecError::Lacks { parameter: "C", missing: "`K`; expected both" }),
+        };
+        let has_supports = self.eta.is_some() || self.stiffness.is_some();
+        let supports = match self.foundation() {
+            Foundation::Rigid => Supports::Rigid { restitution_factor: self.number(|spec| spec.restitution_factor) },
+            // Defaults fit no real block.
+            Foundation::Viscoelastic if self.width.is_some() && !has_supports => {
+                let missing = "`eta`, or `K` and `C`; expected the supports, or `foundation = rigid`";
+                return Err(SpecError::Lacks { parameter: "width", missing });
+            }
+            Foundation::Viscoelastic => Supports::Viscoelastic(viscoelastic),
+        };
+        Ok(BlockParameters { outline, supports, common })
     }
 
     /// Refuses parameters that would not be read.
@@ -354,10 +357,12 @@ impl BlockSpec {
             Foundation::Rigid => "on a rigid base",
             Foundation::Viscoelastic => "on viscoelastic supports; expected `foundation = rigid`",
         };
-        let rules: [(bool, &[&'static str], &'static str); 5] = [
+        let has_springs = self.stiffness.is_some() || self.damping.is_some();
+        let rules: [(bool, &[&'static str], &'static str); 6] = [
             (true, BlockSpec::of_other_foundation(self.foundation()), foundation),
-            (has_size, &["alpha", "p", "eta", "xi_v"], "with `width`"),
-            (!has_size, &["height", "center_height", "inertia", "K", "C"], "without `width`"),
+            (has_size, &["alpha", "p"], "with `width`"),
+            (!has_size, &["height", "center_height", "inertia"], "without `width`"),
+            (has_springs, &["eta", "xi_v"], "with `K` and `C`"),
             (self.center_height.is_some(), &["height"], "with `center_height`"),
             (self.inertia.is_some(), &["gamma"], "with `inertia`"),
         ];
@@ -391,13 +396,15 @@ mod tests {
         spec.block().unwrap_err().spelled(|name| format!("<{name}>"))
     }
 
-    /// A number that a user must say is said, the mass even where it is that of the default.
+    /// A number that a user must say is said even where it is that of the default.
     #[test]
-    fn the_mass_is_said_where_something_depends_on_it() {
+    fn mass_and_eta_are_said_where_they_are_needed() {
         let default = BlockSpec::DEFAULT;
         assert_eq!(default.said().count(), 0);
-        let springs = BlockSpec { width: Some(1.0), stiffness: Some(1e7), ..default.clone() };
+        let springs = BlockSpec { width: Some(1.0), stiffness: Some(1e7), mass: Some(1000.0), ..BlockSpec::default() };
         assert_eq!(springs.said().collect::<Vec<_>>(), [("width", 1.0), ("K", 1e7), ("mass", 1000.0)]);
+        let sized = BlockSpec { width: Some(1.0), height: Some(3.0), eta: default.eta, ..BlockSpec::default() };
+        assert_eq!(sized.said().collect::<Vec<_>>(), [("width", 1.0), ("height", 3.0), ("eta", 40.0)]);
         let tied = BlockSpec { hold: HoldSpec { ties: vec![Tie::default()], ..HoldSpec::default() }, ..default };
         assert_eq!(tied.said().collect::<Vec<_>>(), [("mass", 1000.0)]);
     }
@@ -429,7 +436,7 @@ mod tests {
             (BlockSpec { inertia: some, ..BlockSpec::default() }, "<inertia> has no effect without <width>"),
             (BlockSpec { center_height: some, ..rigid.clone() }, "<height> has no effect with <center_height>"),
             (BlockSpec { inertia: some, gamma: Some(3.0), ..rigid.clone() }, "<gamma> has no effect with <inertia>"),
-            (sized.clone(), "<width> without <K> and <C>; expected both and <mass>, or <foundation = rigid>"),
+            (sized.clone(), "<width> without <eta>, or <K> and <C>; expected the supports, or <foundation = rigid>"),
             (
                 BlockSpec { width: some, ..BlockSpec::default() },
                 "<width> without <height>; expected both, or <center_height>",

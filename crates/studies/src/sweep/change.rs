@@ -2,7 +2,7 @@
 
 use crate::run::outcome::Holds;
 use rocking_block::block::restraints::{LinkKind, Tie, tie};
-use rocking_block::block::{Block, BlockError, Body, Physical, Springs, Supports};
+use rocking_block::block::{Block, BlockError, BlockParameters, Body, KelvinVoigt, Outline, Springs, Supports};
 use rocking_block::unit::links::LINKS;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
@@ -167,9 +167,9 @@ pub(super) fn tie_field(ties: &mut [Tie], variable: Variable) -> Option<&mut f64
 
 /// The block with another half width, friction or supports; mass, inertia and ties are kept.
 fn rebuilt(block: &Block, supports: Supports<Springs>) -> Result<Block, BlockError> {
-    let (width, height) = (2.0 * block.b, 2.0 * block.h);
-    let physical = Physical { width, height, supports, inertia: Some(block.inertia()) };
-    Block::from_physical(&physical, &block.common())?.with_ties(block.ties())
+    let outline = Outline::Sizes { width: 2.0 * block.b, height: 2.0 * block.h, inertia: Some(block.inertia()) };
+    let supports = supports.with(KelvinVoigt::Springs);
+    Block::new(&BlockParameters { outline, supports, common: block.common() })?.with_ties(block.ties())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Fits to synthetic tests with planted parameters: intervals must contain them at their confidence level.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Estimate, Fit, Free, Options, Problem, Test, fit};
@@ -88,7 +88,7 @@ fn noise_that_is_not_given_is_estimated() {
 fn one_parameter_is_fitted_alone() {
     let planted = rigid();
     let mut problem = planted.problem(planted.measured(2));
-    problem.parameterization = Parameterization::Dimensionless(planted.truth);
+    problem.block = planted.truth.with(&problem.block.common);
     problem.free = vec![Free::named("p")];
     let found = fitted(&problem);
     let Some([Some(low), Some(high)]) = found.estimates[0].interval else { panic!("{found:?}") };
@@ -193,10 +193,9 @@ fn a_shaking_table_test_of_two_quantities_is_fitted() {
     let tests =
         vec![test("theta", 1e-3, |row| row.observation.theta), test("N_L", 50.0, |row| row.observation.reaction[0])];
     let supports = dimensionless.supports.with(|ratios| Ratios { eta: 33.0, ..ratios });
-    let parameterization = Parameterization::Dimensionless(Dimensionless { alpha: 0.27, supports, ..dimensionless });
+    let block = Dimensionless { alpha: 0.27, supports, ..dimensionless }.with(&common);
     let free = vec![Free::named("alpha"), Free::named("eta")];
-    let found =
-        fitted(&Problem { parameterization, common, ties: Vec::new(), free, tests, options: Options::default() });
+    let found = fitted(&Problem { block, ties: Vec::new(), free, tests, options: Options::default() });
     for (estimate, truth) in found.estimates.iter().zip([0.25, 30.0, 4.0, 4.0]) {
         assert!((estimate.value / truth - 1.0).abs() < 1e-5, "{estimate:?}");
     }

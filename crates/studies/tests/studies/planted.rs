@@ -2,7 +2,7 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use rocking_block::block::{Block, Common, Dimensionless, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_studies::fit::{Free, Options, Problem, Test};
 use rocking_studies::run::{Row, Run};
@@ -89,8 +89,7 @@ impl Planted {
             }
         };
         Problem {
-            parameterization: Parameterization::Dimensionless(wrong),
-            common,
+            block: wrong.with(&common),
             ties: Vec::new(),
             free: self.free.iter().map(|name| Free::named(name)).collect(),
             tests,

@@ -1,6 +1,6 @@
 //! The strength at which a block overturns moves with a parameter as the derivatives of a run near it predict.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization, Ratios, Supports};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
@@ -75,8 +75,7 @@ impl Search {
         let strength = self.threshold().next_down();
         let pulse = Pulse { amplitude: strength, ..self.pulse };
         let parameters = Parameters {
-            parameterization: Parameterization::Dimensionless(self.dimensionless),
-            common: self.common,
+            block: self.dimensionless.with(&self.common),
             ties: Vec::new(),
             initial: Initial::default(),
             pulse,

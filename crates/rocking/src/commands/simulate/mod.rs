@@ -158,10 +158,8 @@ impl SimulateCommand {
             return Ok((run.history(progress)?, Gradients::default()));
         }
         run.check_memory(self.gradients.len())?;
-        let (parameterization, common) = self.block.parameters().map_err(block::in_options)?;
         let parameters = Parameters {
-            parameterization,
-            common,
+            block: self.block.parameters().map_err(block::in_options)?,
             ties: run.block.ties().to_vec(),
             initial: run.initial,
             pulse: run.pulse,

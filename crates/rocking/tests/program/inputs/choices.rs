@@ -76,18 +76,23 @@ fn all_commands_take_sizes_instead_of_angles() {
         stdout(folder.path(), &[&spectrum[..], &[&alpha]].concat())
     );
     for (command, message) in [
-        (&["search", "damping", "--width", "1"][..], "--width without --height; expected both, or --center-height"),
+        (
+            &["search", "damping", "--width", "1", "--eta", "40"][..],
+            "--width without --height; expected both, or --center-height",
+        ),
         (&["search", "damping", "--height", "1"], "--height has no effect without --width"),
         (
             &["search", "damping", "--width", "1", "--height", "4"],
             "--width without --eta; expected the stiffness ratio of the supports",
         ),
         (&["search", "damping", "--xi-v", "0.2"], "--xi-v has no effect in a search for the damping of supports"),
-        (&["search", "damping", "--width", "1", "--height", "4", "--p", "2"], "--p has no effect with --width"),
+        (
+            &["search", "damping", "--width", "1", "--height", "4", "--eta", "40", "--p", "2"],
+            "--p has no effect with --width",
+        ),
         (
             &["search", "overturning", "--period", "1", "--width", "1", "--height", "4"],
-            "--width without --eta; expected the stiffness ratio of the supports, --stiffness and --damping, or \
-             --foundation rigid",
+            "--width without --eta, or --stiffness and --damping; expected the supports, or --foundation rigid",
         ),
     ] {
         assert_eq!(refusal(folder.path(), command), message);

@@ -68,11 +68,15 @@ fn options_of_supports_need_them() {
     }
     for options in [["--stiffness", "1e6"], ["--damping", "1e3"]] {
         has_no_effect(&[&rigid[..], &["--width", "1", "--height", "4"]].concat(), &options, "on a rigid base");
-        has_no_effect(&[&["simulate"], &PULSE[..]].concat(), &options, "without --width");
     }
     let sizes = ["--width", "1", "--height", "4", "--stiffness", "1e6", "--damping", "1e3"];
-    for options in [["--alpha", "0.2"], ["--p", "2"], ["--eta", "40"], ["--xi-v", "0.1"]] {
-        has_no_effect(&[&["simulate"], &PULSE[..], &sizes].concat(), &options, "with --width");
+    for (options, because) in [
+        (["--alpha", "0.2"], "with --width"),
+        (["--p", "2"], "with --width"),
+        (["--eta", "40"], "with --stiffness and --damping"),
+        (["--xi-v", "0.1"], "with --stiffness and --damping"),
+    ] {
+        has_no_effect(&[&["simulate"], &PULSE[..], &sizes].concat(), &options, because);
     }
     let spectrum = [&["spectrum"], &PULSE[..], &FEW, &["--foundation", "rigid"]].concat();
     for options in [["--eta", "40"], ["--xi-v", "0.1"]] {
@@ -114,16 +118,36 @@ fn a_rigid_base_needs_no_stiffness() {
     assert!(!peaks[0].contains("|θ|/α = 0.0000"), "{}", peaks[0]);
     for (options, message) in [
         (&["--width", "1"][..], "--width without --height; expected both, or --center-height"),
-        (
-            &["--width", "1", "--height", "4", "--stiffness", "1e6"],
-            "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid",
-        ),
+        (&["--width", "1", "--height", "4", "--stiffness", "1e6"], "--stiffness without --damping; expected both"),
         (
             &["--width", "1", "--height", "4", "--stiffness", "1e6", "--damping", "1e3"],
             "--stiffness without --mass; expected both, since eta and xi_v depend on the mass",
         ),
     ] {
         assert_eq!(refusal(folder.path(), &[&["simulate"], options].concat()), message);
+    }
+}
+
+/// Sizes go with ratios, and the paper's parameters with the stiffness of a support.
+#[test]
+fn outline_and_supports_are_given_independently() {
+    let folder = tempfile::tempdir().unwrap();
+    // With α = arctan(1/4), p = 1 rad/s and M = 1000 kg, ω_v = 40 rad/s takes K = 8e5 N/m, and ξ_v = 0.1 takes C = 4e3 N.s/m.
+    let (alpha, r0) = (0.25_f64.atan(), 0.75 * 9.81);
+    let of = |name: &str, value: f64| [format!("--{name}"), value.to_string()];
+    let paper = [of("alpha", alpha), of("p", 1.0)].concat();
+    let sizes = [of("width", 2.0 * r0 * alpha.sin()), of("height", 2.0 * r0 * alpha.cos())].concat();
+    let ratios = [of("eta", 40.0), of("xi-v", 0.1)].concat();
+    let springs = [of("stiffness", 8e5), of("damping", 4e3), of("mass", 1000.0)].concat();
+    let peak = |outline: &[String], supports: &[String]| {
+        let options: Vec<&str> = outline.iter().chain(supports).map(String::as_str).collect();
+        let printed = stdout(folder.path(), &[&["simulate", "--csv", "x.csv"], &PULSE[..], &options].concat());
+        printed.lines().find(|line| line.starts_with("peak")).unwrap().to_string()
+    };
+    let expected = peak(&paper, &ratios);
+    assert!(!expected.contains("|θ|/α = 0.0000"), "{expected}");
+    for (outline, supports) in [(&paper, &springs), (&sizes, &ratios), (&sizes, &springs)] {
+        assert_eq!(peak(outline, supports), expected, "{outline:?} {supports:?}");
     }
 }
 
