@@ -55,8 +55,27 @@ pub trait Scalar:
     fn select_less(a: Self::Real, b: Self::Real, yes: Self, no: Self) -> Self;
 }
 
+/// Some of the runs in lanes, or whether it is a single run.
+pub trait Runs<R>: Copy {
+    /// The runs in which one number is less than another.
+    fn less(one: R, other: R) -> Self;
+    /// The runs in both.
+    fn and(self, other: Self) -> Self;
+    /// The runs in either.
+    fn or(self, other: Self) -> Self;
+    /// These runs without the others.
+    fn except(self, other: Self) -> Self;
+    /// Whether there is one.
+    fn any(self) -> bool;
+    /// One number in these runs, the other elsewhere.
+    fn choose(self, one: R, other: R) -> R;
+}
+
 /// A number without a derivative, or one per lane: the type of states and steps.
 pub trait Real: Scalar<Real = Self> {
+    /// Some of the runs.
+    type Runs: Runs<Self>;
+
     /// Returns the absolute value.
     fn abs(self) -> Self;
 }
@@ -141,7 +160,41 @@ impl Scalar for f64 {
     }
 }
 
+impl Runs<f64> for bool {
+    #[inline(always)]
+    fn less(one: f64, other: f64) -> bool {
+        one < other
+    }
+
+    #[inline(always)]
+    fn and(self, other: bool) -> bool {
+        self && other
+    }
+
+    #[inline(always)]
+    fn or(self, other: bool) -> bool {
+        self || other
+    }
+
+    #[inline(always)]
+    fn except(self, other: bool) -> bool {
+        self && !other
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+
+    #[inline(always)]
+    fn choose(self, one: f64, other: f64) -> f64 {
+        if self { one } else { other }
+    }
+}
+
 impl Real for f64 {
+    type Runs = bool;
+
     #[inline(always)]
     fn abs(self) -> f64 {
         self.abs()

@@ -2,8 +2,8 @@
 //! search.
 
 use crate::numerics::Real;
-use crate::numerics::bernstein::{DEGREE, Highest, Pair, Row};
-use crate::numerics::scalar::greatest;
+use crate::numerics::bernstein::{DEGREE, Highest, Pair, Searched};
+use crate::numerics::scalar::{Runs, greatest};
 use crate::simulation::outputs::{MAX_FRICTION_DEMAND, PeakQuantities, peak_quantities};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
@@ -30,108 +30,11 @@ fn friction_demand<T: Real>([n, h]: [T; 2]) -> T {
 /// Weights that select one polynomial of a pair.
 pub(super) const UNITS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-/// Some of the runs in lanes, or whether it is a single run.
-pub(super) trait Runs<R>: Copy {
-    /// The runs in which one number is less than another.
-    fn less(one: R, other: R) -> Self;
-    /// The runs in both.
-    fn and(self, other: Self) -> Self;
-    /// The runs in either.
-    fn or(self, other: Self) -> Self;
-    /// These runs without the others.
-    fn except(self, other: Self) -> Self;
-    /// Whether there is one.
-    fn any(self) -> bool;
-    /// One number in these runs, the other elsewhere.
-    fn choose(self, one: R, other: R) -> R;
-}
-
-impl Runs<f64> for bool {
-    #[inline(always)]
-    fn less(one: f64, other: f64) -> bool {
-        one < other
-    }
-
-    #[inline(always)]
-    fn and(self, other: bool) -> bool {
-        self && other
-    }
-
-    #[inline(always)]
-    fn or(self, other: bool) -> bool {
-        self || other
-    }
-
-    #[inline(always)]
-    fn except(self, other: bool) -> bool {
-        self && !other
-    }
-
-    #[inline(always)]
-    fn any(self) -> bool {
-        self
-    }
-
-    #[inline(always)]
-    fn choose(self, one: f64, other: f64) -> f64 {
-        if self { one } else { other }
-    }
-}
-
-/// Two forces per mass (m/s²) as polynomials on [0, 1], a fraction of a step.
-pub(super) trait ForcePair {
-    type Number: Real;
-    type Runs: Runs<Self::Number>;
-
-    /// See [`Pair::coefficients`].
-    fn coefficients(&self) -> &Row<[Self::Number; 2]>;
-
-    /// See [`Pair::at`].
-    fn at(&self, place: Self::Number) -> [Self::Number; 2];
-
-    /// See [`Pair::highest`].
-    fn highest(
-        &self,
-        runs: Self::Runs,
-        combination: [Self::Number; 2],
-        most: Self::Number,
-    ) -> Highest<Self::Number, Self::Runs>;
-}
-
-impl ForcePair for Pair {
-    type Number = f64;
-    type Runs = bool;
-
-    #[inline(always)]
-    fn coefficients(&self) -> &Row<[f64; 2]> {
-        self.coefficients()
-    }
-
-    #[inline(always)]
-    fn at(&self, place: f64) -> [f64; 2] {
-        self.at(place)
-    }
-
-    #[inline(always)]
-    fn highest(&self, run: bool, combination: [f64; 2], most: f64) -> Highest<f64, bool> {
-        let place = if run { self.highest(combination, most) } else { None };
-        Highest { place: place.unwrap_or(0.0), exceeds: place.is_some(), known: run }
-    }
-}
-
 /// A segment of a step on which forces are searched for peaks.
-pub(super) trait ForceSegment {
-    type Pair: ForcePair;
-
+pub(super) trait ForceSegment<R: Real> {
     /// Includes the forces at a place in some runs, by the equations of motion.
-    fn include_at(&self, peaks: &mut ForcePeaks<NumberOf<Self>>, runs: RunsOf<Self>, place: NumberOf<Self>);
+    fn include_at(&self, peaks: &mut ForcePeaks<R>, runs: R::Runs, place: R);
 }
-
-/// The number of a segment.
-pub(super) type NumberOf<G> = <<G as ForceSegment>::Pair as ForcePair>::Number;
-
-/// The runs of a segment.
-pub(super) type RunsOf<G> = <<G as ForceSegment>::Pair as ForcePair>::Runs;
 
 /// Peaks of N (N), H (N) and the friction demand (1).
 #[derive(Clone, Copy)]
@@ -143,20 +46,20 @@ pub(super) struct ForcePeaks<R> {
     pub(super) evaluations: R,
 }
 
-impl<R: Real> ForcePeaks<R> {
+impl<R: Searched> ForcePeaks<R> {
     /// The runs in which bounds of N/M and |H|/M (m/s²) exclude new peaks. There the corner is pressed on all the time, and no force
     /// exceeds its peak.
     #[inline(always)]
-    pub(super) fn are_above<S: Runs<R>>(&self, [least, most]: [R; 2], horizontal: R, [mass, gravity]: [R; 2]) -> S {
-        S::less(gravity * PRESSED, least)
-            .and(S::less(most * mass, self.reaction))
-            .and(S::less(horizontal * mass, self.horizontal))
-            .and(S::less(horizontal, self.friction_demand * least))
+    pub(super) fn are_above(&self, [least, most]: [R; 2], horizontal: R, [mass, gravity]: [R; 2]) -> R::Runs {
+        R::Runs::less(gravity * PRESSED, least)
+            .and(R::Runs::less(most * mass, self.reaction))
+            .and(R::Runs::less(horizontal * mass, self.horizontal))
+            .and(R::Runs::less(horizontal, self.friction_demand * least))
     }
 
     /// Includes N/M and H/M (m/s²) in some runs.
     #[inline(always)]
-    pub(super) fn include<S: Runs<R>>(&mut self, runs: S, mass: R, [n, h]: [R; 2]) {
+    pub(super) fn include(&mut self, runs: R::Runs, mass: R, [n, h]: [R; 2]) {
         self.reaction = runs.choose(greatest(self.reaction, mass * n), self.reaction);
         self.horizontal = runs.choose(greatest(self.horizontal, mass * h.abs()), self.horizontal);
         let demand = friction_demand([n, h]);
@@ -165,26 +68,22 @@ impl<R: Real> ForcePeaks<R> {
 
     /// Includes the forces on a segment of some runs; `with_end` also those at its end. Returns the runs in which all peaks are known.
     #[inline(always)]
-    pub(super) fn raise<G: ForceSegment>(
+    pub(super) fn raise(
         &mut self,
-        runs: RunsOf<G>,
-        segment: &G,
-        forces: &G::Pair,
+        runs: R::Runs,
+        segment: &impl ForceSegment<R>,
+        forces: &Pair<R>,
         [mass, visible]: [R; 2],
-        with_end: RunsOf<G>,
-    ) -> RunsOf<G>
-    where
-        G::Pair: ForcePair<Number = R>,
-    {
+        with_end: R::Runs,
+    ) -> R::Runs {
         let coefficients = forces.coefficients();
         self.include(runs, mass, coefficients[0]);
         let (most, peak_shear, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
         let mut exceeds = runs.except(runs);
         let mut exceeds_at_end = exceeds;
         for &[n, h] in coefficients {
-            exceeds_at_end = <RunsOf<G>>::less(most, n)
-                .or(<RunsOf<G>>::less(peak_shear, h.abs()))
-                .or(<RunsOf<G>>::less(demand * n, h.abs()));
+            exceeds_at_end =
+                R::Runs::less(most, n).or(R::Runs::less(peak_shear, h.abs())).or(R::Runs::less(demand * n, h.abs()));
             exceeds = exceeds.or(exceeds_at_end);
         }
         let exceeds = exceeds.and(runs);
@@ -200,21 +99,18 @@ impl<R: Real> ForcePeaks<R> {
     /// friction demand; there they also exceed their values at both ends. `resultant` is the sum of the reactions, and H/M. Returns the
     /// runs in which all of these places are known.
     #[inline(always)]
-    pub(super) fn search<G: ForceSegment>(
+    pub(super) fn search(
         &mut self,
-        runs: RunsOf<G>,
-        segment: &G,
-        reactions: &[(&G::Pair, [R; 2])],
-        resultant: &G::Pair,
+        runs: R::Runs,
+        segment: &impl ForceSegment<R>,
+        reactions: &[(&Pair<R>, [R; 2])],
+        resultant: &Pair<R>,
         [mass, visible]: [R; 2],
-    ) -> RunsOf<G>
-    where
-        G::Pair: ForcePair<Number = R>,
-    {
+    ) -> R::Runs {
         let (zero, one, per_mass) = (R::from(0.0), R::from(1.0), visible / mass);
         let mut searched = runs;
         for (pair, reaction) in reactions {
-            let Highest { place, exceeds, known } = pair.highest(searched, *reaction, per_mass * self.reaction);
+            let Highest { place, exceeds, known } = R::highest(pair, searched, *reaction, per_mass * self.reaction);
             searched = searched.and(known);
             segment.include_at(self, exceeds, place);
         }
@@ -222,14 +118,14 @@ impl<R: Real> ForcePeaks<R> {
         let at_end = friction_demand(resultant.coefficients()[DEGREE]);
         for side in [one, -one] {
             let Highest { place, exceeds, known } =
-                resultant.highest(searched, [zero, side], per_mass * self.horizontal);
+                R::highest(resultant, searched, [zero, side], per_mass * self.horizontal);
             searched = searched.and(known);
             segment.include_at(self, exceeds, place);
             // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
             let mut demand = greatest(self.friction_demand, at_end);
             let (mut demand_place, mut rising, mut found) = (zero, searched, searched.except(searched));
             for _ in 0..MAX_ROUNDS {
-                let Highest { place, exceeds, known } = resultant.highest(rising, [-visible * demand, side], zero);
+                let Highest { place, exceeds, known } = R::highest(resultant, rising, [-visible * demand, side], zero);
                 searched = searched.except(rising.except(known));
                 rising = exceeds;
                 if !rising.any() {

@@ -92,9 +92,7 @@ struct RestSegment<'m, 'a, L> {
     span: [f64; 3],
 }
 
-impl<L: MotionMode> ForceSegment for RestSegment<'_, '_, L> {
-    type Pair = Pair;
-
+impl<L: MotionMode> ForceSegment<f64> for RestSegment<'_, '_, L> {
     #[inline(always)]
     fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
         if runs {

@@ -2,8 +2,9 @@
 
 use crate::block::{Block, Body, Corner};
 use crate::excitation::Excitation;
-use crate::numerics::bernstein::{Pair, Zero};
+use crate::numerics::bernstein::{Searched, Zero};
 use crate::numerics::control::LONGEST;
+use crate::numerics::scalar::Runs;
 use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, PRESSED, UNITS, visible};
 use crate::simulation::state::RunState;
@@ -31,7 +32,7 @@ impl SwingSegment {
     #[inline]
     fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<SwingSegment> {
         let landing = match (bounds.is_certain, bounds.last < 0.0) {
-            (true, true) => Zero::At(swing.landing()),
+            (true, true) => Zero::At(swing.landing(true)),
             (true, false) => Zero::None,
             (false, _) => swing.first_landing(pivot),
         };
@@ -63,39 +64,32 @@ pub(super) fn allowed_error(block: &Block, tolerance: f64) -> f64 {
     tolerance * block.alpha * block.p / longest_swing(block.p, 0.0)
 }
 
-/// A swing with the numbers that act on it.
-#[derive(Clone, Copy)]
-struct ActingSwing<'a> {
-    pivoting: &'a Pivoting,
-    excitation: &'a Excitation,
-    swing: &'a Swing,
-    mass: f64,
+/// A swing up to a fraction, or one in each lane, and the numbers that act on it.
+pub(super) struct SwingForces<'a, T = f64> {
+    pub(super) pivoting: &'a Pivoting<T>,
+    pub(super) mass: T,
+    pub(super) excitation: &'a Excitation<T>,
     /// Its beginning (s).
-    time: f64,
-    /// See [`visible`].
-    visible: f64,
+    pub(super) time: T,
+    pub(super) swing: &'a Swing<T>,
+    pub(super) fraction: T,
 }
 
-impl ActingSwing<'_> {
-    /// N/M and H/M (m/s²) at a fraction of the swing, by the equations of motion.
-    #[inline]
-    fn forces_at(&self, fraction: f64) -> [f64; 2] {
+impl<T: Searched> SwingForces<'_, T> {
+    /// N/M and H/M (m/s²) at a place up to the fraction, by the equations of motion.
+    #[inline(always)]
+    fn at(&self, place: T) -> [T; 2] {
+        let fraction = place * self.fraction;
         self.pivoting.forces(self.swing.at(fraction), &self.excitation.at(self.time + fraction * self.swing.size))
     }
 }
 
-/// A swing up to a fraction of it.
-struct SwingForces<'a>(ActingSwing<'a>, f64);
-
-impl ForceSegment for SwingForces<'_> {
-    type Pair = Pair;
-
+impl<T: Searched> ForceSegment<T> for SwingForces<'_, T> {
     #[inline(always)]
-    fn include_at(&self, peaks: &mut ForcePeaks<f64>, runs: bool, place: f64) {
-        let SwingForces(acting, fraction) = self;
-        if runs {
-            peaks.include(true, acting.mass, acting.forces_at(place * fraction));
-            peaks.evaluations += 1.0;
+    fn include_at(&self, peaks: &mut ForcePeaks<T>, runs: T::Runs, place: T) {
+        if runs.any() {
+            peaks.include(runs, self.mass, self.at(place));
+            peaks.evaluations = runs.choose(peaks.evaluations + 1.0, peaks.evaluations);
         }
     }
 }
@@ -140,17 +134,17 @@ impl RunState {
             }
             self.counts.evaluations += 1;
             self.counts.steps += 1;
-            let bounds = swing.bounds(block, pivot);
+            let bounds = swing.bounds(&pivoting);
             let (lasts, last_end) = (swing.size == remaining, time + swing.size);
             let mut segment = SwingSegment::of(swing, &bounds, pivot)
                 .filter(|segment| segment.function.is_some() || lasts || last_end > time);
             let peaks = self.peaks.of_forces();
-            if !peaks.are_above::<bool>(bounds.reaction, bounds.horizontal, [block.mass, block.gravity]) {
+            if !peaks.are_above(bounds.reaction, bounds.horizontal, [block.mass, block.gravity]) {
                 segment = segment.and_then(|segment| {
                     let next_is_swing = !lasts && segment.function.is_none();
-                    let (pivoting, mass, visible) = (&pivoting, block.mass, visible(tolerance));
-                    let acting = ActingSwing { pivoting, excitation, swing, mass, time, visible };
-                    match self.accumulate_forces(&acting, segment.fraction, next_is_swing) {
+                    let (pivoting, mass, fraction) = (&pivoting, block.mass, segment.fraction);
+                    let forces = SwingForces { pivoting, mass, excitation, time, swing, fraction };
+                    match self.accumulate_forces(forces, visible(tolerance), next_is_swing) {
                         Zero::None => Some(segment),
                         Zero::At(fraction) => {
                             Some(SwingSegment { fraction, function: Some(EventFunction::Reaction(pivot)) })
@@ -200,27 +194,27 @@ impl RunState {
     ///
     /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
-    fn accumulate_forces(&mut self, acting: &ActingSwing, mut fraction: f64, next_is_swing: bool) -> Zero {
-        let &ActingSwing { pivoting: &Pivoting { gravity, .. }, swing, mass, visible, .. } = acting;
+    fn accumulate_forces(&mut self, mut segment: SwingForces, visible: f64, next_is_swing: bool) -> Zero {
+        let SwingForces { pivoting: &Pivoting { gravity, .. }, swing, mass, .. } = segment;
         let (pressed, mut lift_off) = (PRESSED * gravity, Zero::None);
-        let mut forces = swing.forces(fraction, gravity);
+        let mut forces = swing.forces(segment.fraction, gravity);
         if !forces.coefficients().iter().all(|&[n, _]| n > pressed) {
             if forces.coefficients()[0][0] <= pressed {
                 return Zero::Unclear;
             }
-            match forces.combined(UNITS[0]).zero_of(|place| acting.forces_at(place * fraction)[0]) {
+            match forces.combined(UNITS[0]).zero_of(|place| segment.at(place)[0]) {
                 Zero::None => {}
                 Zero::At(place) => {
-                    fraction *= place;
-                    lift_off = Zero::At(fraction);
-                    forces = swing.forces(fraction, gravity);
+                    segment.fraction *= place;
+                    lift_off = Zero::At(segment.fraction);
+                    forces = swing.forces(segment.fraction, gravity);
                 }
                 Zero::Unclear => return Zero::Unclear,
             }
         }
         let with_end = lift_off != Zero::None || !next_is_swing;
         self.counts.evaluations += self.peaks.raise_forces(|peaks| {
-            peaks.raise(true, &SwingForces(*acting, fraction), &forces, [mass, visible], with_end);
+            peaks.raise(true, &segment, &forces, [mass, visible], with_end);
         });
         lift_off
     }

@@ -2,25 +2,9 @@
 //!
 //! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
-use super::{DEGREE, Highest, MAX_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope, values};
+use super::{Bernstein, DEGREE, Highest, MAX_NEWTON, Pair, ROUNDING, Row, Searched, WIDTH, slopes, value_and_slope};
 use crate::numerics::Real;
 use crate::numerics::wide::{Lanes, Simd, Wide};
-
-/// A polynomial on [0, 1] in each lane.
-pub struct Bernsteins<V> {
-    /// The highest degree of all lanes.
-    degree: usize,
-    powers: Row<Wide<V>>,
-    coefficients: Row<Wide<V>>,
-}
-
-/// Two polynomials p and q on [0, 1] in each lane.
-pub struct Pairs<V> {
-    /// The highest degree of all lanes.
-    degree: usize,
-    powers: Row<[Wide<V>; 2]>,
-    coefficients: Row<[Wide<V>; 2]>,
-}
 
 /// The changes of sign in a sequence.
 struct Signs<V: Simd> {
@@ -75,62 +59,28 @@ fn exceeding<V: Simd>(coefficients: &Row<Wide<V>>, most: Wide<V>) -> Lanes<V> {
     exceeds
 }
 
-impl<V: Simd> Pairs<V> {
-    /// The polynomials with these coefficients of the powers. Those beyond the degree of a lane are zero.
-    #[inline(always)]
-    pub fn of(powers: Row<[Wide<V>; 2]>, degree: usize) -> Pairs<V> {
-        Pairs { degree, powers, coefficients: convert(&powers) }
-    }
-
-    /// The coefficients of both, see [`coefficients`](super::Pair::coefficients).
-    #[inline(always)]
-    pub fn coefficients(&self) -> &Row<[Wide<V>; 2]> {
-        &self.coefficients
-    }
-
-    /// The values at a place.
-    #[inline(always)]
-    pub fn at(&self, place: Wide<V>) -> [Wide<V>; 2] {
-        values(&self.powers, self.degree, place)
-    }
-
-    /// The greatest value of `a p + b q` in some lanes, see [`Bernsteins::highest`].
+impl<V: Simd> Searched for Wide<V> {
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "`zip` is not inlined")]
-    pub fn highest(&self, lanes: Lanes<V>, [a, b]: [Wide<V>; 2], most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
+    fn highest(pair: &Pair<Self>, lanes: Lanes<V>, [a, b]: [Self; 2], most: Self) -> Highest<Self> {
         let zero = Wide::default();
         let (mut powers, mut coefficients) = ([zero; DEGREE + 1], [zero; DEGREE + 1]);
         for k in 0..DEGREE + 1 {
-            let [p, q] = self.coefficients[k];
+            let [p, q] = pair.coefficients[k];
             coefficients[k] = a * p + b * q;
         }
         if !exceeding(&coefficients, most).and(lanes).any() {
             return Highest { place: zero, exceeds: lanes.except(lanes), known: lanes };
         }
         for k in 0..DEGREE + 1 {
-            let [p, q] = self.powers[k];
+            let [p, q] = pair.powers[k];
             powers[k] = a * p + b * q;
         }
-        Bernsteins { degree: self.degree, powers, coefficients }.highest(lanes, most)
+        Bernstein { degree: pair.degree, powers, coefficients }.highest_in_lanes(lanes, most)
     }
 }
 
-impl<V: Simd> Bernsteins<V> {
-    /// The polynomials with these coefficients of the powers. Those beyond the degree of a lane are zero.
-    #[inline(always)]
-    pub fn of(powers: Row<Wide<V>>, degree: usize) -> Bernsteins<V> {
-        let mut rows = [[Wide::default()]; DEGREE + 1];
-        for k in 0..DEGREE + 1 {
-            rows[k] = [powers[k]];
-        }
-        let rows = convert(&rows);
-        let mut coefficients = powers;
-        for k in 0..DEGREE + 1 {
-            coefficients[k] = rows[k][0];
-        }
-        Bernsteins { degree, powers, coefficients }
-    }
-
+impl<V: Simd> Bernstein<Wide<V>> {
     /// The lanes in which all coefficients are positive, and so the polynomial.
     #[inline(always)]
     pub fn is_positive(&self) -> Lanes<V> {
@@ -164,7 +114,7 @@ impl<V: Simd> Bernsteins<V> {
     /// Place and size of the greatest value inside the interval in some lanes. Returns also the lanes in which they are known. The value
     /// exceeds `most` and both ends; if none does, the result is one that does not. See [`highest`](super::Bernstein::highest).
     #[inline(always)]
-    pub fn highest(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>, Lanes<V>> {
+    pub fn highest_in_lanes(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
         let value = coefficients[0].max(coefficients[DEGREE]).max(most);
         let exceeds = exceeding(coefficients, most).and(lanes);
@@ -216,7 +166,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::numerics::bernstein::{Bernstein, Zero};
+    use crate::numerics::bernstein::Zero;
     use crate::numerics::wide::{Array, MAX_LANES, Task, VectorWidth};
 
     /// Polynomials, and numbers that they may exceed.
@@ -235,9 +185,9 @@ mod tests {
                 *power = Wide::each(|lane| self.powers[lane].get(k).copied().unwrap_or(0.0));
             }
             let all = Wide::<V>::default().less(Wide::from(1.0));
-            let form = Bernsteins::of(powers, DEGREE);
+            let form = Bernstein::of(powers, DEGREE);
             let (zeros, falls) = form.only_zero(all);
-            let Highest { place, exceeds, known } = form.highest(all, Wide::load(&self.most));
+            let Highest { place, exceeds, known } = form.highest_in_lanes(all, Wide::load(&self.most));
             (form.is_positive().bits(), zeros.store(), falls.bits(), place.store(), exceeds.bits(), known.bits())
         }
     }

@@ -32,18 +32,20 @@ pub type Row<T = f64> = [T; DEGREE + 1];
 
 /// A polynomial on [0, 1].
 #[derive(Clone, Copy, Debug)]
-pub struct Bernstein {
+pub struct Bernstein<T = f64> {
+    /// In lanes the highest degree.
     degree: usize,
-    powers: Row,
-    coefficients: Row,
+    powers: Row<T>,
+    coefficients: Row<T>,
 }
 
 /// Two polynomials p and q on [0, 1].
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
+pub struct Pair<T = f64> {
+    /// In lanes the highest degree.
     degree: usize,
-    powers: Row<[f64; 2]>,
-    coefficients: Row<[f64; 2]>,
+    powers: Row<[T; 2]>,
+    coefficients: Row<[T; 2]>,
 }
 
 /// The first zero of a polynomial.
@@ -58,13 +60,19 @@ pub enum Zero {
 }
 
 /// The greatest values of polynomials, one per run.
-pub struct Highest<R, S> {
+pub struct Highest<T: Real> {
     /// Their places.
-    pub place: R,
+    pub place: T,
     /// The runs in which they exceed the given numbers and the values at both ends.
-    pub exceeds: S,
+    pub exceeds: T::Runs,
     /// The runs in which this is known.
-    pub known: S,
+    pub known: T::Runs,
+}
+
+/// A number whose polynomials are searched for their greatest values.
+pub trait Searched: Real {
+    /// The place inside the interval of the greatest value of `a p + b q` in some runs. It exceeds `most` and both ends.
+    fn highest(pair: &Pair<Self>, runs: Self::Runs, combination: [Self; 2], most: Self) -> Highest<Self>;
 }
 
 /// `1/C(n, k)` with the highest degree n.
@@ -105,19 +113,27 @@ pub fn convert<const N: usize, T: Real>(powers: &Row<[T; N]>) -> Row<[T; N]> {
     coefficients
 }
 
-impl Pair {
+impl<T: Real> Pair<T> {
     /// The polynomials of this degree with these coefficients of the powers. Those beyond the degree are zero.
-    #[inline]
-    pub fn of(powers: Row<[f64; 2]>, degree: usize) -> Pair {
+    #[inline(always)]
+    pub fn of(powers: Row<[T; 2]>, degree: usize) -> Pair<T> {
         Pair { degree, powers, coefficients: convert(&powers) }
     }
 
     /// Values at both ends, and between them numbers that bound the polynomials. Their least and greatest also bound linear combinations.
-    #[inline]
-    pub fn coefficients(&self) -> &Row<[f64; 2]> {
+    #[inline(always)]
+    pub fn coefficients(&self) -> &Row<[T; 2]> {
         &self.coefficients
     }
 
+    /// The values at a place.
+    #[inline(always)]
+    pub fn at(&self, place: T) -> [T; 2] {
+        values(&self.powers, self.degree, place)
+    }
+}
+
+impl Pair {
     /// The linear combination `a p + b q`.
     #[inline]
     pub fn combined(&self, [a, b]: [f64; 2]) -> Bernstein {
@@ -128,26 +144,22 @@ impl Pair {
         }
         Bernstein { degree: self.degree, powers, coefficients }
     }
+}
 
-    /// The values at a place.
-    #[inline]
-    pub fn at(&self, place: f64) -> [f64; 2] {
-        values(&self.powers, self.degree, place)
-    }
-
-    /// The place inside the interval of the greatest value of `a p + b q`. `None` unless it exceeds `most` and both ends.
-    #[inline]
-    pub fn highest(&self, [a, b]: [f64; 2], most: f64) -> Option<f64> {
-        let exceeds = self.coefficients().iter().any(|[p, q]| a * p + b * q > most);
-        if exceeds { self.combined([a, b]).highest(most) } else { None }
+impl Searched for f64 {
+    #[inline(always)]
+    fn highest(pair: &Pair, run: bool, [a, b]: [f64; 2], most: f64) -> Highest<f64> {
+        let exceeds = run && pair.coefficients.iter().any(|[p, q]| a * p + b * q > most);
+        let place = if exceeds { pair.combined([a, b]).highest(most) } else { None };
+        Highest { place: place.unwrap_or(0.0), exceeds: place.is_some(), known: run }
     }
 }
 
-impl Bernstein {
+impl<T: Real> Bernstein<T> {
     /// The polynomial of this degree with these coefficients of the powers. Those beyond the degree are zero.
-    #[inline]
-    pub fn of(powers: Row, degree: usize) -> Bernstein {
-        let (mut rows, mut coefficients) = ([[0.0]; DEGREE + 1], [0.0; DEGREE + 1]);
+    #[inline(always)]
+    pub fn of(powers: Row<T>, degree: usize) -> Bernstein<T> {
+        let (mut rows, mut coefficients) = ([[T::from(0.0)]; DEGREE + 1], powers);
         for k in 0..DEGREE + 1 {
             rows[k] = [powers[k]];
         }
@@ -157,7 +169,9 @@ impl Bernstein {
         }
         Bernstein { degree, powers, coefficients }
     }
+}
 
+impl Bernstein {
     /// The value at a place.
     #[inline]
     pub fn at(&self, place: f64) -> f64 {

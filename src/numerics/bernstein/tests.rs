@@ -118,9 +118,9 @@ fn pairs_combine_as_their_polynomials_do() {
         assert_eq!(*both, each.map(|form| form.coefficients[j]));
     }
     let sum = polynomial(&std::array::from_fn::<_, 4, _>(|k| -2.0 * p[k] + q[k]));
-    let found = pair.highest([-2.0, 1.0], 0.0).unwrap();
-    assert!((found - sum.highest(0.0).unwrap()).abs() < 1e-9);
-    assert_eq!(pair.highest([-2.0, 1.0], 1.0), None);
+    let Highest { place, exceeds, known } = f64::highest(&pair, true, [-2.0, 1.0], 0.0);
+    assert!(exceeds && known && (place - sum.highest(0.0).unwrap()).abs() < 1e-9);
+    assert!(!f64::highest(&pair, true, [-2.0, 1.0], 1.0).exceeds);
 }
 
 /// A zero of a function near the polynomial, which has another slope there.

@@ -4,8 +4,8 @@ use std::ops::{Add, Mul, Sub};
 
 use crate::numerics::dual::{Dual, constants_with_duals};
 use crate::numerics::numbers::Numbers;
-use crate::numerics::scalar::{Real, Scalar};
-use crate::numerics::wide::{Array, MAX_LANES, Simd, Wide};
+use crate::numerics::scalar::{Real, Runs, Scalar};
+use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Wide};
 
 impl<V: Simd> Scalar for Wide<V> {
     type Real = Wide<V>;
@@ -43,7 +43,41 @@ impl<V: Simd> Scalar for Wide<V> {
     }
 }
 
+impl<V: Simd> Runs<Wide<V>> for Lanes<V> {
+    #[inline(always)]
+    fn less(one: Wide<V>, other: Wide<V>) -> Lanes<V> {
+        one.less(other)
+    }
+
+    #[inline(always)]
+    fn and(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes::and(self, other)
+    }
+
+    #[inline(always)]
+    fn or(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes::or(self, other)
+    }
+
+    #[inline(always)]
+    fn except(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes::except(self, other)
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        Lanes::any(self)
+    }
+
+    #[inline(always)]
+    fn choose(self, one: Wide<V>, other: Wide<V>) -> Wide<V> {
+        one.in_lanes(self, other)
+    }
+}
+
 impl<V: Simd> Real for Wide<V> {
+    type Runs = Lanes<V>;
+
     #[inline(always)]
     fn abs(self) -> Wide<V> {
         Wide(self.0.abs())

@@ -6,7 +6,6 @@
 //! an event. Runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base take all their steps alone.
 
 mod bounds;
-mod force_peaks;
 mod kernel;
 mod next;
 mod pulses;

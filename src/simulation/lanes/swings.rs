@@ -8,12 +8,11 @@ use crate::numerics::control::is_resolved;
 use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{ForcePeaks, PRESSED, visible};
-use crate::simulation::lanes::force_peaks::LaneSwingForces;
 use crate::simulation::lanes::{BatchKind, Lane, NextStep};
-use crate::simulation::swings::{UPRIGHT, allowed_error, longest_swing};
+use crate::simulation::swings::{SwingForces, UPRIGHT, allowed_error, longest_swing};
 use crate::system::instant::State;
-use crate::system::swing::lanes::{LaneBounds, Swings};
-use crate::system::swing::{Pivoting, Swing};
+use crate::system::swing::lanes::Swings;
+use crate::system::swing::{Bounds, Pivoting, Swing};
 
 /// The quantities of a run on the rigid base for its swings in a lane.
 #[derive(Clone, Debug)]
@@ -131,15 +130,15 @@ impl Task for GroupSwing<'_> {
         let longest = remaining.in_lanes(remaining.less(most), most);
         let mut swings = Swings::under(&excitation, time);
         swings.make(&pivoting, start, longest, self.each(|lane| lane.swing.allowed));
-        let bounds = swings.bounds(&pivoting);
+        let bounds = swings.series.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
         let Ends { lands, fraction, is_decided } = Ends::of(&swings, &bounds, pivoting.away);
-        let size = swings.size();
+        let size = swings.series.size;
         let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
         let end_time = (time + fraction * size).in_lanes(ends_before, stop);
         let advances = time.less(end_time);
-        let [theta, theta_dot] = swings.at(fraction);
+        let [theta, theta_dot] = swings.series.at(fraction);
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
         let usual = is_decided.and(advances).and(is_finite);
 
@@ -154,9 +153,9 @@ impl Task for GroupSwing<'_> {
         };
         let others = taken.except(peaks.are_above(bounds.reaction, bounds.horizontal, [mass, pivoting.gravity]));
         if others.any() {
-            let segments =
-                LaneSwingForces { pivoting: &pivoting, mass, excitation: &excitation, time, swings: &swings, fraction };
-            let (forces, pressed) = (swings.forces(fraction, pivoting.gravity), pivoting.gravity * PRESSED);
+            let swing = &swings.series;
+            let segments = SwingForces { pivoting: &pivoting, mass, excitation: &excitation, time, swing, fraction };
+            let (forces, pressed) = (swing.forces(fraction, pivoting.gravity), pivoting.gravity * PRESSED);
             let mut holds = others;
             for &[n, _] in forces.coefficients() {
                 holds = holds.and(pressed.less(n));
@@ -203,12 +202,12 @@ struct Ends<V: Simd> {
 
 impl<V: Simd> Ends<V> {
     #[inline(always)]
-    fn of(swings: &Swings<V>, bounds: &LaneBounds<V>, away: Wide<V>) -> Ends<V> {
+    fn of(swings: &Swings<V>, bounds: &Bounds<Wide<V>>, away: Wide<V>) -> Ends<V> {
         let zero = Wide::default();
         let mut lands = bounds.is_certain.and(bounds.last.less(zero));
-        let mut fraction = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
+        let mut fraction = if lands.any() { swings.series.landing(lands) } else { Wide::from(1.0) };
         let mut is_decided = bounds.is_certain;
-        let others = zero.less(swings.size()).except(is_decided);
+        let others = zero.less(swings.series.size).except(is_decided);
         if others.any() {
             let (stays, comes_down, after) = swings.first_landing(others, away);
             is_decided = is_decided.or(stays).or(comes_down);
@@ -228,7 +227,7 @@ impl<V: Simd> Ends<V> {
 fn highest_rotation<V: Simd>(
     lanes: Lanes<V>,
     swings: &Swings<V>,
-    bounds: &LaneBounds<V>,
+    bounds: &Bounds<Wide<V>>,
     away: Wide<V>,
     fraction: Wide<V>,
     peak: Wide<V>,
@@ -238,7 +237,8 @@ fn highest_rotation<V: Simd>(
         return (Wide::default(), lanes);
     }
     let turns_back = may_turn.and(bounds.turns_back);
-    let highest = swings.top(turns_back, away, fraction, peak);
+    let (place, has_peak) = swings.series.top(turns_back, away, fraction, peak);
+    let highest = swings.series.theta_at(place)[0].abs().in_lanes(has_peak, Wide::default());
     let others = may_turn.except(turns_back);
     if !others.any() {
         return (highest, lanes);

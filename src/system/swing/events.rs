@@ -4,11 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::block::Corner;
 use crate::numerics::bernstein::{Bernstein, DEGREE, Zero};
+use crate::numerics::scalar::{Real, Runs};
 use crate::system::swing::{Bounds, ORDER, Series, Swing};
 
 /// Width of the last Newton step to the greatest rotation, over the swing. The error of its place is of the order of the width's square,
 /// that of the rotation of its fourth power.
-pub(super) const TOP_WIDTH: f64 = 1e-5;
+const TOP_WIDTH: f64 = 1e-5;
 
 /// Round-off of the acceleration of a block leaving the base, over its change.
 pub(super) const LANDING_ROUNDING: f64 = 1e-12;
@@ -17,30 +18,63 @@ pub(super) const LANDING_ROUNDING: f64 = 1e-12;
 pub(super) const MIN_LANDING: f64 = 1e-3;
 
 /// Maximum number of Newton's steps to a landing or to the greatest rotation.
-pub(super) const MAX_NEWTON: u32 = 60;
+const MAX_NEWTON: u32 = 60;
 
 /// Ratio of successive places below which Newton's method still takes a step.
-pub(super) const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
+const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
 
-impl Swing {
-    /// The fraction of the swing after which the block comes down.
+impl<T: Real> Swing<T> {
+    /// The fraction of the swing after which the block comes down in some runs, and 1 in the others.
     ///
     /// Needs bounds that are certain, and a negative rotation at the end. θ̈ then points to the base all the time, so that Newton's
     /// method approaches the zero from the end of the swing without passing it. The result is within 4 ulp.
-    #[inline]
-    pub fn landing(&self) -> f64 {
-        let mut fraction = 1.0;
+    #[inline(always)]
+    pub fn landing(&self, runs: T::Runs) -> T {
+        let mut fraction = T::from(1.0);
         for _ in 0..MAX_NEWTON {
             let [theta, slope] = self.theta_at(fraction);
             let next = fraction - theta / slope;
-            if next >= STILL * fraction {
+            let moves = T::Runs::less(next, fraction * STILL).and(runs);
+            if !moves.any() {
                 break;
             }
-            fraction = next;
+            fraction = moves.choose(next, fraction);
         }
         fraction
     }
 
+    /// The fractions at which the rotation peaks in some runs if θ̈ always points to the base, and those of the runs that have a peak.
+    ///
+    /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
+    #[inline(always)]
+    pub fn top(&self, runs: T::Runs, away: T, fraction: T, most: T) -> (T, T::Runs) {
+        let (zero, first) = (T::from(0.0), self.theta[1]);
+        let [_, last] = self.theta_at(fraction);
+        let mut active = runs.and(T::Runs::less(zero, first * away)).and(T::Runs::less(last * away, zero));
+        let mut found = runs.except(runs);
+        let (mut low, mut high, mut place) = (zero, fraction, fraction * (first / (first - last)));
+        for _ in 0..MAX_NEWTON {
+            if !active.any() {
+                break;
+            }
+            let [theta, slope, half_curvature] = self.curve_at(place);
+            let rises = T::Runs::less(zero, slope * away);
+            let end = rises.choose(high, low);
+            active = active.and(T::Runs::less(most, theta * away + slope * away * (end - place)));
+            (low, high) = (rises.choose(place, low), rises.choose(high, place));
+            let next = place - slope / (half_curvature * 2.0);
+            let outside = T::Runs::less(next, low).or(T::Runs::less(high, next));
+            let next = outside.choose((low + high) * 0.5, next);
+            let moves = T::Runs::less(T::from(TOP_WIDTH), (next - place).abs());
+            place = active.choose(next, place);
+            found = found.or(active.except(moves));
+            active = active.and(moves);
+        }
+        (place, found.or(active))
+    }
+}
+
+impl Swing {
     /// The fraction of the swing after which a block on or off the base lands.
     pub fn first_landing(&self, corner: Corner) -> Zero {
         let theta = self.away_from(corner, 1.0);
@@ -68,36 +102,10 @@ impl Swing {
     /// The fraction of the swing, below `fraction`, at which the rotation off a corner peaks. The peak exceeds `most` (rad) and both ends.
     pub fn highest(&self, corner: Corner, bounds: &Bounds, fraction: f64, most: f64) -> Option<f64> {
         if bounds.turns_back {
-            return self.top(-corner.sign(), fraction, most);
+            let (place, has_peak) = self.top(true, -corner.sign(), fraction, most);
+            return has_peak.then_some(place);
         }
         Bernstein::of(self.away_from(corner, fraction), self.order).highest(most).map(|place| place * fraction)
-    }
-
-    /// The fraction at which the rotation peaks if θ̈ always points to the base.
-    ///
-    /// Newton's method for the zero of θ̇, until a tangent shows that the rotation does not exceed `most` (rad).
-    fn top(&self, away: f64, fraction: f64, most: f64) -> Option<f64> {
-        let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(fraction));
-        if first * away <= 0.0 || last * away >= 0.0 {
-            return None;
-        }
-        let (mut low, mut high, mut place) = (0.0, fraction, fraction * (first / (first - last)));
-        for _ in 0..MAX_NEWTON {
-            let [theta, slope, half_curvature] = self.curve_at(place);
-            let rises = slope * away > 0.0;
-            let end = if rises { high } else { low };
-            if theta * away + slope * away * (end - place) <= most {
-                return None;
-            }
-            (low, high) = if rises { (place, high) } else { (low, place) };
-            let next = place - slope / (2.0 * half_curvature);
-            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
-            if (next - place).abs() <= TOP_WIDTH {
-                return Some(next);
-            }
-            place = next;
-        }
-        Some(place)
     }
 
     /// The series of the rotation off a corner, over the first `fraction` of the swing.

@@ -4,40 +4,19 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::events::{LANDING_ROUNDING, MAX_NEWTON, MIN_LANDING, STILL, TOP_WIDTH};
-use super::{MIN, NUMBER, OF_FLIGHT, ORDER, PRODUCT, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment};
-use crate::block::Lever;
+use super::events::{LANDING_ROUNDING, MIN_LANDING};
+use super::{MIN, NUMBER, ORDER, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment};
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::bernstein::DEGREE;
-use crate::numerics::bernstein::Highest;
-use crate::numerics::bernstein::lanes::{Bernsteins, Pairs};
+use crate::numerics::Real;
+use crate::numerics::bernstein::{Bernstein, DEGREE, Highest};
 use crate::numerics::wide::{Lanes, Simd, Wide};
-use crate::numerics::{Real, Scalar};
 
 /// A swing in each lane.
 pub struct Swings<V> {
     /// Its `order` is the highest of all lanes.
-    series: Swing<Wide<V>>,
+    pub series: Swing<Wide<V>>,
     /// The order of each lane.
     orders: Wide<V>,
-}
-
-/// [`Bounds`](super::Bounds) in each lane.
-pub struct LaneBounds<V: Simd> {
-    /// Whether `last` alone tells if the block comes down within the swing.
-    pub is_certain: Lanes<V>,
-    /// The rotation away from the base at the end (rad).
-    pub last: Wide<V>,
-    /// Whether θ̈ points to the base all the time.
-    pub turns_back: Lanes<V>,
-    /// Whether |θ| is greatest at an end, until the block comes down.
-    pub is_greatest_at_end: Lanes<V>,
-    /// The greatest |θ| (rad).
-    pub theta: Wide<V>,
-    /// The least and the greatest N/M (m/s²).
-    pub reaction: [Wide<V>; 2],
-    /// The greatest |H|/M (m/s²).
-    pub horizontal: Wide<V>,
 }
 
 /// A term of a series, zero beyond the highest order.
@@ -82,28 +61,10 @@ impl<V: Simd> Swings<V> {
 
     /// Makes the swings from `[θ, θ̇]` on in place. A copy would cost more than a term. See [`Swing::of`].
     #[inline(always)]
-    pub fn make(
-        &mut self,
-        block: &Pivoting<Wide<V>>,
-        [theta, theta_dot]: [Wide<V>; 2],
-        longest: Wide<V>,
-        allowed: Wide<V>,
-    ) {
-        let zero = Wide::default();
-        let (sin, cos) = theta.sin_cos();
-        let lever = Lever::of(block.offset, block.h, sin, cos);
-        let inertia = lever.x * lever.x + lever.q * lever.q + block.i0;
-        let Swing { forcing, .. } = &mut self.series;
-        let turning = lever.x * (forcing.z[0] + block.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
-        let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
-        let from_base = flight.in_lanes(zero.less(flight).and(flight.less(longest)), longest);
-        let size = longest.in_lanes(zero.less(theta.abs()), from_base);
-
-        forcing.scale(size);
-        self.series.size = size;
-        (self.series.theta[0], self.series.theta[1]) = (theta, theta_dot * size);
-        (self.series.x[0], self.series.q[0]) = (lever.x, lever.q);
-        self.extend(block.gravity, size * size / inertia, allowed * size * size);
+    pub fn make(&mut self, block: &Pivoting<Wide<V>>, start: [Wide<V>; 2], longest: Wide<V>, allowed: Wide<V>) {
+        let scale = self.series.begin(block, start, longest);
+        let size = self.series.size;
+        self.extend(block.gravity, scale, allowed * size * size);
     }
 
     /// Adds powers, and shortens swings whose error is still too great at the highest one.
@@ -144,63 +105,6 @@ impl<V: Simd> Swings<V> {
         series.scale(Wide::from(1.0).in_lanes(done, shortening(allowed / rest)));
     }
 
-    /// See [`Swing::bounds`].
-    #[inline(always)]
-    pub fn bounds(&self, block: &Pivoting<Wide<V>>) -> LaneBounds<V> {
-        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = self.series;
-        let (zero, away) = (Wide::default(), block.away);
-        let per_second = Wide::from(1.0) / (size * size);
-        let mut spread = theta[1].abs() + theta[2].abs();
-        let (mut steepest, mut bend) = (theta[2].abs() * 2.0, zero);
-        let (mut reaction, mut horizontal) = (zero, zero);
-        for k in 3..self.series.force_order() + 1 {
-            let term = theta[k].abs();
-            spread = spread + term;
-            steepest = steepest + term * NUMBER[k];
-            bend = bend + term * PRODUCT[k];
-            if k > 3 {
-                let squares = per_second * PRODUCT[k];
-                reaction = reaction + (q[k] * squares).abs();
-                horizontal = horizontal + (x[k] * squares + forcing.x[k - 2]).abs();
-            }
-        }
-        let [last, _] = self.series.theta_at(Wide::from(1.0));
-        let (first, last) = (theta[0] * away, last * away);
-        let turn = theta[2] * (away * 2.0);
-        let (turns_back, turns_away) = ((bend + turn).less(zero), bend.less(turn));
-        let turns = turns_back.or(turns_away.except((theta[1] * away).less(zero)));
-        let leaves = zero.less(first.in_lanes(zero.less(first.abs()), theta[1] * away));
-        reaction = reaction + (q[3] * (per_second * 6.0) + forcing.z[1]).abs();
-        horizontal = horizontal + (x[3] * (per_second * 6.0) + forcing.x[1]).abs();
-        let first_reaction = block.gravity + forcing.z[0] + q[2] * (per_second * 2.0);
-        let first_horizontal = x[2] * (per_second * 2.0) + forcing.x[0];
-        LaneBounds {
-            is_certain: spread.less(first).or(leaves.and(turns)),
-            last,
-            turns_back,
-            is_greatest_at_end: steepest.less(theta[1].abs()).or(turns_away),
-            theta: first.abs() + spread,
-            reaction: [first_reaction - reaction, first_reaction + reaction],
-            horizontal: first_horizontal.abs() + horizontal,
-        }
-    }
-
-    /// The fraction after which the block lands in these lanes, and 1 in the others. See [`Swing::landing`].
-    #[inline(always)]
-    pub fn landing(&self, lanes: Lanes<V>) -> Wide<V> {
-        let mut fraction = Wide::from(1.0);
-        for _ in 0..MAX_NEWTON {
-            let [theta, slope] = self.series.theta_at(fraction);
-            let next = fraction - theta / slope;
-            let moves = next.less(fraction * STILL).and(lanes);
-            if !moves.any() {
-                break;
-            }
-            fraction = next.in_lanes(moves, fraction);
-        }
-        fraction
-    }
-
     /// The lanes without and with a landing, and the fractions of the landings. See [`Swing::first_landing`].
     #[inline(always)]
     pub fn first_landing(&self, lanes: Lanes<V>, away: Wide<V>) -> (Lanes<V>, Lanes<V>, Wide<V>) {
@@ -215,7 +119,7 @@ impl<V: Simd> Swings<V> {
             rotation[k] = theta[k].in_lanes(stands_off, term(theta, k + 1).in_lanes(rises, from_rest)) * away;
         }
         let moves = stands_off.or(rises);
-        let rotation = Bernsteins::of(rotation, order);
+        let rotation = Bernstein::of(rotation, order);
         let stays = lanes.and(rotation.is_positive());
         let others = lanes.except(stays);
         let (fraction, lands) = rotation.only_zero(others);
@@ -232,7 +136,7 @@ impl<V: Simd> Swings<V> {
             rest[k] = theta[k] * -away;
         }
         rest[0] = rest[0] + FRAC_PI_2;
-        Bernsteins::of(rest, order).is_positive()
+        Bernstein::of(rest, order).is_positive()
     }
 
     /// The greatest rotation (rad) inside, and the lanes in which it is known. It lies before a fraction of the swing, and is 0 unless it
@@ -245,47 +149,9 @@ impl<V: Simd> Swings<V> {
             rotation[k] = theta[k] * power;
             power = power * fraction;
         }
-        let Highest { place, exceeds, known } = Bernsteins::of(rotation, order).highest(lanes, most);
+        let Highest { place, exceeds, known } = Bernstein::of(rotation, order).highest_in_lanes(lanes, most);
         let [theta, _] = self.series.theta_at(place * fraction);
         (theta.abs().in_lanes(exceeds, Wide::default()), known)
-    }
-
-    /// N/M and H/M (m/s²) up to a fraction, see [`Swing::forces`].
-    #[inline(always)]
-    pub fn forces(&self, fraction: Wide<V>, gravity: Wide<V>) -> Pairs<V> {
-        let (forces, degree) = self.series.force_series(fraction, gravity);
-        Pairs::of(forces, degree)
-    }
-
-    /// The greatest rotation (rad) inside these lanes, if it exceeds `most`, and otherwise 0. It lies before a fraction of the swing, and
-    /// θ̈ always points to the base. See [`Swing::highest`].
-    #[inline(always)]
-    pub fn top(&self, lanes: Lanes<V>, away: Wide<V>, fraction: Wide<V>, most: Wide<V>) -> Wide<V> {
-        let zero = Wide::default();
-        let first = self.series.theta[1];
-        let [_, last] = self.series.theta_at(fraction);
-        let mut active = lanes.and(zero.less(first * away)).and((last * away).less(zero));
-        let mut found = zero.less(zero);
-        let (mut low, mut high, mut place) = (zero, fraction, fraction * (first / (first - last)));
-        for _ in 0..MAX_NEWTON {
-            if !active.any() {
-                break;
-            }
-            let [theta, slope, half_curvature] = self.series.curve_at(place);
-            let rises = zero.less(slope * away);
-            let end = high.in_lanes(rises, low);
-            active = active.and(most.less(theta * away + slope * away * (end - place)));
-            (low, high) = (place.in_lanes(rises, low), high.in_lanes(rises, place));
-            let next = place - slope / (half_curvature * 2.0);
-            let outside = next.less(low).or(high.less(next));
-            let next = ((low + high) * 0.5).in_lanes(outside, next);
-            let moves = Wide::from(TOP_WIDTH).less((next - place).abs());
-            place = next.in_lanes(active, place);
-            found = found.or(active.except(moves));
-            active = active.and(moves);
-        }
-        let [theta, _] = self.series.theta_at(place);
-        theta.abs().in_lanes(found.or(active), zero)
     }
 
     /// See [`Swing::work`], which has the same sums.
@@ -324,18 +190,6 @@ impl<V: Simd> Swings<V> {
         }
         terms!(16 15 14 13 12 11 10 9 8 7 6 5 4 3 2 1);
         work * fraction
-    }
-
-    /// `[θ, θ̇]` (rad, rad/s) after a fraction.
-    #[inline(always)]
-    pub fn at(&self, fraction: Wide<V>) -> [Wide<V>; 2] {
-        self.series.at(fraction)
-    }
-
-    /// Durations (s).
-    #[inline(always)]
-    pub fn size(&self) -> Wide<V> {
-        self.series.size
     }
 
     /// The swing of one lane.

@@ -28,10 +28,10 @@ pub mod lanes;
 #[cfg(feature = "lanes")]
 pub mod tangent;
 
-use crate::block::{Body, Corner, Foot, Lever};
+use crate::block::{Body, Corner, Lever};
 use crate::excitation::{Excitation, Forcing, ForcingSeries};
 use crate::numerics::bernstein::{DEGREE, Pair, Row};
-use crate::numerics::scalar::{Real, Scalar, greatest};
+use crate::numerics::scalar::{Real, Runs, Scalar, greatest, least};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
@@ -89,22 +89,22 @@ impl<T: Scalar> Pivoting<T> {
 
 /// Bounds of the motion over a swing.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub struct Bounds<T: Real = f64> {
     /// Whether `last` alone shows if the block comes down within the swing. It does not come near the base, accelerates towards it all the
     /// time, or leaves it faster and faster.
-    pub is_certain: bool,
+    pub is_certain: T::Runs,
     /// The rotation away from the base at the end (rad), negative beyond the base.
-    pub last: f64,
+    pub last: T,
     /// Whether θ̈ points to the base all the time.
-    pub turns_back: bool,
+    pub turns_back: T::Runs,
     /// Whether |θ| is greatest at an end, until the block comes down. It only rises or only falls, or θ̈ points away from the base.
-    pub is_greatest_at_end: bool,
+    pub is_greatest_at_end: T::Runs,
     /// The greatest |θ| (rad).
-    pub theta: f64,
+    pub theta: T,
     /// The least and the greatest N/M (m/s²).
-    pub reaction: [f64; 2],
+    pub reaction: [T; 2],
     /// The greatest |H|/M (m/s²).
-    pub horizontal: f64,
+    pub horizontal: T,
 }
 
 /// `k`, `1/k`, `k (k − 1)` or `k/(k + 1)`, and 0 for 0.
@@ -241,6 +241,74 @@ impl<T: Real> Swing<T> {
 }
 
 impl<T: Real> Swing<T> {
+    /// N/M and H/M (m/s²) up to a fraction of the swing, by the series. At its end they are less accurate than the equations of motion.
+    #[inline(always)]
+    pub fn forces(&self, fraction: T, gravity: T) -> Pair<T> {
+        let (forces, degree) = self.force_series(fraction, gravity);
+        Pair::of(forces, degree)
+    }
+
+    /// Sets the duration, at most `longest` (s), and the first terms from `[θ, θ̇]`. Returns the square of the duration over the moment of
+    /// inertia per mass.
+    ///
+    /// A swing that begins on the base is little longer than the block would stay up at its present acceleration.
+    #[inline(always)]
+    fn begin(&mut self, block: &Pivoting<T>, [theta, theta_dot]: [T; 2], longest: T) -> T {
+        let (zero, (sin, cos)) = (T::from(0.0), theta.sin_cos());
+        let Lever { x, q } = Lever::of(block.offset, block.h, sin, cos);
+        let (inertia, forcing) = (x * x + q * q + block.i0, &mut self.forcing);
+        let turning = x * (forcing.z[0] + block.gravity) - q * forcing.x[0] + forcing.moment[0];
+        let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
+        let from_base = T::select_less(zero, flight, least(longest, flight), longest);
+        let size = T::select_less(zero, theta.abs(), longest, from_base);
+        forcing.scale(size);
+        (self.theta[0], self.theta[1]) = (theta, theta_dot * size);
+        (self.x[0], self.q[0], self.size) = (x, q, size);
+        size * size / inertia
+    }
+
+    /// Bounds of the motion over the swing.
+    #[inline(always)]
+    pub fn bounds(&self, block: &Pivoting<T>) -> Bounds<T> {
+        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = *self;
+        let (zero, away) = (T::from(0.0), block.away);
+        let per_second = T::from(1.0) / (size * size);
+        let mut spread = theta[1].abs() + theta[2].abs();
+        let (mut steepest, mut bend) = (theta[2].abs() * 2.0, zero);
+        let (mut reaction, mut horizontal) = (zero, zero);
+        for k in 3..self.force_order() + 1 {
+            let term = theta[k].abs();
+            spread = spread + term;
+            steepest = steepest + term * NUMBER[k];
+            bend = bend + term * PRODUCT[k];
+            if k > 3 {
+                let squares = per_second * PRODUCT[k];
+                reaction = reaction + (q[k] * squares).abs();
+                horizontal = horizontal + (x[k] * squares + forcing.x[k - 2]).abs();
+            }
+        }
+        let [last, _] = self.theta_at(T::from(1.0));
+        let (first, last) = (theta[0] * away, last * away);
+        // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
+        let turn = theta[2] * (away * 2.0);
+        let (turns_back, turns_away) = (T::Runs::less(bend + turn, zero), T::Runs::less(bend, turn));
+        let turns = turns_back.or(turns_away.except(T::Runs::less(theta[1] * away, zero)));
+        let leaves = T::Runs::less(zero, T::select_less(zero, first.abs(), first, theta[1] * away));
+        reaction = reaction + (q[3] * (per_second * 6.0) + forcing.z[1]).abs();
+        horizontal = horizontal + (x[3] * (per_second * 6.0) + forcing.x[1]).abs();
+        let first_reaction = block.gravity + forcing.z[0] + q[2] * (per_second * 2.0);
+        let first_horizontal = x[2] * (per_second * 2.0) + forcing.x[0];
+        Bounds {
+            is_certain: T::Runs::less(spread, first).or(leaves.and(turns)),
+            last,
+            turns_back,
+            is_greatest_at_end: T::Runs::less(steepest, theta[1].abs()).or(turns_away),
+            theta: first.abs() + spread,
+            reaction: [first_reaction - reaction, first_reaction + reaction],
+            horizontal: first_horizontal.abs() + horizontal,
+        }
+    }
+
     /// θ (rad), its rate of change per swing, and half of the rate of that.
     #[inline(always)]
     fn curve_at(&self, fraction: T) -> [T; 3] {
@@ -256,8 +324,6 @@ impl<T: Real> Swing<T> {
 
 impl Swing {
     /// Makes the swing from `[t, θ, θ̇]` on, at most `longest` (s). The last terms of θ̇ may be `allowed` (rad/s per second of the swing).
-    ///
-    /// A swing that begins on the base is little longer than the block would stay up at its present acceleration.
     #[inline]
     pub fn of(
         body: &Body,
@@ -267,21 +333,11 @@ impl Swing {
         longest: f64,
         allowed: f64,
     ) -> Swing {
-        let none = [0.0; ORDER + 1];
-        let (sin, cos) = libm::sincos(theta);
-        let lever = body.lever(Foot::Corner(corner), sin, cos);
-        let inertia = lever.x * lever.x + lever.q * lever.q + body.i0;
-        let forcing = excitation.series(time);
-        let turning = lever.x * (forcing.z[0] + body.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
-        let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
-        let size = if theta == 0.0 && flight > 0.0 { flight.min(longest) } else { longest };
-
-        let mut swing = Swing { size, order: 1, theta: none, x: none, q: none, forcing };
-        swing.forcing.scale(size);
-        (swing.theta[0], swing.theta[1]) = (theta, theta_dot * size);
-        Lever { x: swing.x[0], q: swing.q[0] } = lever;
-        let allowed = allowed * size * size;
-        let rest = swing.extend(body.gravity, size * size / inertia, allowed);
+        let (none, forcing) = ([0.0; ORDER + 1], excitation.series(time));
+        let mut swing = Swing { size: longest, order: 1, theta: none, x: none, q: none, forcing };
+        let scale = swing.begin(&Pivoting::of(body, corner), [theta, theta_dot], longest);
+        let allowed = allowed * swing.size * swing.size;
+        let rest = swing.extend(body.gravity, scale, allowed);
         if rest >= allowed {
             swing.scale(shortening(allowed / rest));
         }
@@ -324,13 +380,6 @@ impl Swing {
         rest
     }
 
-    /// N/M and H/M (m/s²) up to a fraction of the swing, by the series. At its end they are less accurate than the equations of motion.
-    #[inline(always)]
-    pub fn forces(&self, fraction: f64, gravity: f64) -> Pair {
-        let (forces, degree) = self.force_series(fraction, gravity);
-        Pair::of(forces, degree)
-    }
-
     /// Work of the excitation per unit mass (m²/s²) over a fraction of the swing. It is the integral of `−a_x u̇ − a_z v̇ + m θ̇`.
     #[inline]
     pub fn work(&self, fraction: f64) -> f64 {
@@ -370,47 +419,6 @@ impl Swing {
             work = work * fraction + power[n] * RECIPROCAL[n];
         }
         work * fraction
-    }
-
-    /// Bounds of the motion over the swing.
-    #[inline]
-    pub fn bounds(&self, body: &Body, corner: Corner) -> Bounds {
-        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = *self;
-        let away = -corner.sign();
-        let per_second = 1.0 / (size * size);
-        let mut spread = theta[1].abs() + theta[2].abs();
-        let (mut steepest, mut bend) = (theta[2].abs() * 2.0, 0.0);
-        let (mut reaction, mut horizontal) = (0.0, 0.0);
-        for k in 3..self.force_order() + 1 {
-            let term = theta[k].abs();
-            spread += term;
-            steepest += term * NUMBER[k];
-            bend += term * PRODUCT[k];
-            if k > 3 {
-                let squares = per_second * PRODUCT[k];
-                reaction += (q[k] * squares).abs();
-                horizontal += (x[k] * squares + forcing.x[k - 2]).abs();
-            }
-        }
-        let [last, _] = self.theta_at(1.0);
-        let (first, last) = (theta[0] * away, last * away);
-        // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
-        let turn = theta[2] * (2.0 * away);
-        let (turns_back, turns_away) = (bend + turn < 0.0, bend < turn);
-        let leaves = first > 0.0 || (first == 0.0 && theta[1] * away > 0.0);
-        reaction += (q[3] * (6.0 * per_second) + forcing.z[1]).abs();
-        horizontal += (x[3] * (6.0 * per_second) + forcing.x[1]).abs();
-        let first_reaction = body.gravity + forcing.z[0] + q[2] * (2.0 * per_second);
-        let first_horizontal = x[2] * (2.0 * per_second) + forcing.x[0];
-        Bounds {
-            is_certain: first > spread || (leaves && (turns_back || (turns_away && theta[1] * away >= 0.0))),
-            last,
-            turns_back,
-            is_greatest_at_end: theta[1].abs() > steepest || turns_away,
-            theta: first.abs() + spread,
-            reaction: [first_reaction - reaction, first_reaction + reaction],
-            horizontal: first_horizontal.abs() + horizontal,
-        }
     }
 }
 

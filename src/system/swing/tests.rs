@@ -79,7 +79,7 @@ proptest! {
         const STEPS: u32 = 40;
         let Case { ref block, corner, .. } = case;
         let (swing, motion) = (case.swing(1e-13), case.motion());
-        let (bounds, forces) = (swing.bounds(block, corner), [[1.0, 0.0], [0.0, 1.0]].map(|one| swing.forces(1.0, block.gravity).combined(one)));
+        let (bounds, forces) = (swing.bounds(&Pivoting::of(block, corner)), [[1.0, 0.0], [0.0, 1.0]].map(|one| swing.forces(1.0, block.gravity).combined(one)));
         let (rate, height) = (block.alpha * block.p, block.gravity * block.r0 * block.alpha);
         let (size, mut work) = (swing.size / f64::from(STEPS), 0.0);
         let mut now = motion.at(0.5, State::from([case.start[0], case.start[1], 0.0, 0.0]));
@@ -107,11 +107,11 @@ proptest! {
     #[test]
     fn a_landing_is_the_first(case in case()) {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
-        let bounds = swing.bounds(&case.block, case.corner);
+        let bounds = swing.bounds(&Pivoting::of(&case.block, case.corner));
         let (found, quarter) = (swing.first_landing(case.corner), swing.quarter_turn(case.corner));
         prop_assert_ne!(quarter, Zero::Unclear);
         let landing = match bounds.is_certain {
-            true if bounds.last < 0.0 => Zero::At(swing.landing()),
+            true if bounds.last < 0.0 => Zero::At(swing.landing(true)),
             true => Zero::None,
             false => found,
         };
@@ -143,7 +143,7 @@ proptest! {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
         let at = |fraction: f64| away * swing.at(fraction)[0];
         let ends = at(0.0).max(at(fraction));
-        let bounds = swing.bounds(&case.block, case.corner);
+        let bounds = swing.bounds(&Pivoting::of(&case.block, case.corner));
         let highest = swing.highest(case.corner, &bounds, fraction, ends).map_or(ends, at);
         for i in 0..=100 {
             prop_assert!(at(fraction * f64::from(i) / 100.0) <= highest * (1.0 + 1e-14), "{} of {}", i, highest);
@@ -192,7 +192,7 @@ fn free_swings_are_certain() {
         for corner in Corner::BOTH {
             let start = [0.0, -corner.sign() * theta, -corner.sign() * theta_dot];
             let swing = Swing::of(&block, corner, &excitation, start, longest, 1e-10);
-            let bounds = swing.bounds(&block, corner);
+            let bounds = swing.bounds(&Pivoting::of(&block, corner));
             assert!(bounds.is_certain, "{theta}, {theta_dot}: {bounds:?}");
             assert_eq!(
                 (bounds.last < 0.0, !bounds.is_greatest_at_end),
