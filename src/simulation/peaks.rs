@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Body, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::{Sample, greatest, may_rise_inside};
-use crate::numerics::scalar::{CombinesWith, Scalar};
+use crate::numerics::roots::{self, Sample, may_rise_inside};
+use crate::numerics::scalar::{CombinesWith, Real, Runs, Scalar, greatest};
 use crate::simulation::outputs::{Observation, PeakQuantities, peak_quantities};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
@@ -95,17 +95,10 @@ macro_rules! each_candidate {
     };
 }
 
-impl Peaks {
-    /// Whether all are finite and none is negative.
-    pub fn is_valid(&self) -> bool {
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *self;
-        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull).chain(plastic);
-        all.into_iter().all(|peak| peak >= 0.0 && peak.is_finite())
-    }
-
+impl<T: Real> Peaks<T> {
     /// The peak of a channel.
     #[inline(always)]
-    pub fn of(&self, channel: Channel) -> f64 {
+    pub fn of(&self, channel: Channel) -> T {
         match channel {
             Channel::Theta => self.theta,
             Channel::Reaction => self.reaction,
@@ -116,7 +109,7 @@ impl Peaks {
     }
 
     #[inline(always)]
-    fn raise(&mut self, channel: Channel, value: f64) {
+    fn raise(&mut self, channel: Channel, value: T) {
         let peak = match channel {
             Channel::Theta => &mut self.theta,
             Channel::Reaction => &mut self.reaction,
@@ -124,16 +117,60 @@ impl Peaks {
             Channel::Uplift => &mut self.uplift,
             Channel::FrictionDemand => &mut self.friction_demand,
         };
-        *peak = greater(*peak, value);
+        *peak = greatest(*peak, value);
     }
 
     /// Includes the values at one instant.
     #[inline(always)]
-    pub fn include(&mut self, channels: &Channels) {
+    pub fn include(&mut self, channels: &Channels<T>) {
         each_candidate!(|i| {
             let (channel, sample) = channels.candidates()[i];
             self.raise(channel, sample.value);
         });
+    }
+
+    /// Includes the values at both ends of a step.
+    #[inline(always)]
+    pub fn include_ends(&mut self, start: &Channels<T>, end: &Channels<T>) {
+        each_candidate!(|i| {
+            let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
+            self.raise(channel, greatest(start.value, end.value));
+        });
+    }
+
+    /// Whether a value may exceed its peak and both ends between two instants, in each run.
+    #[inline(always)]
+    pub fn may_rise_inside(&self, start: &Channels<T>, end: &Channels<T>, duration: T) -> T::Runs {
+        let mut may = T::Runs::less(duration, duration);
+        each_candidate!(|i| {
+            let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
+            may = may.or(may_rise_inside(self.of(channel), start, end, duration));
+        });
+        may
+    }
+
+    /// Whether the rates of H, the friction demand, and on the rigid base the reactions are needed, in each run. One of these reaches
+    /// `near` over its peak.
+    #[inline(always)]
+    pub fn are_near(&self, now: &Evaluation<T>, near: T) -> T::Runs {
+        let mass = now.body.mass;
+        let [left, right] = now.instant.reaction;
+        let shear = mass * now.instant.horizontal.abs();
+        let close = T::Runs::less(near * self.horizontal, shear)
+            .or(T::Runs::less(near * self.friction_demand * mass * (left + right), shear));
+        match now.body.foundation {
+            Foundation::Rigid => close.or(T::Runs::less(near * self.reaction, mass * greatest(left, right))),
+            Foundation::Viscoelastic => close,
+        }
+    }
+}
+
+impl Peaks {
+    /// Whether all are finite and none is negative.
+    pub fn is_valid(&self) -> bool {
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *self;
+        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull).chain(plastic);
+        all.into_iter().all(|peak| peak >= 0.0 && peak.is_finite())
     }
 
     /// Includes a rotation (rad) about a corner of the rigid base.
@@ -171,12 +208,12 @@ impl Peaks {
             let [start, end] = [here, there].map(|now| now.pull(number));
             let duration = there.time - here.time;
             let mut pull = |elapsed: f64| inside(elapsed).pull(number);
-            let most = greatest(self.pull[number], start, end, duration, &mut pull);
+            let most = roots::greatest(self.pull[number], start, end, duration, &mut pull);
             self.include_pull(here.body, number, most);
             if here.body.restraints.pushes(number) {
                 let [start, end] = [start, end].map(Sample::negated);
                 let mut pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
-                let most = greatest(self.pull[number], start, end, duration, &mut pushed);
+                let most = roots::greatest(self.pull[number], start, end, duration, &mut pushed);
                 self.include_pull(here.body, number, most);
             }
         }
@@ -186,17 +223,6 @@ impl Peaks {
     fn include_pull(&mut self, body: &Body, number: usize, pull: f64) {
         let pull = restraints::strength(body, number).map_or(pull, |strength| pull.min(strength));
         self.pull[number] = greater(self.pull[number], pull);
-    }
-
-    /// Whether a value may exceed its peak and both ends between two instants.
-    #[inline(always)]
-    pub fn may_rise_inside(&self, start: &Channels, end: &Channels, duration: f64) -> bool {
-        let mut may = false;
-        each_candidate!(|i| {
-            let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
-            may |= may_rise_inside(self.of(channel), start, end, duration);
-        });
-        may
     }
 
     /// Includes a step of `duration` between two instants. `inside` gives a candidate of a channel at a time after the first one and is
@@ -213,26 +239,17 @@ impl Peaks {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             let most = self.of(channel);
             if start.value > most || end.value > most || may_rise_inside(most, start, end, duration) {
-                self.raise(channel, greatest(most, start, end, duration, &mut |elapsed| inside(channel, i, elapsed)));
+                let most = roots::greatest(most, start, end, duration, &mut |elapsed| inside(channel, i, elapsed));
+                self.raise(channel, most);
             }
         });
     }
 
-    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
-    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these over its peak reaches
-    /// `near`, and are zero elsewhere.
+    /// The channels at both ends of a step. Rates that take dual numbers are formed only where they [are needed](Peaks::are_near), and
+    /// are zero elsewhere.
     #[inline(always)]
     pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
-        let Body { mass, foundation, .. } = *here.body;
-        let Peaks { reaction, horizontal, friction_demand, .. } = *self;
-        let close = |now: &Evaluation| {
-            let [left, right] = now.instant.reaction;
-            let shear = mass * now.instant.horizontal.abs();
-            shear > near * horizontal
-                || shear > near * friction_demand * mass * (left + right)
-                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
-        };
-        if close(here) || close(there) {
+        if self.are_near(here, near) || self.are_near(there, near) {
             [here.channels_called(), there.channels_called()]
         } else {
             [here.cheap_channels(), there.cheap_channels()]

@@ -194,8 +194,7 @@ impl RunState {
             return false;
         }
         // After an event or a jump of the inputs the beginning is new, too.
-        self.peaks.include(&start);
-        self.peaks.include(&end);
+        self.peaks.include_ends(&start, &end);
         self.counts.steps += 1;
         // Without a limit of friction a foot may slide in any mode.
         if !motion.mode().grips() {

@@ -4,6 +4,8 @@
 //! The searches are compiled once for all functions, which they call by pointers: a call takes far less than the dense output that it
 //! evaluates.
 
+use crate::numerics::scalar::{self, Real, Runs};
+
 /// Value of a function and its rate of change at one time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sample<R = f64> {
@@ -55,34 +57,34 @@ type TimedSample = (f64, Sample);
 /// A function of time with its rate.
 pub type Function<'a> = dyn FnMut(f64) -> Sample + 'a;
 
-/// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_rise_inside`]. It is not below at the start.
+/// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_exceed`]. It is not below at the start.
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
-    let third = duration * (1.0 / 3.0);
-    end.value < floor
-        || start.value + third * start.rate < floor
-        || end.value - third * end.rate < floor
-        || (start.rate < 0.0 && end.rate > 0.0 && tangent_intersection(start, end, duration) < floor)
+    end.value < floor || may_exceed(-floor, start.negated(), end.negated(), duration)
 }
 
-/// Whether a function may exceed `most` and its values at both ends inside `duration`.
+/// Whether a function may exceed `most` inside `duration`, in each run. It does not at the ends.
 ///
 /// The intersection of the end tangents bounds a function whose curvature keeps its sign. The control polygon bounds the cubic with these
 /// ends, whatever its curvature.
-#[inline]
-pub fn may_rise_inside(most: f64, start: Sample, end: Sample, duration: f64) -> bool {
-    let third = duration * (1.0 / 3.0);
-    let rises = |value: f64| value > most && value > start.value && value > end.value;
-    rises(start.value + third * start.rate)
-        || rises(end.value - third * end.rate)
-        || (start.rate > 0.0 && end.rate < 0.0 && rises(tangent_intersection(start, end, duration)))
+#[inline(always)]
+fn may_exceed<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -> T::Runs {
+    let (zero, third) = (T::from(0.0), duration * (1.0 / 3.0));
+    let polygon = scalar::greatest(start.value + third * start.rate, end.value - third * end.rate);
+    let exceeds = T::Runs::less(most, polygon);
+    let turns = T::Runs::less(zero, start.rate).and(T::Runs::less(end.rate, zero));
+    if !turns.any() {
+        return exceeds;
+    }
+    // The end tangents intersect here.
+    let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
+    exceeds.or(turns.and(T::Runs::less(most, start.value + start.rate * meeting)))
 }
 
-/// Returns the value at which the end tangents intersect.
-#[inline]
-fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
-    let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
-    start.value + start.rate * meeting
+/// Whether a function may exceed `most` and its values at both ends inside `duration`, by the bounds of [`may_exceed`], in each run.
+#[inline(always)]
+pub fn may_rise_inside<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -> T::Runs {
+    may_exceed(scalar::greatest(most, scalar::greatest(start.value, end.value)), start, end, duration)
 }
 
 /// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
@@ -265,11 +267,13 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// Whether the bounds of a function let it fall through zero. One that begins at zero has to fall below its `rounding`.
-#[inline]
-pub fn may_fall_by_bounds(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
-    let floor = if start.value > rounding { 0.0 } else { -rounding };
-    start.value < -rounding || may_be_below(floor, start, end, duration)
+/// Whether the bounds of a function let it fall through zero, in each run. One that begins at zero has to fall below its `rounding`.
+#[inline(always)]
+pub fn may_fall_by_bounds<T: Real>(start: Sample<T>, end: Sample<T>, rounding: T, duration: T) -> T::Runs {
+    let depth = T::select_less(rounding, start.value, T::from(0.0), rounding);
+    let (start, end) = (start.negated(), end.negated());
+    let greater_end = scalar::greatest(start.value, end.value);
+    T::Runs::less(depth, greater_end).or(may_exceed(depth, start, end, duration))
 }
 
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`. Its samples at both ends are given.

@@ -5,7 +5,6 @@
 //! only an event or a peak may be inside. A step on supports with too great an error is repeated in a lane, as is a short step that may hold
 //! an event. Runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base take all their steps alone.
 
-mod bounds;
 mod kernel;
 mod next;
 mod pulses;

@@ -8,14 +8,13 @@ use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, DenseStep};
 use crate::numerics::numbers::Numbers;
-use crate::numerics::roots::Sample;
+use crate::numerics::roots::{Sample, may_fall_by_bounds};
 use crate::numerics::short;
 use crate::numerics::wide::{Array, Four, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
-use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, Stance};
-use crate::simulation::peaks::Channels;
+use crate::simulation::peaks::{Channels, Peaks};
 use crate::system::evaluation::{self, Evaluation, ForcingAt};
 use crate::system::events::{ROUNDING, landing, lift_off, quarter_turn};
 use crate::system::instant::Footing;
@@ -132,40 +131,22 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
     #[inline(always)]
     fn raise_peaks(
         &self,
-        peaks: &mut [Wide<V>; 5],
+        peaks: &mut Peaks<Wide<V>>,
         here: &Evaluation<Wide<V>>,
         there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         longest: Wide<V>,
     ) -> u32 {
         let near = near_a_peak(duration, longest);
-        let close = self.close(here, near, peaks).or(self.close(there, near, peaks));
+        let close = peaks.are_near(here, near).or(peaks.are_near(there, near));
         let (mut start, mut end) = (here.cheap_channels(), there.cheap_channels());
         if close.any() {
             start = in_lanes(close, here.channels(), start);
             end = in_lanes(close, there.channels(), end);
         }
-        let [theta, reaction, horizontal, uplift, friction_demand] = peaks;
-        let demand = Ends { start: start.friction_demand, end: end.friction_demand, duration };
-        raise(theta, both_ways(start.theta, end.theta, duration))
-            | raise(reaction, pair(start.reaction, end.reaction, duration))
-            | raise(horizontal, both_ways(start.horizontal, end.horizontal, duration))
-            | raise(uplift, pair(start.uplift, end.uplift, duration))
-            | raise(friction_demand, [demand])
-    }
-
-    /// The lanes in which H or the friction demand is `near` its peak.
-    #[inline(always)]
-    fn close(
-        &self,
-        now: &Evaluation<Wide<V>>,
-        near: Wide<V>,
-        [_, _, horizontal, _, friction_demand]: &[Wide<V>; 5],
-    ) -> Lanes<V> {
-        let mass = now.body.mass;
-        let shear = mass * now.instant.horizontal.abs();
-        let [left, right] = now.instant.reaction;
-        (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
+        let inside = peaks.may_rise_inside(&start, &end, duration);
+        peaks.include_ends(&start, &end);
+        inside.bits()
     }
 
     /// The lanes in which the functions of L, R and the quarter turn may fall through zero between two instants.
@@ -181,11 +162,10 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
     ) -> [u32; 3] {
         let remaining =
             |at: &Evaluation<Wide<V>>| quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]);
-        let turn = Ends { start: remaining(here), end: remaining(there), duration };
         [
             self.corner_may_change(Corner::Left, here, there, duration, rounding),
             self.corner_may_change(Corner::Right, here, there, duration, rounding),
-            turn.may_fall(rounding.quarter_turn),
+            may_fall_by_bounds(remaining(here), remaining(there), rounding.quarter_turn, duration).bits(),
         ]
     }
 
@@ -201,10 +181,10 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
     ) -> u32 {
         if self.mode.regime().touches(corner) {
             let reaction = |at: &Evaluation<Wide<V>>| lift_off::on_support(at.body, &at.instant, corner);
-            Ends { start: reaction(here), end: reaction(there), duration }.may_fall(rounding.reaction)
+            may_fall_by_bounds(reaction(here), reaction(there), rounding.reaction, duration).bits()
         } else {
             let gap = |at: &Evaluation<Wide<V>>| landing::gap(&at.instant, at.support_heights, corner);
-            Ends { start: gap(here), end: gap(there), duration }.may_fall(rounding.gap)
+            may_fall_by_bounds(gap(here), gap(there), rounding.gap, duration).bits()
         }
     }
 
@@ -229,30 +209,6 @@ impl<V: Simd, L: MotionMode> Stages<Wide<V>> for GroupMotion<'_, V, L> {
         let forcing = excitation.at_with(Wide::load(&self.pulses.stages[stage]), time);
         evaluation::rate(self.mode, body, forcing, *footing, state)
     }
-}
-
-/// Includes the ends of quantities with a common peak. Returns the lanes in which one may rise to a new peak inside.
-#[inline(always)]
-fn raise<V: Simd, const N: usize>(peak: &mut Wide<V>, quantities: [Ends<V>; N]) -> u32 {
-    let before = *peak;
-    let mut inside = 0;
-    for ends in &quantities {
-        inside |= ends.may_rise_inside(before);
-        *peak = peak.max(ends.greater_end());
-    }
-    inside
-}
-
-/// A quantity whose absolute value counts.
-#[inline(always)]
-fn both_ways<V: Simd>(start: Sample<Wide<V>>, end: Sample<Wide<V>>, duration: Wide<V>) -> [Ends<V>; 2] {
-    [Ends { start, end, duration }, Ends { start: start.negated(), end: end.negated(), duration }]
-}
-
-/// A quantity of both corners.
-#[inline(always)]
-fn pair<V: Simd>(start: [Sample<Wide<V>>; 2], end: [Sample<Wide<V>>; 2], duration: Wide<V>) -> [Ends<V>; 2] {
-    [Ends { start: start[0], end: end[0], duration }, Ends { start: start[1], end: end[1], duration }]
 }
 
 /// The lanes in which a short step keeps within a `fraction` of the allowed error. It has this [`short::squared_error`]. Returns also the
@@ -393,7 +349,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let state = Numbers(self.transposed(|lane| &lane.simulation.run.pose.state.0));
         let [input, dashpots, friction_demand, _] = self.transposed(|lane| &lane.transposed.sums);
         let [theta, reaction, horizontal, uplift] = self.transposed(|lane| &lane.transposed.peaks);
-        let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
+        let mut peaks = Peaks { theta, reaction, horizontal, uplift, friction_demand, ..Peaks::default() };
 
         let lifted = self.lifted();
         let [start, stop] = self.ends(&group, [time, end_time]);
@@ -437,6 +393,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let usual = error_is_fine & moves.bits() & !rests;
 
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = peaks;
         let runs = ((1_u64 << self.count) - 1) as u32;
         let eventful = usual & (events | inside) & runs;
         let mut accepted = Vec::new();
@@ -454,7 +411,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
             failed: !error_is_fine & !rests & runs,
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
             sums: [(input + work.0[0]).store(), (dashpots + work.0[1]).store()],
-            peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
+            peaks: [theta.store(), reaction.store(), horizontal.store(), uplift.store(), friction_demand.store()],
             root: root.store(),
         }
     }

@@ -66,12 +66,13 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let longest = each(&|case| case.lane.longest);
         let [theta, reaction, horizontal, uplift] = task.transposed(|lane| &lane.transposed.peaks);
         let [_, _, friction_demand, _] = task.transposed(|lane| &lane.transposed.sums);
-        let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
+        let mut peaks = Peaks { theta, reaction, horizontal, uplift, friction_demand, ..Peaks::default() };
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
         let may_fall = motion.may_fall(&here, &there, duration, &rounding);
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
-        let peaks = peaks.map(Wide::store);
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = peaks;
+        let peaks = [theta, reaction, horizontal, uplift, friction_demand].map(Wide::store);
         let found = |i: usize| Found {
             may_contain_event: may_fall.iter().any(|falls| falls >> i & 1 == 1),
             may_fall: may_fall.map(|falls| falls >> i & 1 == 1),
