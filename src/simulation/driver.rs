@@ -42,7 +42,7 @@ impl Simulation {
     ) -> Simulation {
         let [least, most] = Settings::TOLERANCES;
         let flies = settings.on_separation == OnSeparation::Fly;
-        let system = System { block, flies, slowest: System::SLOWEST };
+        let system = System { block, flies };
         let settings = Settings { tolerance: settings.tolerance.clamp(least, most), ..settings };
         let setup = Setup { system, settings, pulse };
         let excitation = setup.excitation(time, inputs);

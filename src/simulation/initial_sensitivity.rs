@@ -43,9 +43,9 @@ impl Start {
     ///
     /// The regimes are those through which the block goes: where one of them begins or ends, the derivative is that of the
     /// side on which the block is.
-    pub(super) fn derivatives(&self, &System { flies, slowest, .. }: &System, is_frozen: bool) -> InitialDerivatives {
+    pub(super) fn derivatives(&self, &System { flies, .. }: &System, is_frozen: bool) -> InitialDerivatives {
         let Start { block, initial, excitation, time } = self;
-        let system = System { block: *block, flies, slowest };
+        let system = System { block: *block, flies };
         let at = |pose: &Pose<DirectionalDual>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
         let pose = system.beginning(initial, *time, excitation);
         let mut begins = at(&pose);

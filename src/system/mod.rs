@@ -33,13 +33,4 @@ pub struct System<T = f64> {
     pub block: Block<T>,
     /// Whether the block flies once no corner touches. In the paper's analysis the run ends as soon as the last corner bears nothing.
     pub flies: bool,
-    /// Slowest rocking on the rigid base that continues after an impact, over p.
-    ///
-    /// The infinitely many impacts before rest, which take a finite time, are not distinguished below this rate.
-    pub slowest: f64,
-}
-
-impl System {
-    /// [`System::slowest`] for a solver that locates events to round-off.
-    pub const SLOWEST: f64 = 1e-9;
 }

@@ -352,7 +352,7 @@ fn a_landing_without_effect_gains_no_energy() {
             },
         };
         let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
-        let system = System { block, flies: true, slowest: System::SLOWEST };
+        let system = System { block, flies: true };
         let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
         let Transition { pose: after, .. } = system.transition(&pose, &now, EventFunction::Gap(Corner::Left));
         let landed = Motion::from_pose(&block, &after, &excitation).at(0.0, after.state);

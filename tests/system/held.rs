@@ -182,7 +182,7 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
         let dimensionless =
             Dimensionless { alpha: 0.9, p: 1.0, supports: Supports::Viscoelastic(Ratios { eta: 8.0, xi_v }) };
         let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
-        let system = System { block, flies: false, slowest: System::SLOWEST };
+        let system = System { block, flies: false };
         let free = block.static_deflection();
         let pose = Pose {
             time: 0.0,
@@ -226,7 +226,7 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
             continue;
         }
         let block = squat(&Common { friction: if friction { 0.5 } else { 0.0 }, ..Common::default() });
-        let system = System { block, flies, slowest: System::SLOWEST };
+        let system = System { block, flies };
         let depth = 0.5 * block.static_deflection();
         let (height, rate) = (block.static_deflection() - depth, block.creep_rate * depth);
         let mut contacts = Contacts::touching([both, true], 0.0);
@@ -260,7 +260,7 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
 fn a_corner_of_a_sliding_block_is_held() {
     let friction = 0.6;
     let block = squat(&Common { friction, ..Common::default() });
-    let system = System { block, flies: true, slowest: System::SLOWEST };
+    let system = System { block, flies: true };
     let free = block.static_deflection();
     let mut became = [0; 2];
     for (i, direction) in (-4000..4000).flat_map(|i| [(i, -1.0), (i, 1.0)]) {

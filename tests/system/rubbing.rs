@@ -28,7 +28,7 @@ fn transition_under(a_gx: Ramp, block: &Block, pose: &Pose, function: EventFunct
     let inputs = Inputs { a_gx, ..Inputs::default() };
     let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, block);
     let now = Motion::from_pose(block, pose, &excitation).at(pose.time, pose.state);
-    let system = System { block: *block, flies: true, slowest: System::SLOWEST };
+    let system = System { block: *block, flies: true };
     let after = system.transition(pose, &now, function);
     let instant = Motion::from_pose(block, &after.pose, &excitation).at(pose.time, after.pose.state).instant;
     (after, Velocities { u_dot: instant.u_dot, v_dot: instant.v_dot, theta_dot: instant.theta_dot })

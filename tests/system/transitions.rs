@@ -18,7 +18,7 @@ fn on_rigid_base(restitution_factor: f64, common: &Common) -> Block {
 }
 
 fn system(block: Block) -> System {
-    System { block, flies: true, slowest: System::SLOWEST }
+    System { block, flies: true }
 }
 
 fn excitation(block: &Block, a_gx: f64) -> Excitation {

@@ -55,8 +55,7 @@ pub struct Follower {
 impl Follower {
     /// Returns the derivatives of a run at its beginning under these inputs.
     pub fn new(simulation: &Simulation, varied: Varied, inputs: &Inputs) -> Follower {
-        let System { flies, slowest, .. } = *simulation.system();
-        let system = System { block: varied.block, flies, slowest };
+        let system = System { block: varied.block, flies: simulation.system().flies };
         let time = simulation.time();
         let excitation = varied.excitation(inputs, simulation.pulse().acts_at(time));
         let pose = system.beginning(&varied.initial, Number::from(time), &excitation);

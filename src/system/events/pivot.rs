@@ -10,6 +10,10 @@ use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
 use crate::system::instant::State;
 
+/// Slowest rocking on the rigid base that continues after an impact, over p. The infinitely many impacts before rest, which take a finite
+/// time, are not distinguished below this rate.
+const SLOWEST: f64 = 1e-9;
+
 impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
@@ -23,7 +27,7 @@ where
         self.pose.contacts = Contacts::FULL;
         if block.friction.value() > 0.0 {
             counts += self.change_pivot_with_friction(corner, theta_dot, now);
-        } else if theta_dot.value().abs() < self.system.slowest * block.p.value() {
+        } else if theta_dot.value().abs() < SLOWEST * block.p.value() {
             self.pose.state = State::zeros();
         } else {
             self.mark_lifted(corner.other());
@@ -43,7 +47,7 @@ where
         let zero = T::from(0.0);
         let mut placement = Placement { theta: zero, v: zero, ..Placement::of(&now.instant) };
         let before = placement.velocities;
-        let ends = theta_dot.value().abs() < self.system.slowest * block.p.value();
+        let ends = theta_dot.value().abs() < SLOWEST * block.p.value();
         let stops = ends && now.footing.grips();
         let land = |theta_dot: T| {
             let v_dot = -block.offset(corner) * theta_dot;

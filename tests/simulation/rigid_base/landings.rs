@@ -184,7 +184,7 @@ fn a_level_landing_stops_the_block_or_trips_it() {
 #[test]
 fn a_level_landing_gains_no_energy() {
     let block = block(0.3, 1.0, 1.0);
-    let system = System { block, flies: true, slowest: System::SLOWEST };
+    let system = System { block, flies: true };
     let excitation = Excitation::none();
     let pose = Pose {
         time: 0.0,
@@ -204,7 +204,7 @@ fn a_level_landing_gains_no_energy() {
 #[test]
 fn a_sliding_corner_grips_if_the_grip_presses_it_down() {
     let block = block(0.3, 1.0, 0.5);
-    let system = System { block, flies: true, slowest: System::SLOWEST };
+    let system = System { block, flies: true };
     let excitation = Excitation::none();
     for (corner, side) in [(Corner::Right, 1.0), (Corner::Left, -1.0)] {
         let pose = Pose {

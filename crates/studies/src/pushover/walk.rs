@@ -62,7 +62,7 @@ impl<'a> Walk<'a> {
         landmarks: &'a mut Vec<Landmark>,
     ) -> Result<Walk<'a>, PushoverError> {
         let block = without_dashpots(*block);
-        let system = System { block, flies: true, slowest: System::SLOWEST };
+        let system = System { block, flies: true };
         let Pose { contacts, restraints: states, .. } = system.beginning(&Initial::default(), 0.0, &Excitation::none());
         let regime = match block.foundation {
             Foundation::Viscoelastic => contacts.regime(),
