@@ -322,11 +322,12 @@ impl Table {
         self.columns.iter_mut().zip(more.columns).for_each(|(column, more)| column.append(more));
     }
 
-    /// Puts the rows into this order: `order` has the position of each row.
+    /// Puts rows into this order: `order` has the positions of those that are kept.
     pub(super) fn reorder(&mut self, order: &[usize]) {
         fn reorder<T: Clone>(values: &mut Vec<T>, order: &[usize]) {
             *values = order.iter().map(|&row| values[row].clone()).collect();
         }
+        self.rows = order.len();
         for column in &mut self.columns {
             match &mut column.values {
                 Values::Real(values) => reorder(values, order),
@@ -340,20 +341,8 @@ impl Table {
 
     /// Keeps only some of the rows.
     pub fn retain(&mut self, is_kept: &[bool]) {
-        fn retain<T>(values: &mut Vec<T>, is_kept: &[bool]) {
-            let mut is_kept = is_kept.iter();
-            values.retain(|_| is_kept.next() == Some(&true));
-        }
-        self.rows = is_kept.iter().filter(|is_kept| **is_kept).count();
-        for column in &mut self.columns {
-            match &mut column.values {
-                Values::Real(values) => retain(values, is_kept),
-                Values::Integer(values) => retain(values, is_kept),
-                Values::Boolean(values) => retain(values, is_kept),
-                Values::Choice(values) => retain(values, is_kept),
-                Values::Text(values) => retain(values, is_kept),
-            }
-        }
+        let kept: Vec<usize> = (0..self.rows).filter(|&row| is_kept[row]).collect();
+        self.reorder(&kept);
     }
 
     /// Appends a row of texts. On an error the table has lost its last row.
