@@ -5,7 +5,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::events::{LANDING_ROUNDING, MIN_LANDING};
-use super::{MIN, NUMBER, ORDER, Pivoting, RECIPROCAL, Series, Swing, shortening, way_and_moment};
+use super::{MIN, NUMBER, ORDER, Pivoting, RECIPROCAL, Series, Swing, shortening};
 use crate::excitation::{Excitation, ForcingSeries};
 use crate::numerics::Real;
 use crate::numerics::bernstein::{Bernstein, DEGREE, Highest};
@@ -23,17 +23,6 @@ pub struct Swings<V> {
 #[inline(always)]
 fn term<V: Simd>(series: &Series<Wide<V>>, k: usize) -> Wide<V> {
     if k < ORDER + 1 { series[k] } else { Wide::default() }
-}
-
-/// The work of a force linear in time on the motion with this series.
-#[inline(always)]
-fn linear<V: Simd>([value, rate]: [Wide<V>; 2], series: &Series<Wide<V>>, order: usize, fraction: Wide<V>) -> Wide<V> {
-    let zero = Wide::default();
-    if !zero.less(value.abs()).or(zero.less(rate.abs())).any() {
-        return zero;
-    }
-    let [way, moment] = way_and_moment(series, order, fraction);
-    value * way + rate * moment
 }
 
 impl<V: Simd> Swing<Wide<V>> {
@@ -154,20 +143,14 @@ impl<V: Simd> Swings<V> {
         (theta.abs().in_lanes(exceeds, Wide::default()), known)
     }
 
-    /// See [`Swing::work`], which has the same sums.
+    /// See [`Swing::work`].
     #[inline(always)]
     pub fn work(&self, fraction: Wide<V>) -> Wide<V> {
-        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = self.series;
-        let order = order.min(ORDER);
-        let of_x = if forcing.terms > 2 {
-            self.work_of_wave(fraction)
-        } else {
-            linear([forcing.x[0], forcing.x[1]], x, order, fraction)
-        };
-        linear(forcing.moment, theta, order, fraction) - linear(forcing.z, q, order, fraction) - of_x
+        let of_wave = if self.series.forcing.terms > 2 { Some(self.work_of_wave(fraction)) } else { None };
+        self.series.work_beside(of_wave, fraction)
     }
 
-    /// See [`Swing::work_of_wave`].
+    /// See [`Swing::work_of_wave`], which has the same sums.
     #[inline(always)]
     fn work_of_wave(&self, fraction: Wide<V>) -> Wide<V> {
         let Swing { order, ref x, ref forcing, .. } = self.series;

@@ -267,6 +267,28 @@ impl<T: Real> Swing<T> {
         size * size / inertia
     }
 
+    /// [`Swing::work`], with that of a wave in x if it is one.
+    #[inline(always)]
+    fn work_beside(&self, of_wave: Option<T>, fraction: T) -> T {
+        let Swing { ref theta, ref x, ref q, ref forcing, .. } = *self;
+        let of_x = match of_wave {
+            Some(work) => work,
+            None => self.linear_work([forcing.x[0], forcing.x[1]], x, fraction),
+        };
+        self.linear_work(forcing.moment, theta, fraction) - self.linear_work(forcing.z, q, fraction) - of_x
+    }
+
+    /// The work of a force linear in time on the motion with this series.
+    #[inline(always)]
+    fn linear_work(&self, [value, rate]: [T; 2], series: &Series<T>, fraction: T) -> T {
+        let zero = T::from(0.0);
+        if !T::Runs::less(zero, value.abs()).or(T::Runs::less(zero, rate.abs())).any() {
+            return zero;
+        }
+        let [way, moment] = way_and_moment(series, self.order.min(ORDER), fraction);
+        value * way + rate * moment
+    }
+
     /// Bounds of the motion over the swing.
     #[inline(always)]
     pub fn bounds(&self, block: &Pivoting<T>) -> Bounds<T> {
@@ -383,17 +405,8 @@ impl Swing {
     /// Work of the excitation per unit mass (m²/s²) over a fraction of the swing. It is the integral of `−a_x u̇ − a_z v̇ + m θ̇`.
     #[inline]
     pub fn work(&self, fraction: f64) -> f64 {
-        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
-        let linear = |[value, rate]: [f64; 2], series: &Series| {
-            if value == 0.0 && rate == 0.0 {
-                return 0.0;
-            }
-            let [way, moment] = way_and_moment(series, order, fraction);
-            value * way + rate * moment
-        };
-        let of_x =
-            if forcing.terms > 2 { self.work_of_wave(fraction) } else { linear([forcing.x[0], forcing.x[1]], x) };
-        linear(forcing.moment, theta) - linear(forcing.z, q) - of_x
+        let of_wave = if self.forcing.terms > 2 { Some(self.work_of_wave(fraction)) } else { None };
+        self.work_beside(of_wave, fraction)
     }
 
     /// `∫ a_x u̇ dt` over a fraction of the swing.
