@@ -96,6 +96,14 @@ macro_rules! each_candidate {
 }
 
 impl<T: Real> Peaks<T> {
+    /// The peaks of the channels, in their order; those of slip and restraints are zero.
+    #[inline(always)]
+    pub fn of_channels([theta, reaction, horizontal, uplift, friction_demand]: [T; 5]) -> Peaks<T> {
+        let zero = T::from(0.0);
+        let (pull, plastic) = ([zero; restraints::MAX], [zero; restraints::MAX]);
+        Peaks { theta, reaction, horizontal, uplift, friction_demand, slip: zero, pull, plastic }
+    }
+
     /// The peak of a channel.
     #[inline(always)]
     pub fn of(&self, channel: Channel) -> T {

@@ -349,7 +349,7 @@ impl<L: MotionMode> Task for StepTask<'_, L> {
         let state = Numbers(self.transposed(|lane| &lane.simulation.run.pose.state.0));
         let [input, dashpots, friction_demand, _] = self.transposed(|lane| &lane.transposed.sums);
         let [theta, reaction, horizontal, uplift] = self.transposed(|lane| &lane.transposed.peaks);
-        let mut peaks = Peaks { theta, reaction, horizontal, uplift, friction_demand, ..Peaks::default() };
+        let mut peaks = Peaks::of_channels([theta, reaction, horizontal, uplift, friction_demand]);
 
         let lifted = self.lifted();
         let [start, stop] = self.ends(&group, [time, end_time]);

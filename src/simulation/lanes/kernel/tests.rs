@@ -66,7 +66,7 @@ impl<L: MotionMode> Task for Look<'_, L> {
         let longest = each(&|case| case.lane.longest);
         let [theta, reaction, horizontal, uplift] = task.transposed(|lane| &lane.transposed.peaks);
         let [_, _, friction_demand, _] = task.transposed(|lane| &lane.transposed.sums);
-        let mut peaks = Peaks { theta, reaction, horizontal, uplift, friction_demand, ..Peaks::default() };
+        let mut peaks = Peaks::of_channels([theta, reaction, horizontal, uplift, friction_demand]);
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
         let may_fall = motion.may_fall(&here, &there, duration, &rounding);
