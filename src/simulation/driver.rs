@@ -129,7 +129,7 @@ impl Simulation {
     /// # Errors
     /// The event leaves no regime that lasts.
     #[cfg(feature = "lanes")]
-    pub fn settle_with_rates(
+    pub fn apply_pending_event_with_rates(
         &mut self,
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),

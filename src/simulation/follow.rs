@@ -90,7 +90,7 @@ impl Steps {
         Steps { stop, begins: true, budget: MAX_STEPS, kind: StepKind::Stayed }
     }
 
-    /// Takes the next step under these inputs; returns its kind and its final event. [`Simulation::settle_with_rates`] applies that event.
+    /// Takes the next step under these inputs; returns its kind and its final event. [`Simulation::apply_pending_event_with_rates`] applies that event.
     /// `None` if the run has reached the stop, or has ended.
     ///
     /// # Errors

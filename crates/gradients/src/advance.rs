@@ -57,7 +57,9 @@ pub fn advance_with_samples(
             first += inside.len();
             let Some(fall) = fall else { continue };
             let mut happened = None;
-            let Some(after) = simulation.settle_with_rates(inputs, &mut |event| happened = Some(*event))? else {
+            let Some(after) =
+                simulation.apply_pending_event_with_rates(inputs, &mut |event| happened = Some(*event))?
+            else {
                 continue;
             };
             for follower in followers.iter_mut() {

@@ -81,7 +81,7 @@ fn may_exceed<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -
     exceeds.or(turns.and(T::Runs::less(most, start.value + start.rate * meeting)))
 }
 
-/// Whether a function may exceed `most` and its values at both ends inside `duration`, by the bounds of [`may_exceed`], in each run.
+/// Whether a function may exceed `most` and its values at both ends inside `duration`, in each run, by tangents and control polygon.
 #[inline(always)]
 pub fn may_rise_inside<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -> T::Runs {
     may_exceed(scalar::greatest(most, scalar::greatest(start.value, end.value)), start, end, duration)
