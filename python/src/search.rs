@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
-use rocking_block::block::{self as engine, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::block::Foundation;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
@@ -96,17 +96,11 @@ pub fn search_damping<'py>(
         return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
     }
     finite("rate", rate, |_| true, "a finite number")?;
-    let (alpha, p) = (block.alpha, block.p);
-    let block_with = move |xi_v| {
-        let supports = Supports::Viscoelastic(Ratios { eta: block.eta(), xi_v });
-        engine::Block::from_dimensionless(&Dimensionless { alpha, p, supports }, &block.common())?
-            .with_ties(block.ties())
-    };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan([0.0, 1.0])?;
     let width = VectorWidth::widest();
     let found = searched(py, tick, pool, move |progress| {
-        search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)
+        search::damping_against_separation(&block, rate, settings, &scan, width, progress)
     })?
     .map_err(invalid)?;
     Ok(answer(&found, found.damping_against_separation()))

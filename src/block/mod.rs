@@ -19,6 +19,8 @@ pub mod restraints;
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::scalar::Elementary;
+use parameters::not_negative;
+
 pub use body::Body;
 pub use contact::{Contact, Contacts, Regime, StandingSlide};
 #[cfg(feature = "lanes")]
@@ -75,6 +77,21 @@ impl Block {
     /// Those of [`Block::new`].
     pub fn from_dimensionless(dimensionless: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
         Block::new(&dimensionless.with(common))
+    }
+
+    /// The block on supports with another damping ratio ξ_v (1). A rigid base stays as it is.
+    ///
+    /// # Errors
+    /// An invalid ratio, with the valid ones.
+    pub fn with_damping_ratio(mut self, xi_v: f64) -> Result<Block, BlockError> {
+        not_negative("xi_v", xi_v)?;
+        if self.foundation == Foundation::Rigid {
+            return Ok(self);
+        }
+        self.damping = xi_v * self.mass * self.omega_v;
+        let creep_rate = Springs { stiffness: self.stiffness, damping: self.damping }.creep_rate();
+        self.body = Body { xi_v, creep_rate, ..self.body };
+        self.checked()
     }
 
     /// Refuses derived quantities that overflow or vanish although each parameter is valid.

@@ -79,6 +79,20 @@ fn parameters_satisfy_the_relations_of_the_paper() {
     assert_eq!(undamped.creep_rate, f64::INFINITY);
 }
 
+/// Another damping ratio gives the block that has it from the beginning.
+#[test]
+fn the_damping_ratio_changes_alone() {
+    let paper = Block::from_dimensionless(&PAPER, &common()).unwrap();
+    for xi_v in [0.0, 0.3] {
+        let expected = Block::from_dimensionless(&on(35.0, xi_v), &common()).unwrap();
+        assert_eq!(paper.with_damping_ratio(xi_v), Ok(expected));
+    }
+    let rigid = Block::from_dimensionless(&rigid(1.0), &common()).unwrap();
+    assert_eq!(rigid.with_damping_ratio(0.3), Ok(rigid));
+    refused("xi_v", -0.1, paper.with_damping_ratio(-0.1));
+    refused("xi_v", f64::NAN, paper.with_damping_ratio(f64::NAN));
+}
+
 /// Only the rigid base uses the restitution factor.
 #[test]
 fn the_restitution_factor_is_that_of_the_rigid_base() {

@@ -36,13 +36,17 @@ pub struct LeastDamping {
 /// An invalid block at an end of the range.
 pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
-    let block = |xi_v| block(alpha, P, Base::viscoelastic(eta, xi_v, epsilon));
-    // Parameters that are valid at both ends of the range are valid between.
-    block(scan.from).and(block(scan.to))?;
+    let block = block(alpha, P, Base::viscoelastic(eta, scan.from, epsilon))?;
+    block.with_damping_ratio(scan.to)?;
     let run = |&(_, xi_v): &(usize, f64)| Run {
         initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
         output_step: 0.01,
-        ..run(block(xi_v).unwrap_or_else(|error| unreachable!("{error}")), Pulse::NONE, Ground::default())
+        // Ratios that are valid at both ends of the range are valid between.
+        ..run(
+            block.with_damping_ratio(xi_v).unwrap_or_else(|error| unreachable!("{error}")),
+            Pulse::NONE,
+            Ground::default(),
+        )
     };
     let outcomes = |values: &[(usize, f64)]| outcomes(VectorWidth::widest(), values.iter().map(run), || ());
     let found = search::changes(&scan, 1, |values| outcomes(values).iter().map(|outcome| outcome.end).collect());

@@ -132,17 +132,13 @@ impl Damping {
         let BlockSpec { width, eta, .. } = self.block;
         let has_eta = width.is_none() || eta.is_some();
         anyhow::ensure!(has_eta, "--width without --eta; expected the stiffness ratio of the supports");
-        block(&self.block)?;
-        let block_with = |xi_v| BlockSpec { xi_v: Some(xi_v), ..self.block.clone() }.block();
+        let block = block(&self.block)?;
         let (settings, width) = (self.search.settings()?, self.search.processor.width());
         self.search.search(
             "xi_v",
             "",
             &scan,
-            |progress| {
-                search::damping_against_separation(&block_with, rate, settings, &scan, width, progress)
-                    .map_err(in_options)
-            },
+            |progress| Ok(search::damping_against_separation(&block, rate, settings, &scan, width, progress)?),
             OutcomeMap::damping_against_separation,
             |found, threshold, shown| {
                 let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);

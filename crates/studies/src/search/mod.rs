@@ -16,7 +16,7 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{OutcomeBoundary, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, Corner, Foundation};
+use rocking_block::block::{Block, BlockError, Corner, Foundation};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
@@ -55,23 +55,23 @@ fn changes_of_end(
 
 /// Scans the damping ratio ξ_v of a block thrown from its supports. It starts with θ̇(0) = `rate` α p.
 ///
-/// The block of each ξ_v, from `block_with`, vibrates freely until it has come down.
+/// It vibrates freely until it has come down.
 /// [`OutcomeMap::damping_against_separation`] gives the damping needed against separation.
 ///
 /// # Errors
 /// An invalid block at an end of the range.
-pub fn damping_against_separation<E: std::fmt::Display>(
-    block_with: &(dyn Fn(f64) -> Result<Block, E> + Sync),
+pub fn damping_against_separation(
+    block: &Block,
     rate: f64,
     settings: Settings,
     scan: &Scan,
     width: Option<VectorWidth>,
     progress: SearchProgress,
-) -> Result<OutcomeMap<End>, E> {
-    block_with(scan.from).and(block_with(scan.to))?;
+) -> Result<OutcomeMap<End>, BlockError> {
+    block.with_damping_ratio(scan.from).and(block.with_damping_ratio(scan.to))?;
     let run = |xi_v| {
         // A block that is valid at both ends of the range is valid between them.
-        let block = block_with(xi_v).unwrap_or_else(|error| unreachable!("{error}"));
+        let block = block.with_damping_ratio(xi_v).unwrap_or_else(|error| unreachable!("{error}"));
         let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
         Run { initial, ..Run::at_rest(block, settings) }
     };

@@ -31,7 +31,8 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 #[test]
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&with, 0.95, Settings::default(), &scan, WIDTH, &|_, _| ()).unwrap();
+    let found =
+        damping_against_separation(&with(0.1).unwrap(), 0.95, Settings::default(), &scan, WIDTH, &|_, _| ()).unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
         assert!(change.above - change.below <= scan.resolution && change.below < change.above);
@@ -89,7 +90,8 @@ fn the_program_prints_the_result_of_the_library() {
     let two = stdout(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&with, 0.95, Settings::default(), &scan, WIDTH, &|_, _| ()).unwrap();
+    let found =
+        damping_against_separation(&with(0.1).unwrap(), 0.95, Settings::default(), &scan, WIDTH, &|_, _| ()).unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     // Four decimals, as fine as the resolution.
     assert!(one.contains(&format!("no separation from xi_v = {needed:.4} to 0.4\n")), "{one}");
@@ -166,7 +168,7 @@ fn progress_ends_with_all_runs_done() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
     let progressed = std::sync::Mutex::new(Vec::new());
     let progress = |done, runs| progressed.lock().unwrap().push((done, runs));
-    damping_against_separation(&with, 0.95, Settings::default(), &scan, WIDTH, &progress).unwrap();
+    damping_against_separation(&with(0.1).unwrap(), 0.95, Settings::default(), &scan, WIDTH, &progress).unwrap();
     let mut progressed = progressed.into_inner().unwrap();
     progressed.sort_unstable();
     assert!(progressed.iter().map(|run| run.0).eq(1..=progressed.len() as u64));
