@@ -102,10 +102,7 @@ impl FitOptions {
             }
         };
         match conditions.iter().zip(kept).find(|(_, kept)| *kept == 0) {
-            Some(((column, value), _)) => {
-                let [column, value] = [column, value].map(|text| (*text).into());
-                Err(SweepTableError::NoRow { file: name, column, value }.into())
-            }
+            Some(((column, value), _)) => Err(SweepTableError::no_row(&name, column, value).into()),
             None => Ok(name),
         }
     }

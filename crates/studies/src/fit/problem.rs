@@ -113,9 +113,9 @@ pub struct Problem {
 /// The reason why a fit is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// A free parameter that is unknown, or whose bounds or prior are not valid.
+    /// An option or a free parameter that is not valid.
     #[error("{0}")]
-    Free(String),
+    Invalid(String),
     /// A test that is not valid.
     #[error("test_{number}: {message}")]
     Test {
@@ -124,9 +124,6 @@ pub enum FitError {
         /// The fault and the expected content.
         message: String,
     },
-    /// An option that is not valid.
-    #[error("{0}")]
-    Options(String),
     /// A block that is not valid.
     #[error(transparent)]
     Block(BlockError),
@@ -186,9 +183,9 @@ impl Problem {
         let Options { starts, level, tolerance, .. } = self.options;
         let starts = Some(f64::from(starts));
         let numbers = [("starts", starts), ("level", Some(level)), ("tolerance", Some(tolerance))];
-        limits::check::<FitTable>(&numbers).map_err(|error| FitError::Options(error.spelled(str::to_owned)))?;
+        limits::check::<FitTable>(&numbers).map_err(|error| FitError::Invalid(error.spelled(str::to_owned)))?;
         if self.tests.is_empty() {
-            return Err(FitError::Options("there is no test; expected one at least".into()));
+            return Err(FitError::Invalid("there is no test; expected one at least".into()));
         }
         for (number, test) in (1..).zip(&self.tests) {
             self.check_test(test)?.map_err(|message| FitError::Test { number, message })?;
@@ -208,7 +205,7 @@ impl Problem {
             let all = self.free.iter().chain(self.tests.iter().flat_map(|test| &test.free));
             if let Some(free) = all.into_iter().find(|free| free.prior.is_some()) {
                 let name = &free.name;
-                return Err(FitError::Free(format!(
+                return Err(FitError::Invalid(format!(
                     "prior of {name} without noise; expected both, since one weighs the other"
                 )));
             }

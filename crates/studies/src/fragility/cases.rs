@@ -103,7 +103,10 @@ impl SweepTable {
     ) -> Result<Cases, SweepTableError> {
         let mut headings = self.table().columns().iter().map(|column| &column.heading);
         if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
-            return Err(SweepTableError::Search { file: self.file().into(), column: heading.to_string() });
+            return Err(self.refused(format!(
+                "found the least levels of searches, {heading}; expected an outcome at one level in each row, as from a sweep with \
+                 scales or levels"
+            )));
         }
         let ends = self.ends()?;
         let known = |name: &str| self.column(name).ok();

@@ -66,7 +66,7 @@ pub use bootstrap::{Bootstrap, bootstrap};
 pub use cases::{Case, Cases, Motions};
 pub use clusters::Independence;
 pub use data::Data;
-pub use export::{Component, ExportError, LossProgram, openquake, pelicun};
+pub use export::{Component, LossProgram, openquake, pelicun};
 pub use goodness::{Goodness, Group};
 pub use ida::{Ida, IdaCurve, Response};
 pub use likelihood::Link;

@@ -53,7 +53,7 @@ impl<'a> LikelihoodProfile<'a> {
     /// `confidence` is above 0 and below 1; `records` has the record of each observation.
     ///
     /// # Errors
-    /// [`CurveFitError::Measures`] for a surface.
+    /// Data of a surface.
     pub fn new(
         data: &'a Data,
         fit: &'a CurveFit,
@@ -76,7 +76,8 @@ impl<'a> LikelihoodProfile<'a> {
         covariance: Option<DMatrix<f64>>,
     ) -> Result<LikelihoodProfile<'a>, CurveFitError> {
         if data.measures() != 1 {
-            return Err(CurveFitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
+            let found = data.measures();
+            return Err(CurveFitError(format!("found {found} measures in row 0; expected 1 for a curve")));
         }
         let observations = together(data.observations());
         let x = observations.iter().map(|row| libm::log(row.measures[0])).collect();

@@ -27,7 +27,7 @@ impl Data {
     /// Fits the curve or surface of maximum likelihood by Newton's method; the maximum is unique.
     ///
     /// # Errors
-    /// [`CurveFitError::NotConverged`] for data that are nearly separable.
+    /// Data that are nearly separable.
     pub fn fit(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         let observations = self.observations();
         let total: f64 = observations.iter().map(|row| row.weight).sum();
@@ -288,5 +288,7 @@ pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>
         }
         length = fraction * step.norm();
     }
-    Err(CurveFitError::NotConverged { iterations: MAX_ITERATIONS, step: length })
+    Err(CurveFitError(format!(
+        "found no maximum of the likelihood in {MAX_ITERATIONS} iterations; the last step was {length:e}"
+    )))
 }

@@ -287,7 +287,10 @@ pub(super) fn total<T: Copy + Default + std::ops::Add<Output = T>>(parts: &[T]) 
 }
 
 fn refused(error: io::Error) -> CurveFitError {
-    CurveFitError::Temporary { folder: std::env::temp_dir().display().to_string(), reason: error.to_string() }
+    CurveFitError(format!(
+        "cannot keep rows in a temporary file in {}: {error}; expected 64 bytes of room for each row; TMPDIR names another folder",
+        std::env::temp_dir().display()
+    ))
 }
 
 #[cfg(test)]

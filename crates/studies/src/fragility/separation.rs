@@ -17,14 +17,14 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     let (others, exceeded) = (|y: f64| y < 1.0, |y: f64| y > 0.0);
     for (is, other) in [(others as fn(f64) -> bool, true), (exceeded, false)] {
         if class(is).next().is_none() {
-            return Err(CurveFitError::OneClass { exceeded: other, rows });
+            return Err(CurveFitError::one_class(other, rows));
         }
     }
     let count = observations[0].measures.len();
     for measure in 0..count {
         let value = observations[0].measures[measure];
         if observations.iter().all(|row| row.measures[measure] == value) {
-            return Err(CurveFitError::Alike { value, rows });
+            return Err(CurveFitError::alike(value, rows));
         }
     }
     if count == 1 {
@@ -35,7 +35,7 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
                 let at = || observations.iter().filter(|row| row.measures[0] == below);
                 let has_more = || observations.iter().any(|row| row.measures[0] > below);
                 let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
-                Err(CurveFitError::Separable { below, above, falls, shared })
+                Err(CurveFitError::separable(below, above, falls, shared))
             }
             None => Ok(()),
         };
@@ -43,11 +43,10 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     let mut hulls = Hulls::default();
     hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction)));
     if hulls.is_line() {
-        return Err(CurveFitError::Collinear { rows });
+        return Err(CurveFitError::collinear(rows));
     }
     if hulls.are_separable() {
-        let (exceeded, others) = (class(exceeded).count(), class(others).count());
-        return Err(CurveFitError::SeparablePlane { exceeded, others });
+        return Err(CurveFitError::separable_plane(class(exceeded).count(), class(others).count()));
     }
     Ok(())
 }

@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
     /// Begins at θ = 0 under the weight and the restraints' pull, in this direction.
     ///
     /// # Errors
-    /// [`PushoverError::NoEquilibrium`].
+    /// The vertical forces do not balance.
     pub fn new(
         block: &Block,
         direction: f64,
@@ -72,7 +72,7 @@ impl<'a> Walk<'a> {
         let at = stretch.equilibrium(&block, 0.0, direction, 0.0)?;
         if regime == Regime::Separated || at.reaction.iter().any(|&load| load < -ROUNDING * block.mass * block.gravity)
         {
-            return Err(PushoverError::NoEquilibrium { theta: 0.0 });
+            return Err(PushoverError::no_equilibrium(0.0));
         }
         let lost = [0.0; restraints::MAX];
         let mut walk = Walk { block, stretch, direction, at, lost, ends_at_balance, grew: true, rows, landmarks };
@@ -127,7 +127,7 @@ impl<'a> Walk<'a> {
     /// Returns whether it gets there: not beyond the balance, nor where the block slides or leaves the ground.
     ///
     /// # Errors
-    /// [`PushoverError::NoEquilibrium`] on the way.
+    /// The vertical forces do not balance on the way.
     pub fn to(&mut self, target: f64, step: f64) -> Result<bool, PushoverError> {
         let direction = if target >= self.at.theta { 1.0 } else { -1.0 };
         if direction != self.direction {
@@ -147,7 +147,7 @@ impl<'a> Walk<'a> {
             };
             events_here = if next == from { events_here + 1 } else { 0 };
             if events_here > MAX_EVENTS {
-                return Err(PushoverError::NoEquilibrium { theta: from });
+                return Err(PushoverError::no_equilibrium(from));
             }
             if next != from {
                 self.commit(next)?;

@@ -1,53 +1,9 @@
 //! A fragility curve and a power law → the rate from a range of the measure.
 
 use crate::fragility::{CurveFit, Link};
+use crate::mismatch::Mismatch;
 use crate::risk::hazard::PowerLaw;
 use crate::statistics::normal;
-
-/// The reason why a fragility curve cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CurveError {
-    /// The median is not a positive number.
-    #[error("found the median {found}; expected a number above 0")]
-    Median {
-        /// The median.
-        found: f64,
-    },
-    /// The dispersion is negative or not a number.
-    #[error(
-        "found the dispersion {found}; expected a number of at least 0, for a probability that grows with the measure"
-    )]
-    Dispersion {
-        /// The dispersion.
-        found: f64,
-    },
-    /// A level of a table does not follow the one before.
-    #[error("found {found} as level {number}; expected levels above 0 that increase")]
-    Level {
-        /// The level.
-        found: f64,
-        /// Its number, from 1.
-        number: usize,
-    },
-    /// A probability of a table is outside 0 to 1.
-    #[error("found the probability {found} at the level {level}; expected 0 to 1")]
-    Probability {
-        /// The probability.
-        found: f64,
-        /// Its level.
-        level: f64,
-    },
-    /// A table is too short.
-    #[error(
-        "found {levels} levels and {probabilities} probabilities; expected two or more, a probability for each level"
-    )]
-    Length {
-        /// Number of levels.
-        levels: usize,
-        /// Number of probabilities.
-        probabilities: usize,
-    },
-}
 
 /// The probability that a limit is exceeded, as a function of the intensity measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,12 +36,13 @@ impl FragilityCurve {
     ///
     /// # Errors
     /// A median not above zero, or a negative dispersion.
-    pub fn lognormal(median: f64, beta: f64) -> Result<FragilityCurve, CurveError> {
+    pub fn lognormal(median: f64, beta: f64) -> Result<FragilityCurve, Mismatch> {
         if !(median > 0.0 && median.is_finite()) {
-            return Err(CurveError::Median { found: median });
+            return Err(Mismatch::new(format!("the median {median}"), "a number above 0"));
         }
         if !(beta >= 0.0 && beta.is_finite()) {
-            return Err(CurveError::Dispersion { found: beta });
+            let expected = "a number of at least 0, for a probability that grows with the measure";
+            return Err(Mismatch::new(format!("the dispersion {beta}"), expected));
         }
         Ok(FragilityCurve::Lognormal { median, beta })
     }
@@ -94,7 +51,7 @@ impl FragilityCurve {
     ///
     /// # Errors
     /// A probability that falls with the measure.
-    pub fn of(fit: &CurveFit) -> Result<FragilityCurve, CurveError> {
+    pub fn of(fit: &CurveFit) -> Result<FragilityCurve, Mismatch> {
         let curve = FragilityCurve::lognormal(fit.median(), fit.dispersion())?;
         Ok(match (fit.link, curve) {
             (Link::Logit, FragilityCurve::Lognormal { median, beta }) => FragilityCurve::Logistic { median, beta },
@@ -106,16 +63,17 @@ impl FragilityCurve {
     ///
     /// # Errors
     /// Fewer than two levels, levels that do not increase, or a probability outside 0 to 1.
-    pub fn tabulated(levels: &[f64], probabilities: &[f64]) -> Result<FragilityCurve, CurveError> {
+    pub fn tabulated(levels: &[f64], probabilities: &[f64]) -> Result<FragilityCurve, Mismatch> {
         if levels.len() < 2 || levels.len() != probabilities.len() {
-            return Err(CurveError::Length { levels: levels.len(), probabilities: probabilities.len() });
+            let found = format!("{} levels and {} probabilities", levels.len(), probabilities.len());
+            return Err(Mismatch::new(found, "two or more, a probability for each level"));
         }
-        for (i, (&level, &found)) in levels.iter().zip(probabilities).enumerate() {
+        for (i, (&level, probability)) in levels.iter().zip(probabilities).enumerate() {
             if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
-                return Err(CurveError::Level { found: level, number: i + 1 });
+                return Err(Mismatch::new(format!("{level} as level {}", i + 1), "levels above 0 that increase"));
             }
-            if !(0.0..=1.0).contains(&found) {
-                return Err(CurveError::Probability { found, level });
+            if !(0.0..=1.0).contains(probability) {
+                return Err(Mismatch::new(format!("the probability {probability} at the level {level}"), "0 to 1"));
             }
         }
         Ok(FragilityCurve::Tabulated { levels: levels.to_vec(), probabilities: probabilities.to_vec() })

@@ -12,7 +12,7 @@ use crate::fragility::data::Data;
 use crate::fragility::goodness::{Fitted, Group, Grouping};
 use crate::fragility::likelihood::Link;
 use crate::fragility::nodes::{MAX_GROWTH, Node, Reducer, observations, reduced};
-use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
 use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
@@ -42,13 +42,7 @@ impl ManyRowsBuilder {
     /// # Errors
     /// Rows that cannot be kept on disk.
     pub fn push(&mut self, case: &Case, measures: [f64; 2]) -> Result<(), CurveFitError> {
-        let row = self.count;
-        if let Some(&found) = measures.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
-            return Err(CurveFitError::Measure { row, found });
-        }
-        if !(0.0..=1.0).contains(&case.fraction) {
-            return Err(CurveFitError::Outcome { row, fraction: case.fraction, weight: 1.0 });
-        }
+        check_row(self.count, &measures, case.fraction, 1.0)?;
         self.count += 1;
         self.ends.iter_mut().zip(measures).for_each(|(ends, measure)| ends.take(measure, case.fraction));
         match case.motion {
@@ -136,10 +130,10 @@ impl ManyRows {
     fn check_classes(&self, measures: usize) -> Result<(), CurveFitError> {
         let rows = self.count;
         if let Some(exceeded) = self.ends[0].only_class() {
-            return Err(CurveFitError::OneClass { exceeded, rows });
+            return Err(CurveFitError::one_class(exceeded, rows));
         }
         let alike = self.ends.iter().take(measures).map(Ends::range).find(|[low, high]| low == high);
-        alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::Alike { value, rows }))
+        alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))
     }
 
     /// Fits a curve over the first measure. Returns its data in few observations, with the width of their cells.
@@ -157,7 +151,7 @@ impl ManyRows {
                 has_more |= measure > below;
             })?;
             let shared = (below == above).then_some((exceeded, rows, has_more));
-            return Err(CurveFitError::Separable { below, above, falls, shared });
+            return Err(CurveFitError::separable(below, above, falls, shared));
         }
         // Over the range of both classes, the predictor grows by less than 30 with this many rows.
         let [low, high] = self.range();
@@ -284,13 +278,13 @@ impl ManyRows {
     /// order of the table; this one does in that of their measures.
     ///
     /// # Errors
-    /// [`CurveFitError::OneMotion`] for fewer than two groups, and those of temporary files.
+    /// Fewer than two groups, and those of temporary files.
     pub fn bootstrap(&self, link: Link, samples: u32, seed: u64, width: f64) -> Result<Bootstrap, CurveFitError> {
         let is_clustered = self.independence() != Independence::Rows;
         let nodes = if is_clustered && self.own == 0 { self.nodes_by_motion(width)? } else { None };
         let groups = if is_clustered { self.motions.len() + self.own } else { self.count };
         if groups < 2 {
-            return Err(CurveFitError::OneMotion { found: groups });
+            return Err(CurveFitError::one_motion(groups));
         }
         let mut places = vec![None; self.motions.iter().max().map_or(0, |last| *last as usize + 1)];
         let shared = if is_clustered { &self.motions[..] } else { &[] };
@@ -353,13 +347,13 @@ impl ManyRows {
         let mut hulls = Hulls::default();
         self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction))))?;
         if hulls.is_line() {
-            return Err(CurveFitError::Collinear { rows: self.count });
+            return Err(CurveFitError::collinear(self.count));
         }
         let exceeded =
             |is: fn(f64) -> bool| self.sorted.sum(|row| if is(row.fraction) { f64::from(row.count) } else { 0.0 });
         if hulls.are_separable() {
             let [exceeded, others] = [exceeded(|y| y > 0.0)?, exceeded(|y| y < 1.0)?].map(|count| count as usize);
-            return Err(CurveFitError::SeparablePlane { exceeded, others });
+            return Err(CurveFitError::separable_plane(exceeded, others));
         }
         let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction)?;
         fit_of(&SurfaceRows(&self.sorted), link, self.count as f64, sum / self.count as f64)
