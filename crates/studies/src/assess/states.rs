@@ -2,7 +2,7 @@
 
 use crate::assess::plan::State;
 use crate::assess::results::{Counts, CurveResult, RateResult, StateResult, ends};
-use crate::fragility::{Assessment, Case, Cases, Limit, Link, SweepTable, SweepTableError, Uncertainty};
+use crate::fragility::{Assessment, Case, Limit, Link, SweepTable, SweepTableError, Uncertainty};
 use crate::intensity::Measure;
 use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in};
 use crate::statistics::range;
@@ -35,7 +35,7 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let Cases { cases, .. } = table.cases(limit)?;
+        let (cases, _) = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
         let range = range(values.iter().flatten().copied()).unwrap_or([f64::NAN; 2]);

@@ -189,7 +189,7 @@ fn sliding_result(
     table: &SweepTable,
 ) -> Result<SlidingResult, AssessError> {
     let limit = plan.states[compared].limit;
-    let cases = table.cases(limit)?.cases;
+    let (cases, _) = table.cases(limit)?;
     let exceeded = cases.iter().filter(|case| case.fraction == 1.0).count();
     let runs = Counts { known: cases.len(), exceeded, left_out: table.rows() - cases.len() };
     let mut slips: Vec<f64> = table.numbers("peak.slip")?.into_iter().flatten().collect();

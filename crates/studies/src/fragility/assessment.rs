@@ -106,7 +106,7 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
-        let without = store.without();
+        let without = store.without;
         let found = match store.rows(motions)? {
             StoredRows::Few(rows, records) => Found::of_list(&rows, &records, link, uncertainty)?,
             StoredRows::Many(rows) => Found::of_many(&rows, link, uncertainty)?,

@@ -193,7 +193,7 @@ impl FragilityCommand {
             name,
             blocks: blocks.to_string(),
             headings: headings.unwrap_or_default(),
-            limit: found.limit().unwrap_or(Limit::Overturned),
+            limit: found.limit.unwrap_or(Limit::Overturned),
             counts: found.counts,
             motions: found.motions,
             stores: found.stores.into_iter(),

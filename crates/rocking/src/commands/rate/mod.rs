@@ -247,7 +247,7 @@ impl FragilityOptions {
             }
             Ok(found.take(batch, is_part)?)
         })?;
-        let limit = found.limit().unwrap_or(Limit::Overturned);
+        let limit = found.limit.unwrap_or(Limit::Overturned);
         let Collected { stores, motions, .. } = found;
         let store = stores.into_iter().next().unwrap_or_default();
         let at = || format!("{name}: {im}");

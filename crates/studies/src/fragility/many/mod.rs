@@ -16,7 +16,7 @@ use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
 use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
-use crate::fragility::separation::{Ends, Hulls};
+use crate::fragility::separation::{Ends, Hulls, check_classes};
 
 /// Rows of a picture.
 const MAX_MARKS: usize = 10_000;
@@ -99,11 +99,6 @@ impl ManyRows {
         Independence::of_counts(self.motions.len() + self.own, self.count)
     }
 
-    /// Least and greatest value of the first measure.
-    pub fn range(&self) -> [f64; 2] {
-        self.ends[0].range()
-    }
-
     /// Passes all rows on: the first measure, the fraction, the weight and the motion.
     fn each(&self, each: &mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError> {
         self.sorted.batches(&mut |rows| {
@@ -126,22 +121,12 @@ impl ManyRows {
         Ok(levels)
     }
 
-    /// Checks that both classes occur, and that the first measures vary.
-    fn check_classes(&self, measures: usize) -> Result<(), CurveFitError> {
-        let rows = self.count;
-        if let Some(exceeded) = self.ends[0].only_class() {
-            return Err(CurveFitError::one_class(exceeded, rows));
-        }
-        let alike = self.ends.iter().take(measures).map(Ends::range).find(|[low, high]| low == high);
-        alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))
-    }
-
     /// Fits a curve over the first measure. Returns its data in few observations, with the width of their cells.
     ///
     /// # Errors
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
     pub fn curve(&self, link: Link) -> Result<(Data, CurveFit, f64), CurveFitError> {
-        self.check_classes(1)?;
+        check_classes(&self.ends[..1], self.count)?;
         if let Some((below, above, falls)) = self.ends[0].separating() {
             let (mut exceeded, mut rows, mut has_more) = (0.0, 0, false);
             self.each(&mut |measure, fraction, weight, _| {
@@ -154,7 +139,7 @@ impl ManyRows {
             return Err(CurveFitError::separable(below, above, falls, shared));
         }
         // Over the range of both classes, the predictor grows by less than 30 with this many rows.
-        let [low, high] = self.range();
+        let [low, high] = self.ends[0].range();
         let overlap = Some(self.ends[0].overlap()).filter(|overlap| *overlap > 0.0);
         let mut width = overlap.unwrap_or_else(|| libm::log(high / low)) / 30.0;
         loop {
@@ -343,7 +328,7 @@ impl ManyRows {
     /// # Errors
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
     pub fn surface(&self, link: Link) -> Result<CurveFit, CurveFitError> {
-        self.check_classes(2)?;
+        check_classes(&self.ends, self.count)?;
         let mut hulls = Hulls::default();
         self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction))))?;
         if hulls.is_line() {
