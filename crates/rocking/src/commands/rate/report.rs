@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use crate::commands::rate::Fragility;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::rate::per_year;
-use rocking_studies::fragility::{CurveFit, Interval, split_heading};
+use rocking_studies::fragility::{Interval, split_heading};
 use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
@@ -15,45 +16,15 @@ pub struct RateReport<'a> {
     /// The file of the hazard curve.
     pub file: String,
     /// Heading of the measure.
-    pub im: String,
+    pub im: &'a str,
     /// The fragility curve.
-    pub fragility: CurveReport,
+    pub fragility: &'a Fragility,
     /// The rate.
     pub found: &'a AnnualRate,
     /// The ends of its interval at a confidence level.
     pub ends: Option<(f64, Interval)>,
     /// Numbers of years for the probability of an exceedance.
     pub years: &'a [f64],
-    /// The range of the rows of a table.
-    pub rows: Option<[f64; 2]>,
-}
-
-/// The fragility curve of a report, in words and in numbers.
-pub struct CurveReport {
-    text: String,
-    json: Object,
-}
-
-impl CurveReport {
-    /// Describes a curve of options.
-    pub fn lognormal(median: f64, beta: f64) -> CurveReport {
-        let json = Object::default().with("curve", "lognormal").with("median", median).with("beta", beta);
-        CurveReport { text: format!("lognormal, median {median:.4}, beta {beta:.4}"), json }
-    }
-
-    /// Describes a curve fitted to a table.
-    pub fn fitted(table: &str, limit: &str, fit: &CurveFit, intervals: &str) -> CurveReport {
-        let (link, median, beta) = (fit.link, fit.median(), fit.dispersion());
-        let json = Object::from([("curve", link.to_string().as_str()), ("table", table), ("limit", limit)]);
-        let json = json.with("median", median).with("beta", beta).with("intervals", intervals);
-        CurveReport { text: format!("{link}, median {median:.4}, beta {beta:.4}; {limit} in {table}"), json }
-    }
-
-    /// Describes the fractions of a table.
-    pub fn empirical(table: &str, limit: &str, levels: usize) -> CurveReport {
-        let json = Object::from([("curve", "empirical"), ("table", table), ("limit", limit)]).with("levels", levels);
-        CurveReport { text: format!("empirical, fractions at {levels} levels; {limit} in {table}"), json }
-    }
 }
 
 impl RateReport<'_> {
@@ -77,7 +48,7 @@ impl RateReport<'_> {
     fn extrapolated(&self) -> ([f64; 2], Option<[f64; 2]>) {
         let AnnualRate { rate, below_hazard, above_hazard, .. } = *self.found;
         let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
-        let of_rows = self.rows.map(|[least, greatest]| {
+        let of_rows = self.fragility.rows.map(|[least, greatest]| {
             [self.found.between(0.0, least), self.found.between(greatest, f64::INFINITY)].map(fraction)
         });
         ([below_hazard, above_hazard].map(fraction), of_rows)
@@ -86,7 +57,7 @@ impl RateReport<'_> {
     /// Returns a warning for each curve with a notable extrapolated part of the rate.
     pub fn warnings(&self) -> Vec<String> {
         let ([below, above], of_rows) = self.extrapolated();
-        let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.rows.unwrap_or_default());
+        let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.fragility.rows.unwrap_or_default());
         let [below_rows, above_rows] = of_rows.unwrap_or_default();
         let parts = [
             (below, format!("below {least:.4}, the least level of the hazard curve")),
@@ -112,7 +83,7 @@ impl RateReport<'_> {
         let mut summary = Summary::default();
         summary.item(
             "hazard",
-            Object::from([("file", file), ("im", im)])
+            Object::from([("file", file.as_str()), ("im", im)])
                 .with("levels", levels)
                 .with("range", [least, greatest])
                 .with("remarks", &found.hazard().remarks),
@@ -197,7 +168,7 @@ impl RateReport<'_> {
 
     /// Writes the deaggregation as CSV, in full precision.
     pub fn table(&self) -> String {
-        let unit = split_heading(&self.im).1.unwrap_or("1");
+        let unit = split_heading(self.im).1.unwrap_or("1");
         let mut table = format!(
             "# rocking-block {} rate\n# {}\n",
             env!("CARGO_PKG_VERSION"),
