@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::assess::plan::Input;
-use crate::fragility::Interval;
+use crate::fragility::{Interval, RowCounts};
 use rocking_block::block::Ratios;
 
 /// The report on an object.
@@ -197,6 +197,13 @@ pub struct Counts {
     pub exceeded: usize,
     /// Runs that failed, separated before the limit, or are undecided.
     pub left_out: usize,
+}
+
+impl From<RowCounts> for Counts {
+    /// The counts of single runs.
+    fn from(rows: RowCounts) -> Counts {
+        Counts { known: rows.decided, exceeded: rows.exceeded as usize, left_out: rows.all - rows.decided }
+    }
 }
 
 impl Counts {

@@ -35,21 +35,16 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let (cases, _) = table.cases(limit)?;
+        let (cases, counts) = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
         let range = range(values.iter().flatten().copied()).unwrap_or([f64::NAN; 2]);
-        let counts = Counts {
-            known: cases.len(),
-            exceeded: cases.iter().filter(|case| case.fraction == 1.0).count(),
-            left_out: table.rows() - cases.len(),
-        };
         let fitted = Assessment::new(&cases, &values, Link::Probit, CONFIDENCE, Uncertainty::Profile);
         let assessment = fitted.map_err(|error| error.to_string());
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
         let rate_bounds = hazard.map_or([None; 2], |hazard| rate_bounds(hazard, &cases, &numbers));
-        Ok(StateCurve { counts, assessment, rate, rate_bounds, range })
+        Ok(StateCurve { counts: counts.into(), assessment, rate, rate_bounds, range })
     }
 
     /// The numbers of the curve.

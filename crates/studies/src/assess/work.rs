@@ -5,7 +5,7 @@ use rayon::ThreadPool;
 use crate::assess::alternatives::{Alternative, Assumption};
 use crate::assess::describe::{building, hazard_result, motions, object, static_threshold, strengths};
 use crate::assess::plan::{Hazard, Plan};
-use crate::assess::results::{Comparison, Counts, Report, Sensitivity, SlidingResult};
+use crate::assess::results::{Comparison, Report, Sensitivity, SlidingResult};
 use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Kept, Step, Work};
@@ -188,10 +188,7 @@ fn sliding_result(
     friction: f64,
     table: &SweepTable,
 ) -> Result<SlidingResult, AssessError> {
-    let limit = plan.states[compared].limit;
-    let (cases, _) = table.cases(limit)?;
-    let exceeded = cases.iter().filter(|case| case.fraction == 1.0).count();
-    let runs = Counts { known: cases.len(), exceeded, left_out: table.rows() - cases.len() };
+    let (_, counts) = table.cases(plan.states[compared].limit)?;
     let mut slips: Vec<f64> = table.numbers("peak.slip")?.into_iter().flatten().collect();
     slips.sort_by(f64::total_cmp);
     let median = |sorted: &[f64]| match sorted {
@@ -200,7 +197,7 @@ fn sliding_result(
     };
     Ok(SlidingResult {
         friction,
-        runs,
+        runs: counts.into(),
         slid: slips.iter().filter(|slip| **slip > SLID).count(),
         median_slip: median(&slips),
         greatest_slip: slips.last().copied().unwrap_or(0.0),

@@ -192,11 +192,11 @@ impl Cycle {
             if !walk.to(turn * sign * amplitude, step)? {
                 return Err(PushoverError(format!(
                     "cycles of {amplitude} rad end at theta = {} rad, where the block {}; expected a smaller amplitude",
-                    walk.at().theta,
+                    walk.at.theta,
                     walk.reason()
                 )));
             }
-            ends.push(walk.row_count());
+            ends.push(walk.rows.len());
         }
         let after = walk.lost;
         let lost = std::array::from_fn(|number| after[number] - lost_before[number]);

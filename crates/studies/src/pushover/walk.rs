@@ -32,14 +32,16 @@ pub(super) struct Walk<'a> {
     block: Block,
     stretch: Stretch,
     direction: f64,
-    at: Equilibrium,
+    /// The present equilibrium.
+    pub at: Equilibrium,
     /// Energy lost by yielding (J), by the numbers of the restraints.
     pub lost: [f64; restraints::MAX],
     /// Whether a path away from the upright position ends at the balance.
     ends_at_balance: bool,
     /// Whether the lateral force grew at the end of the last step.
     grew: bool,
-    rows: &'a mut Vec<Equilibrium>,
+    /// The rows so far.
+    pub rows: &'a mut Vec<Equilibrium>,
     landmarks: &'a mut Vec<Landmark>,
 }
 
@@ -82,16 +84,6 @@ impl<'a> Walk<'a> {
             walk.pivot()?;
         }
         Ok(walk)
-    }
-
-    /// Returns the present equilibrium.
-    pub fn at(&self) -> &Equilibrium {
-        &self.at
-    }
-
-    /// Returns the number of rows so far.
-    pub fn row_count(&self) -> usize {
-        self.rows.len()
     }
 
     /// Returns the motion of the block at the end of a path that stopped early.

@@ -8,15 +8,10 @@ use crate::statistics::normal;
 /// The probability that a limit is exceeded, as a function of the intensity measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FragilityCurve {
-    /// `Φ(ln(m/median)/β)`; a step for β = 0.
-    Lognormal {
-        /// Median (unit of the measure).
-        median: f64,
-        /// Dispersion β (1).
-        beta: f64,
-    },
-    /// `1/(1 + exp(−ln(m/median)/β))`, β above 0.
-    Logistic {
+    /// `F(ln(m/median)/β)`: lognormal for a probit, where β = 0 is a step, and logistic for a logit.
+    Parametric {
+        /// The distribution function F.
+        link: Link,
         /// Median (unit of the measure).
         median: f64,
         /// Dispersion β (1).
@@ -44,7 +39,7 @@ impl FragilityCurve {
             let expected = "a number of at least 0, for a probability that grows with the measure";
             return Err(Mismatch::new(format!("the dispersion {beta}"), expected));
         }
-        Ok(FragilityCurve::Lognormal { median, beta })
+        Ok(FragilityCurve::Parametric { link: Link::Probit, median, beta })
     }
 
     /// A fitted curve of one measure.
@@ -52,11 +47,8 @@ impl FragilityCurve {
     /// # Errors
     /// A probability that falls with the measure.
     pub fn of(fit: &CurveFit) -> Result<FragilityCurve, Mismatch> {
-        let curve = FragilityCurve::lognormal(fit.median(), fit.dispersion())?;
-        Ok(match (fit.link, curve) {
-            (Link::Logit, FragilityCurve::Lognormal { median, beta }) => FragilityCurve::Logistic { median, beta },
-            (_, curve) => curve,
-        })
+        let (link, median, beta) = (fit.link, fit.median(), fit.dispersion());
+        FragilityCurve::lognormal(median, beta).map(|_| FragilityCurve::Parametric { link, median, beta })
     }
 
     /// A table of probabilities.
@@ -87,8 +79,7 @@ impl FragilityCurve {
     /// The probability at the logarithm of a measure.
     fn at(&self, x: f64) -> f64 {
         match self {
-            FragilityCurve::Lognormal { median, beta } => normal::probability(deviate(x, *median, *beta)),
-            FragilityCurve::Logistic { median, beta } => Link::Logit.probability(deviate(x, *median, *beta)),
+            FragilityCurve::Parametric { link, median, beta } => link.probability(deviate(x, *median, *beta)),
             FragilityCurve::Tabulated { levels, probabilities } => {
                 let after = levels.partition_point(|level| libm::log(*level) <= x);
                 let [before, after] = [after.max(1) - 1, after.min(levels.len() - 1)];
@@ -105,8 +96,12 @@ impl FragilityCurve {
     /// a table contributes nothing: a constant probability would meet an unbounded rate.
     pub(super) fn contribution(&self, law: &PowerLaw) -> f64 {
         let inside = match self {
-            FragilityCurve::Lognormal { median, beta } => lognormal(law, libm::log(*median), *beta),
-            FragilityCurve::Logistic { median, beta } => return logistic(law, libm::log(*median), *beta),
+            FragilityCurve::Parametric { link: Link::Probit, median, beta } => {
+                lognormal(law, libm::log(*median), *beta)
+            }
+            FragilityCurve::Parametric { link: Link::Logit, median, beta } => {
+                return logistic(law, libm::log(*median), *beta);
+            }
             FragilityCurve::Tabulated { levels, probabilities } => {
                 if law.from == f64::NEG_INFINITY {
                     let part = law.between(libm::log(levels[0]), law.to);

@@ -68,14 +68,14 @@ impl RateReport<'_> {
         let notable = parts.into_iter().filter(|(fraction, _)| *fraction >= NOTABLE);
         let notable = notable
             .map(|(fraction, place)| format!("{} % of the rate comes from {} {place}", percent(fraction), self.im));
-        let remarks = self.found.hazard().remarks.iter().map(|remark| format!("{}: {remark}", self.file));
+        let remarks = self.found.hazard.remarks.iter().map(|remark| format!("{}: {remark}", self.file));
         remarks.chain(notable).collect()
     }
 
     /// Summarizes the rate.
     pub fn summary(&self) -> Summary {
         let RateReport { file, im, fragility, found, .. } = self;
-        let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard().levels().len());
+        let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard.levels().len());
         let ends = |ends: [Option<f64>; 2], format: fn(f64) -> String| match self.ends {
             Some((confidence, _)) => format!(" ({} % interval {})", 100.0 * confidence, between(ends, format)),
             None => String::new(),
@@ -86,7 +86,7 @@ impl RateReport<'_> {
             Object::from([("file", file.as_str()), ("im", im)])
                 .with("levels", levels)
                 .with("range", [least, greatest])
-                .with("remarks", &found.hazard().remarks),
+                .with("remarks", &found.hazard.remarks),
             "hazard",
             format!("{file}: {im}, {levels} levels from {least:.4} to {greatest:.4}"),
         );
@@ -158,12 +158,12 @@ impl RateReport<'_> {
     /// The upper end of a part, and the annual rate at its lower end. An infinite upper end and the rate at zero are missing.
     fn optional(&self, part: &RatePart) -> [Option<f64>; 2] {
         let from = Some(part.from).filter(|from| *from > 0.0);
-        [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard().rate(from))]
+        [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard.rate(from))]
     }
 
     /// Probability of exceeding the limit at the lower end of a part.
     fn probability(&self, part: &RatePart) -> f64 {
-        if part.from > 0.0 { self.found.curve().probability(part.from) } else { 0.0 }
+        if part.from > 0.0 { self.found.curve.probability(part.from) } else { 0.0 }
     }
 
     /// Writes the deaggregation as CSV, in full precision.

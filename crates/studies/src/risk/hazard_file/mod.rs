@@ -306,23 +306,23 @@ fn site<'a>(
         (None, Some([lon, lat])) => format!("{lon},{lat}"),
         (None, None) => "a site without a name".into(),
     };
-    let Some(wanted) = wanted else {
-        return match rows {
-            [row] => Ok(row),
-            _ => {
-                let known: Vec<String> = rows.iter().take(8).map(label).collect();
-                let more = if rows.len() > 8 { ", …" } else { "" };
-                let found = format!("{} sites", rows.len());
-                Err(Mismatch::new(found, format!("the choice of one: {}{more}", known.join("; "))))
-            }
-        };
+    let known = || rows.iter().take(8).map(label).collect::<Vec<_>>().join("; ");
+    let wanted = match (wanted, rows) {
+        (Some(wanted), _) => wanted,
+        (None, [row]) => return Ok(row),
+        (None, _) => {
+            let more = if rows.len() > 8 { ", …" } else { "" };
+            return Err(Mismatch::new(
+                format!("{} sites", rows.len()),
+                format!("the choice of one: {}{more}", known()),
+            ));
+        }
     };
     let at: Option<Vec<f64>> = wanted.split(',').map(|part| part.trim().parse().ok()).collect();
     let is_wanted = |row: &&csv::StringRecord| {
         name.is_some_and(|i| row[i].eq_ignore_ascii_case(wanted))
             || at.is_some() && coordinates(row).map(Vec::from) == at
     };
-    let known = || rows.iter().take(8).map(label).collect::<Vec<_>>().join("; ");
     rows.iter()
         .find(is_wanted)
         .ok_or_else(|| Mismatch::new(format!("no site {wanted}"), format!("one such as {}", known())))
