@@ -59,11 +59,6 @@ impl StateCurve {
         })
     }
 
-    /// The reason why there is no curve.
-    pub(super) fn no_curve(&self) -> Option<String> {
-        self.assessment.as_ref().err().cloned()
-    }
-
     /// The annual rate with its interval.
     fn rate(&self, hazard: &HazardCurve, years: f64) -> Option<RateResult> {
         let (rate, assessment) = (self.rate.as_ref()?, self.assessment.as_ref().ok()?);
@@ -87,7 +82,7 @@ impl StateCurve {
             source: state.source.clone(),
             runs: self.counts,
             curve: self.curve(),
-            no_curve: self.no_curve(),
+            no_curve: self.assessment.as_ref().err().cloned(),
             rate: hazard.and_then(|hazard| self.rate(hazard, years)),
             rate_bounds: self.rate_bounds,
         }

@@ -174,7 +174,7 @@ fn comparison(
         limit: limit.to_string(),
         runs: found.counts,
         curve: found.curve(),
-        no_curve: found.no_curve(),
+        no_curve: found.assessment.as_ref().err().cloned(),
         rate: found.rate.as_ref().map(|rate| rate.rate),
         rate_bounds: found.rate_bounds,
         peak_slip: slip,

@@ -1,7 +1,5 @@
 //! An annual rate → its summary, table and warnings.
 
-use std::fmt::Write;
-
 use crate::commands::rate::Fragility;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::rate::per_year;
@@ -10,6 +8,18 @@ use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
 const NOTABLE: f64 = 0.01;
+
+/// The numbers of a part of the rate with their units; two have that of the measure.
+///
+/// Hazard and probability are the annual rate and the probability of exceeding the limit at the lower end.
+const PART: [(&str, Option<&str>); 6] = [
+    ("from", None),
+    ("to", None),
+    ("hazard", Some("1/year")),
+    ("probability", Some("1")),
+    ("rate", Some("1/year")),
+    ("share", Some("1")),
+];
 
 /// A report of an annual rate, in SI units and years.
 pub struct RateReport<'a> {
@@ -142,28 +152,19 @@ impl RateReport<'_> {
                 of_rows_text.unwrap_or_default()
             ),
         );
-        let part = |part: RatePart| {
-            let [to, hazard] = self.optional(&part);
-            Object::default()
-                .with("from", part.from)
-                .with("to", to)
-                .with("hazard", hazard)
-                .with("probability", self.probability(&part))
-                .with("rate", part.rate)
-                .with("share", part.fraction)
-        };
-        summary.entry("deaggregation", found.deaggregation().into_iter().map(part).collect::<Vec<_>>());
+        let part = |numbers| PART.into_iter().map(|(name, _)| name).zip(numbers).collect::<Object>();
+        summary.entry("deaggregation", self.parts().map(part).collect::<Vec<_>>());
     }
 
-    /// The upper end of a part, and the annual rate at its lower end. An infinite upper end and the rate at zero are missing.
-    fn optional(&self, part: &RatePart) -> [Option<f64>; 2] {
-        let from = Some(part.from).filter(|from| *from > 0.0);
-        [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard.rate(from))]
-    }
-
-    /// Probability of exceeding the limit at the lower end of a part.
-    fn probability(&self, part: &RatePart) -> f64 {
-        if part.from > 0.0 { self.found.curve.probability(part.from) } else { 0.0 }
+    /// The numbers of [`PART`] for each part of the rate. An infinite upper end and the hazard at zero are missing.
+    fn parts(&self) -> impl Iterator<Item = [Option<f64>; 6]> {
+        let AnnualRate { hazard, curve, .. } = self.found;
+        self.found.deaggregation().into_iter().map(|RatePart { from, to, rate, fraction }| {
+            let above_zero = Some(from).filter(|from| *from > 0.0);
+            let probability = above_zero.map_or(0.0, |from| curve.probability(from));
+            let to = Some(to).filter(|to| to.is_finite());
+            [Some(from), to, above_zero.map(|from| hazard.rate(from)), Some(probability), Some(rate), Some(fraction)]
+        })
     }
 
     /// Writes the deaggregation as CSV, in full precision.
@@ -174,14 +175,12 @@ impl RateReport<'_> {
             env!("CARGO_PKG_VERSION"),
             self.summary().text.trim_end().replace('\n', "\n# ")
         );
-        // Writing to a String never fails.
-        let _ = writeln!(table, "from [{unit}],to [{unit}],hazard [1/year],probability [1],rate [1/year],share [1]");
-        for part in self.found.deaggregation() {
-            let RatePart { from, rate, fraction, .. } = part;
-            let [to, hazard] =
-                self.optional(&part).map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
-            let _ = writeln!(table, "{from:?},{to},{hazard},{:?},{rate:?},{fraction:?}", self.probability(&part));
+        table += &PART.map(|(name, known)| format!("{name} [{}]", known.unwrap_or(unit))).join(",");
+        for part in self.parts() {
+            table.push('\n');
+            table += &part.map(|number| number.map_or(String::new(), |number| format!("{number:?}"))).join(",");
         }
+        table.push('\n');
         table
     }
 }
