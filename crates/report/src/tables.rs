@@ -91,7 +91,7 @@ fn comparisons(results: &Results) -> Result<String, csv::Error> {
         write("variant", None, variant)?;
     }
     for sensitivity in &report.sensitivity {
-        for (value, end) in sensitivity.values.into_iter().zip(&sensitivity.ends) {
+        for (value, end) in sensitivity.assumption.values.into_iter().zip(&sensitivity.ends) {
             write("sensitivity", Some(value), end)?;
         }
     }

@@ -69,8 +69,8 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let outputs: Vec<_> = files.iter().map(|(name, _)| NamedFile::new("--out", &out.join(name))).collect();
     check_distinct(&inputs, &outputs)?;
     let pending = files.iter().map(|(name, _)| Pending::new(&out.join(name))).collect::<anyhow::Result<Vec<_>>>()?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let result = AssessResult { report: &found.report, steps: &found.steps, files: names.clone() };
+    let names = files.iter().map(|(name, _)| name.as_str()).collect();
+    let result = AssessResult { report: &found.report, steps: &found.steps, files: names };
     let text = rocking_report::text(&found);
     let written = WrittenFiles::new([("out", Some(page.as_path()))]);
     let contents = files.iter().map(|(_, content)| content.clone());

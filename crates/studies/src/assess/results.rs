@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::assess::alternatives::Assumption;
 use crate::assess::plan::Input;
 use crate::fragility::{Interval, RowCounts};
 use rocking_block::block::Ratios;
@@ -336,14 +337,9 @@ pub struct SlidingResult {
 /// A quantity at both ends of its range.
 #[derive(Clone, Debug, Serialize)]
 pub struct Sensitivity {
-    /// Name and unit.
-    pub name: String,
-    /// Both ends of the range.
-    pub values: [f64; 2],
-    /// The value in the middle of the study.
-    pub middle: f64,
-    /// Whether the study has this range; else it is a usual one.
-    pub is_given: bool,
+    /// The quantity.
+    #[serde(flatten)]
+    pub assumption: Assumption,
     /// The runs at both ends.
     pub ends: [Comparison; 2],
 }

@@ -86,10 +86,10 @@ pub fn assess(
         sliding.push(sliding_result(plan, compared, friction::to_user(plan.block.friction), &table)?);
     }
     let mut sensitivity = Vec::new();
-    for Assumption { name, changes, values, middle, is_given } in &plan.assumptions {
+    for assumption in &plan.assumptions {
+        let Assumption { name, changes, .. } = assumption;
         let ends = [changed(&mut work, name, &changes[..1])?, changed(&mut work, name, &changes[1..])?];
-        let (name, values, middle, is_given) = (name.clone(), *values, *middle, *is_given);
-        sensitivity.push(Sensitivity { name, values, middle, is_given, ends });
+        sensitivity.push(Sensitivity { assumption: assumption.clone(), ends });
     }
     let table_of_sizes = work.table("other sizes", &of_sizes, &of_sizes.header().study)?;
     let mut statistics = Statistics::new(&of_sizes);

@@ -173,8 +173,15 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
         "delay" => "s",
         _ => unit(name),
     };
-    let unit = unit.to_string();
-    Ok(Unknown { name: name.clone(), unit, test: number, start, bounds, is_logarithmic, prior: free.prior })
+    Ok(Unknown {
+        name: name.clone(),
+        unit: unit.into(),
+        test: number,
+        start,
+        bounds,
+        is_logarithmic,
+        prior: free.prior,
+    })
 }
 
 /// Returns the bounds of a parameter, and whether its logarithm is fitted.

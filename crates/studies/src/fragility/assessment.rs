@@ -221,9 +221,7 @@ impl Found {
         link: Link,
         sampling: Option<(u32, u64)>,
     ) -> Result<Found, CurveFitError> {
-        let observation =
-            |(case, [measure, _]): &(Case, [f64; 2])| Observation::with_probability(&[*measure], case.fraction);
-        let data = Data::new(rows.iter().map(observation).collect())?;
+        let data = data(rows, 1)?;
         let fit = data.fit(link)?;
         let (rocking, peaks): (Vec<f64>, Vec<f64>) =
             rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
@@ -262,6 +260,13 @@ impl Found {
     }
 }
 
+/// The data of a list of rows over the first of their measures.
+fn data(rows: &[(Case, [f64; 2])], measures: usize) -> Result<Data, CurveFitError> {
+    let observation =
+        |(case, values): &(Case, [f64; 2])| Observation::with_probability(&values[..measures], case.fraction);
+    Data::new(rows.iter().map(observation).collect())
+}
+
 /// Standard errors of the coefficients of a fit from their covariance, clustered by record.
 fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &CurveFit) -> Vec<f64> {
     match covariance {
@@ -294,9 +299,7 @@ impl Surface {
     pub fn of(store: CaseStore, motions: &Motions, link: Link) -> Result<Surface, CurveFitError> {
         match store.rows(motions)? {
             StoredRows::Few(rows, records) => {
-                let observation =
-                    |(case, measures): &(Case, [f64; 2])| Observation::with_probability(measures, case.fraction);
-                let data = Data::new(rows.iter().map(observation).collect())?;
+                let data = data(&rows, 2)?;
                 let fit = data.fit(link)?;
                 let probabilities = fit.probabilities(data.observations());
                 let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
@@ -320,10 +323,8 @@ impl Surface {
 pub fn sufficiency_of(store: CaseStore, motions: &Motions, link: Link) -> Result<f64, CurveFitError> {
     match store.rows(motions)? {
         StoredRows::Few(rows, records) => {
-            let observation =
-                |(case, [first, _]): &(Case, [f64; 2])| Observation::with_probability(&[*first], case.fraction);
             let others: Vec<f64> = rows.iter().map(|(_, [_, other])| *other).collect();
-            sufficiency(&Data::new(rows.iter().map(observation).collect())?, &others, link, &records)
+            sufficiency(&data(&rows, 1)?, &others, link, &records)
         }
         StoredRows::Many(rows) => {
             let (_, curve, _) = rows.curve(link)?;

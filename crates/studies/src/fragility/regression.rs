@@ -161,19 +161,20 @@ impl Regression for Predictor<'_> {
 pub(super) struct SurfaceRows<'a>(pub &'a SortedRows);
 
 impl SurfaceRows<'_> {
-    /// Adds the terms of a row at these coefficients. They are an intercept and one or two slopes.
-    pub fn add(
-        sums: &mut Sums,
+    /// Returns the sums of a row at these coefficients. They are an intercept and one or two slopes.
+    pub fn sums_of_row(
         row: &EqualRows,
         coefficients: &[f64],
         term: impl Fn(f64, f64) -> Term,
         weight: impl Fn(&Term) -> f64,
-    ) {
+    ) -> Sums {
         let [first, second] = row.measures.map(libm::log);
         let x = &[1.0, first, second][..coefficients.len()];
         let predictor = x.iter().zip(coefficients).map(|(x, coefficient)| x * coefficient).sum();
         let term = term(predictor, row.fraction) * f64::from(row.count);
+        let mut sums = Sums::default();
         sums.add(x, &term, weight(&term));
+        sums
     }
 }
 
@@ -188,11 +189,7 @@ impl Regression for SurfaceRows<'_> {
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
     ) -> Result<Sums, CurveFitError> {
-        self.0.sum(|row| {
-            let mut sums = Sums::default();
-            SurfaceRows::add(&mut sums, row, coefficients.as_slice(), &term, &weight);
-            sums
-        })
+        self.0.sum(|row| SurfaceRows::sums_of_row(row, coefficients.as_slice(), &term, &weight))
     }
 }
 

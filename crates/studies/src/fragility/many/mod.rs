@@ -202,17 +202,8 @@ impl ManyRows {
     pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
-        let sums_of = |row: &EqualRows| {
-            let mut sums = Sums::default();
-            SurfaceRows::add(
-                &mut sums,
-                row,
-                coefficients,
-                |predictor, y| fit.link.term(predictor, y),
-                |term| term.information,
-            );
-            sums
-        };
+        let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
+        let sums_of = |row: &EqualRows| SurfaceRows::sums_of_row(row, coefficients, term, |term| term.information);
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
         self.sorted.batches(&mut |rows| {
