@@ -51,8 +51,7 @@ pub fn run(options: &FitCommand, explicit: &ExplicitOptions) -> anyhow::Result<(
     let read = files.iter().map(|file| NamedFile::new("the input", &folder.join(file)));
     let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", study)).chain(read).collect();
     check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let pending = outputs.map(|(_, path)| path.map(Pending::new).transpose());
-    let [table_file, residuals_file, picture_file] = pending;
+    let [table_file, residuals_file, picture_file] = outputs.map(|(_, path)| path.map(Pending::new).transpose());
     let (table_file, residuals_file, picture_file) = (table_file?, residuals_file?, picture_file?);
 
     let bar = Progress::new(0, 0);

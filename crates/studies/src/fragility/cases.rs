@@ -114,7 +114,7 @@ impl SweepTable {
         counts: &mut RowCounts,
         place: impl Fn(usize) -> u64,
     ) -> Result<Vec<Case>, SweepTableError> {
-        let mut headings = self.table().columns().iter().map(|column| &column.heading);
+        let mut headings = self.table.columns().iter().map(|column| &column.heading);
         if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
             return Err(self.refused(format!(
                 "found the least levels of searches, {heading}; expected an outcome at one level in each row, as from a sweep with \

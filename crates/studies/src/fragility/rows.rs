@@ -103,10 +103,8 @@ impl RowSorter {
     /// Rows that cannot be kept on disk.
     pub fn finish(mut self) -> Result<SortedRows, CurveFitError> {
         self.sort();
-        if self.runs.is_none() {
-            return Ok(SortedRows { kept: self.buffer, file: None });
-        }
-        self.end_run().and_then(|()| self.merged()).map_err(refused)
+        let ended = if self.runs.is_some() { self.end_run() } else { Ok(()) };
+        ended.and_then(|()| self.merged()).map_err(refused)
     }
 
     fn sort(&mut self) {

@@ -40,8 +40,10 @@ const OVER_BALANCE: &str = "peak.theta/balance";
 /// The table of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepTable {
-    file: String,
-    table: Table,
+    /// Name of the file.
+    pub file: String,
+    /// Its columns.
+    pub table: Table,
     /// Headings of all columns of the file, including those left out of the table.
     headings: Vec<String>,
 }
@@ -103,16 +105,6 @@ impl SweepTable {
         let mut reader = TableReader::new(&|_| true);
         reader.read_csv(file, content)?;
         Ok(SweepTable::new(file, reader.table()))
-    }
-
-    /// Name of the file.
-    pub fn file(&self) -> &str {
-        &self.file
-    }
-
-    /// Its columns.
-    pub fn table(&self) -> &Table {
-        &self.table
     }
 
     /// The distinct words of a column in the order of the rows. `None` without such a column.

@@ -162,8 +162,8 @@ impl FragilityCommand {
         let others: Vec<&String> = beside.iter().chain(surface).collect();
         let columns =
             im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
-        let mut found = fit.collected(None, columns.collect());
-        let further = self.export_limit.iter().map(|&limit| (limit, fit.collected(Some(limit), vec![one(&im[0])])));
+        let mut found = Collected::new(fit.limit, columns.collect());
+        let further = self.export_limit.iter().map(|&limit| (limit, Collected::new(Some(limit), vec![one(&im[0])])));
         let mut further: Vec<(Limit, Collected)> = further.collect();
         let (mut blocks, mut headings) = (charts::Blocks::default(), None);
         let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();

@@ -176,7 +176,9 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Mism
         let site = ["lon", "lat"].map(value_in_comment);
         return rows_of_measures(columns, &rows, site, years(options, years_of_file)?, options);
     }
-    let measures = measures_of_columns(&header);
+    // A file of all measures has a column for each level of each.
+    let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();
+    measures.dedup();
     if !has_sites && measures.is_empty() && !header.iter().any(|name| name.starts_with("poe-")) {
         check_without_site(options)?;
         return two_columns(&header, &rows, years_of_file, options);
@@ -235,13 +237,6 @@ fn measure_and_level(name: &str) -> Option<(String, f64)> {
         measure.parse::<Measure>().ok()?;
         Some((measure, level.parse().ok()?))
     })
-}
-
-/// Returns the measures of a file in their order. It has a column for each level of each measure.
-fn measures_of_columns(header: &csv::StringRecord) -> Vec<String> {
-    let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();
-    measures.dedup();
-    measures
 }
 
 /// Returns the wanted measure of several in a file, or the only one.
