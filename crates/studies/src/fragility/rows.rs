@@ -39,22 +39,25 @@ pub(super) struct EqualRows {
 impl EqualRows {
     /// The row in words that sort as rows do: the bits of numbers from zero on are in the order of the numbers. The count is last.
     fn words(&self) -> [u64; 4] {
-        let [first, second] = self.measures.map(f64::to_bits);
-        [first, second, self.fraction.to_bits(), u64::from(self.motion) << 32 | u64::from(self.count)]
+        let [first, second] = self.measures;
+        let last = u64::from(self.motion) << 32 | u64::from(self.count);
+        [first.to_bits(), second.to_bits(), self.fraction.to_bits(), last]
     }
 
     fn of_words([first, second, fraction, last]: [u64; 4]) -> EqualRows {
-        let measures = [first, second].map(f64::from_bits);
+        let measures = [f64::from_bits(first), f64::from_bits(second)];
         EqualRows { measures, fraction: f64::from_bits(fraction), motion: (last >> 32) as u32, count: last as u32 }
     }
 
     fn order(&self, other: &EqualRows) -> Ordering {
-        let [one, other] = [self, other].map(|row| EqualRows { count: 0, ..*row }.words());
-        one.cmp(&other)
+        let key = |row: &EqualRows| {
+            (row.measures[0].to_bits(), row.measures[1].to_bits(), row.fraction.to_bits(), row.motion)
+        };
+        key(self).cmp(&key(other))
     }
 
     fn write(&self, file: &mut impl Write) -> io::Result<()> {
-        file.write_all(self.words().map(u64::to_le_bytes).as_flattened())
+        self.words().iter().try_for_each(|word| file.write_all(&word.to_le_bytes()))
     }
 
     fn of_bytes(bytes: &[u8]) -> EqualRows {
@@ -108,7 +111,7 @@ impl RowSorter {
     }
 
     fn sort(&mut self) {
-        self.buffer.par_sort_unstable_by_key(EqualRows::words);
+        self.buffer.par_sort_unstable_by(EqualRows::order);
         self.buffer.dedup_by(|next, first| take_equal(first, next));
     }
 
