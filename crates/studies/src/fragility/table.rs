@@ -16,7 +16,7 @@ pub enum SweepTableError {
     /// The file is not a table.
     #[error(transparent)]
     Read(#[from] TableReadError),
-    /// The table has not the content that an evaluation needs.
+    /// The table lacks the content that an evaluation needs.
     #[error("{file}: {message}")]
     Content {
         /// The table.
