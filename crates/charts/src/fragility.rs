@@ -344,7 +344,7 @@ pub struct Blocks {
 impl Blocks {
     /// Takes rows of a table.
     pub fn take(&mut self, table: &SweepTable) {
-        self.file = table.file().rsplit(['/', '\\']).next().map(String::from);
+        self.file = table.file.rsplit(['/', '\\']).next().map(String::from);
         for (span, name) in self.spans.iter_mut().zip(["alpha", "eta", "xi_v"]) {
             let names = [name.to_string(), format!("dimensionless.{name}")];
             let numbers = names.iter().find_map(|name| table.numbers(name).ok()).unwrap_or_default();

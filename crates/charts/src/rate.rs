@@ -47,10 +47,7 @@ pub fn rate(
         x: ("", x.clone()),
         y: (limit, -0.05..1.05),
         areas: band(&at).map(|band| areas(&at, &band)).unwrap_or_default(),
-        curves: vec![Curve::new(
-            LineStyle::BLACK,
-            vec![at.iter().map(|&m| (m, found.curve().probability(m))).collect()],
-        )],
+        curves: vec![Curve::new(LineStyle::BLACK, vec![at.iter().map(|&m| (m, found.curve.probability(m))).collect()])],
         ..Chart::default()
     };
     let lower = deaggregation(found, &axis, &x);
@@ -78,7 +75,7 @@ const OUTSIDE: u8 = 205;
 
 fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
     let [least, greatest] = found.hazard_range();
-    let hazard = found.hazard();
+    let hazard = &found.hazard;
     let log = |m: f64| (m, libm::log10(hazard.rate(m)));
     let ends = [least.min(x.end), x.end].map(|m| log(m).1);
     let y = ends[1].max(-14.0).floor()..ends[0].min(1.0).ceil().max(ends[1].floor() + 1.0);

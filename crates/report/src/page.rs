@@ -220,7 +220,7 @@ impl Page<'_> {
     }
 
     fn has_usual_ranges(&self) -> bool {
-        self.report.sensitivity.iter().any(|sensitivity| !sensitivity.is_given)
+        self.report.sensitivity.iter().any(|sensitivity| !sensitivity.assumption.is_given)
     }
 
     fn has_usual_variants(&self) -> bool {

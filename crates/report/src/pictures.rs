@@ -67,8 +67,8 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
         && !report.sensitivity.is_empty()
     {
         let bar = |sensitivity: &rocking_studies::assess::Sensitivity| Bar {
-            name: quantity(&sensitivity.name),
-            values: sensitivity.values,
+            name: quantity(&sensitivity.assumption.name),
+            values: sensitivity.assumption.values,
             results: sensitivity.ends.each_ref().map(|end| end.curve.and_then(inside)),
         };
         let bars: Vec<Bar> = report.sensitivity.iter().map(bar).collect();

@@ -176,11 +176,11 @@ fn strongest_assumption(report: &Report) -> Option<String> {
     }
     Some(format!(
         "Of the assumptions, the {} matters most: {} runs {exceed} with {}, {} with {}.",
-        quantity(&strongest.name),
+        quantity(&strongest.assumption.name),
         numbers::exceeded(&low.runs),
-        short(strongest.values[0]),
+        short(strongest.assumption.values[0]),
         numbers::exceeded(&high.runs),
-        short(strongest.values[1])
+        short(strongest.assumption.values[1])
     ))
 }
 

@@ -9,7 +9,7 @@ use rocking_studies::output::runner::Study;
 pub fn tables(plan: &Plan, results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
     let sizes = &results.sizes;
     Ok(vec![
-        ("runs.csv", plan.sweep.header().text()? + &lines(results.table.table())?),
+        ("runs.csv", plan.sweep.header().text()? + &lines(&results.table.table)?),
         ("spectrum.csv", sizes.spectrum.header().text()? + &lines(&sizes.table)?),
         ("states.csv", states(results)?),
         ("variants.csv", comparisons(results)?),
@@ -91,7 +91,7 @@ fn comparisons(results: &Results) -> Result<String, csv::Error> {
         write("variant", None, variant)?;
     }
     for sensitivity in &report.sensitivity {
-        for (value, end) in sensitivity.values.into_iter().zip(&sensitivity.ends) {
+        for (value, end) in sensitivity.assumption.values.into_iter().zip(&sensitivity.ends) {
             write("sensitivity", Some(value), end)?;
         }
     }

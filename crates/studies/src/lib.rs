@@ -2,6 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`mismatch`] | content found, content expected → an error |
 //! | [`statistics`] | deviates and seeds → probabilities, random samples |
 //! | [`input`] | study files and accelerogram files → parameters and records |
 //! | [`intensity`] | a record → its intensity measures |
@@ -23,6 +24,8 @@
 //! | [`assess`] | a study file with an object → the numbers of a report on it |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
+pub mod mismatch;
 
 pub mod statistics;
 

@@ -1,7 +1,6 @@
 //! `rocking assess`: a study file with an object → a page, pictures and tables.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use anyhow::Context;
 use clap::Parser;
@@ -53,31 +52,25 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let page = out.join(PAGE);
     Pending::new(&page)?;
 
-    let bar = Mutex::new(None);
-    let show = |step: &str, done, all| {
-        if let Ok(mut bar) = bar.lock() {
-            bar.get_or_insert_with(|| Progress::new(all, 0)).show_step(step, done, all);
-        }
-    };
     // An interrupted call, or one with another title, finds the rows there.
     let kept = out.join("kept");
     std::fs::create_dir_all(&kept).with_context(|| format!("{}: cannot be created", kept.display()))?;
     let program = std::env::current_exe().context("the program's own file cannot be found")?;
     let keep = Kept { folder: &kept, program: &program };
     let pool = processor.threads.pool()?;
-    let found = assess(&plan, &pool, processor.width(), Some(keep), &show)
-        .map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    if let Ok(Some(bar)) = bar.into_inner() {
-        bar.clear();
-    }
+    let bar = Progress::new(0, 0);
+    let show = |step: &str, done, all| bar.show_step(step, done, all);
+    let found = assess(&plan, &pool, processor.width(), Some(keep), &show);
+    let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    bar.clear();
     let files = rocking_report::files(&plan, &found)?;
     let records = plan.inputs.iter().skip(1).map(|input| NamedFile::new("the input", &folder.join(&input.file)));
     let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", file)).chain(records).collect();
     let outputs: Vec<_> = files.iter().map(|(name, _)| NamedFile::new("--out", &out.join(name))).collect();
     check_distinct(&inputs, &outputs)?;
     let pending = files.iter().map(|(name, _)| Pending::new(&out.join(name))).collect::<anyhow::Result<Vec<_>>>()?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let result = AssessResult { report: &found.report, steps: &found.steps, files: names.clone() };
+    let names = files.iter().map(|(name, _)| name.as_str()).collect();
+    let result = AssessResult { report: &found.report, steps: &found.steps, files: names };
     let text = rocking_report::text(&found);
     let written = WrittenFiles::new([("out", Some(page.as_path()))]);
     let contents = files.iter().map(|(_, content)| content.clone());

@@ -64,7 +64,7 @@ pub fn run(options: &FiguresCommand) -> anyhow::Result<()> {
     }
     let pool = options.threads.pool()?;
     let detail = Detail::FULL;
-    let mut bar = Progress::new(numbers.iter().map(|&number| figures::tasks(number, &detail, &sources)).sum(), 0);
+    let bar = Progress::new(numbers.iter().map(|&number| figures::tasks(number, &detail, &sources)).sum(), 0);
     let (mut done, mut failed) = (0, 0);
     for &number in &numbers {
         let [table, picture] = files(number);

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use clap::Parser;
 
@@ -52,20 +51,13 @@ pub fn run(options: &FitCommand, explicit: &ExplicitOptions) -> anyhow::Result<(
     let read = files.iter().map(|file| NamedFile::new("the input", &folder.join(file)));
     let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", study)).chain(read).collect();
     check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let pending = outputs.map(|(_, path)| path.map(Pending::new).transpose());
-    let [table_file, residuals_file, picture_file] = pending;
+    let [table_file, residuals_file, picture_file] = outputs.map(|(_, path)| path.map(Pending::new).transpose());
     let (table_file, residuals_file, picture_file) = (table_file?, residuals_file?, picture_file?);
 
-    let bar = Mutex::new(None);
-    let show = |done, all| {
-        if let Ok(mut bar) = bar.lock() {
-            bar.get_or_insert_with(|| Progress::new(all, 0)).show_of(done, all);
-        }
-    };
-    let found = fit(&problem, &threads.pool()?, &show).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    if let Ok(Some(bar)) = bar.into_inner() {
-        bar.clear();
-    }
+    let bar = Progress::new(0, 0);
+    let found = fit(&problem, &threads.pool()?, &|done, all| bar.show_of(done, all));
+    let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    bar.clear();
     let mut written = Vec::new();
     written.extend(table_file.map(|file| (file, table(&found).into_bytes())));
     written.extend(residuals_file.map(|file| (file, residual_table(&found).into_bytes())));

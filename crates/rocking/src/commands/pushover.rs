@@ -8,7 +8,7 @@ use clap::{Parser, ValueEnum};
 use crate::options::block;
 use crate::options::explicit::ExplicitOptions;
 use crate::output::files::{NamedFile, Pending, check_distinct};
-use crate::output::formats::{PictureOptions, check_table, encoded, knows_parquet};
+use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::{ReportOptions, WrittenFiles};
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::restraints::{MAX, tie};
@@ -82,8 +82,7 @@ pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let mut written = Vec::new();
     for (path, rows) in [(csv, &found.rows[..]), (cycle_csv, cycle_rows)] {
         if let Some(path) = path {
-            let csv = with_headings(&table(&block, rows))?;
-            written.push((Pending::new(path)?, encoded(knows_parquet(path)?, csv.into_bytes())?));
+            written.push((Pending::new(path)?, with_headings(&table(&block, rows))?.into_bytes()));
         }
     }
     if let (Some(plot), Some(format)) = (&picture.plot, format) {

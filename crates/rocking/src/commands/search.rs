@@ -1,7 +1,6 @@
 //! `rocking search`: range of damping or amplitude → the values at which the outcome changes.
 
 use std::path::PathBuf;
-use std::sync::Mutex;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
@@ -244,16 +243,9 @@ impl SearchOptions {
         answer: impl FnOnce(&OutcomeMap<End>, Threshold, &dyn Fn(f64) -> String) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
-        let bar = Mutex::new(Progress::new(scan.points, 0));
-        let show = |done, runs| {
-            if let Ok(mut bar) = bar.lock() {
-                bar.show_of(done, runs);
-            }
-        };
-        let found = self.processor.threads.pool()?.install(|| search(&show));
-        if let Ok(bar) = bar.lock() {
-            bar.clear();
-        }
+        let bar = Progress::new(scan.points, 0);
+        let found = self.processor.threads.pool()?.install(|| search(&|done, runs| bar.show_of(done, runs)));
+        bar.clear();
         let found = found?;
         let stretches = found.stretches();
         if let Some(file) = file {

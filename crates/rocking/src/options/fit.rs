@@ -9,7 +9,7 @@ use crate::options::checks::check;
 use crate::options::choices;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
-use rocking_studies::fragility::{Collected, Limit, Link, SweepTable, SweepTableError, Uncertainty, is_needed};
+use rocking_studies::fragility::{Limit, Link, SweepTable, SweepTableError, Uncertainty, is_needed};
 use rocking_studies::output::output_target::STANDARD;
 use rocking_studies::output::reading::TableReader;
 use rocking_studies::output::table::Table;
@@ -24,7 +24,7 @@ pub struct FitOptions {
     /// default overturned, or balance for blocks with ties. Counts the probabilities of ensembles if the table has them, else the
     /// outcomes of runs
     #[arg(long, value_name = "LIMIT")]
-    limit: Option<Limit>,
+    pub limit: Option<Limit>,
     /// Use only the rows in which a column has this value; several conditions must all hold
     #[arg(id = "where", long, value_name = "COLUMN=VALUE")]
     conditions: Vec<String>,
@@ -56,11 +56,6 @@ impl FitOptions {
     /// Returns the method of the intervals.
     pub fn uncertainty(&self) -> Uncertainty {
         self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed))
-    }
-
-    /// Begins with the cases over these columns. The limit is that of the options, or another one.
-    pub fn collected(&self, limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
-        Collected::new(limit.or(self.limit), columns)
     }
 
     /// Passes the rows that meet the conditions on in batches; returns the table's name. Each batch comes with whether its rows are those
@@ -102,10 +97,7 @@ impl FitOptions {
             }
         };
         match conditions.iter().zip(kept).find(|(_, kept)| *kept == 0) {
-            Some(((column, value), _)) => {
-                let [column, value] = [column, value].map(|text| (*text).into());
-                Err(SweepTableError::NoRow { file: name, column, value }.into())
-            }
+            Some(((column, value), _)) => Err(SweepTableError::no_row(&name, column, value).into()),
             None => Ok(name),
         }
     }

@@ -1,6 +1,7 @@
 //! Finished part of the work → a bar on the terminal.
 
 use std::io::IsTerminal;
+use std::sync::Once;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -10,7 +11,7 @@ pub struct Progress {
     since: Instant,
     before: u64,
     bar: ProgressBar,
-    shown: bool,
+    shown: Once,
 }
 
 impl Progress {
@@ -19,22 +20,23 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg}{wide_bar} {percent}% {eta} left");
         let bar = ProgressBar::with_draw_target(Some(parts.saturating_sub(before)), ProgressDrawTarget::hidden())
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Progress { since: Instant::now(), before, bar, shown: false }
+        Progress { since: Instant::now(), before, bar, shown: Once::new() }
     }
 
     /// Shows the number of finished parts.
-    pub fn show(&mut self, done: u64) {
-        if !self.shown && self.since.elapsed() > Duration::from_secs(1) {
-            self.shown = true;
-            if std::io::stderr().is_terminal() {
-                self.bar.set_draw_target(ProgressDrawTarget::stderr());
-            }
+    pub fn show(&self, done: u64) {
+        if self.since.elapsed() > Duration::from_secs(1) {
+            self.shown.call_once(|| {
+                if std::io::stderr().is_terminal() {
+                    self.bar.set_draw_target(ProgressDrawTarget::stderr());
+                }
+            });
         }
         self.bar.set_position(done.saturating_sub(self.before));
     }
 
     /// Shows the name of the step and the finished parts. Their total changes during the work.
-    pub fn show_step(&mut self, step: &str, done: u64, parts: u64) {
+    pub fn show_step(&self, step: &str, done: u64, parts: u64) {
         if self.bar.message().trim_end() != step {
             self.bar.set_message(format!("{step} "));
         }
@@ -42,7 +44,7 @@ impl Progress {
     }
 
     /// Shows the number of finished parts of a total that changes during the work.
-    pub fn show_of(&mut self, done: u64, parts: u64) {
+    pub fn show_of(&self, done: u64, parts: u64) {
         self.bar.set_length(parts.saturating_sub(self.before));
         self.show(done);
     }

@@ -32,11 +32,12 @@ pub struct Alternative {
 }
 
 /// An uncertain quantity.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Assumption {
     /// Name and unit.
     pub name: String,
     /// Both ends of its range, as changes.
+    #[serde(skip)]
     pub changes: [Change; 2],
     /// Their values.
     pub values: [f64; 2],

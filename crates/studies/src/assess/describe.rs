@@ -73,7 +73,6 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
     let motion = |number: usize| {
         let motion = &sweep.motions[number];
         let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, block));
-        let scales: Vec<f64> = scales.collect();
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
         let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
         MotionResult {
@@ -82,7 +81,7 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
             pgv: motion.intensity(Measure::Pgv, 1.0, block),
             pfa: motion.intensity(Measure::Pfa, 1.0, block),
             pfv: motion.intensity(Measure::Pfv, 1.0, block),
-            scales: range(scales.into_iter()).unwrap_or([1.0; 2]),
+            scales: range(scales).unwrap_or([1.0; 2]),
         }
     };
     (0..sweep.motions.len()).map(motion).collect()

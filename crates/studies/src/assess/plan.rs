@@ -128,12 +128,10 @@ impl Plan {
             .map_err(|error| root.refused("assess", format!("the object in the middle of the study: {error}")))?;
         let has_center_height = values[Variable::PhysicalCenterHeight] > 0.0;
         let measure = measure(&root, assess, &sweep)?;
-        let hazard = match &assess.hazard {
-            Some(table) => Some(hazard(&root, table, measure, block.gravity, folder)?),
-            None => None,
-        };
+        let hazard = assess.hazard.as_ref().map(|table| hazard(&root, table, measure, block.gravity, folder));
+        let (input, hazard) = hazard.transpose()?.unzip();
         let mut inputs = vec![Input::of(file, text.as_bytes())];
-        inputs.extend(hazard.iter().map(|(input, _)| input.clone()));
+        inputs.extend(input);
         for name in sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty()) {
             if inputs.iter().all(|known| known.file != *name) {
                 let bytes = std::fs::read(folder.join(name))
@@ -144,13 +142,6 @@ impl Plan {
         let usual = alternatives::usual(&sweep, &block);
         let chosen = assess.variants.as_ref().map(|tables| variants(&root, tables, &sweep)).transpose()?;
         let ranges = assess.sensitivity.as_ref().map(|_| sensitivity(&root, &sweep)).transpose()?;
-        let (mut variants, mut assumptions) = (usual.variants, usual.assumptions);
-        if let Some(chosen) = chosen {
-            variants = chosen;
-        }
-        if let Some(chosen) = ranges {
-            assumptions = chosen;
-        }
         let pulse = match &assess.pulse {
             Some(word) => {
                 let shape = PulseShape::named(word).filter(|shape| *shape != PulseShape::None);
@@ -167,7 +158,7 @@ impl Plan {
             file: file.into(),
             height: (!has_center_height).then_some(2.0 * block.h),
             states: states(&root, assess, &sweep)?,
-            hazard: hazard.map(|(_, hazard)| hazard),
+            hazard,
             years: assess.years.map_or(50.0, |years| years.0),
             pulse,
             pulse_periods: periods.unwrap_or_else(|| vec![0.25, 0.5, 1.0, 2.0]),
@@ -177,8 +168,8 @@ impl Plan {
             values,
             block,
             measure,
-            variants,
-            assumptions,
+            variants: chosen.unwrap_or(usual.variants),
+            assumptions: ranges.unwrap_or(usual.assumptions),
             inputs,
         })
     }

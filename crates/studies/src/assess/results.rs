@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use crate::assess::alternatives::Assumption;
 use crate::assess::plan::Input;
-use crate::fragility::Interval;
+use crate::fragility::{Interval, RowCounts};
 use rocking_block::block::Ratios;
 
 /// The report on an object.
@@ -199,6 +200,13 @@ pub struct Counts {
     pub left_out: usize,
 }
 
+impl From<RowCounts> for Counts {
+    /// The counts of single runs.
+    fn from(rows: RowCounts) -> Counts {
+        Counts { known: rows.decided, exceeded: rows.exceeded as usize, left_out: rows.all - rows.decided }
+    }
+}
+
 impl Counts {
     /// Runs that exceed the limit if all those without a known outcome do.
     pub fn at_most(&self) -> usize {
@@ -329,14 +337,9 @@ pub struct SlidingResult {
 /// A quantity at both ends of its range.
 #[derive(Clone, Debug, Serialize)]
 pub struct Sensitivity {
-    /// Name and unit.
-    pub name: String,
-    /// Both ends of the range.
-    pub values: [f64; 2],
-    /// The value in the middle of the study.
-    pub middle: f64,
-    /// Whether the study has this range; else it is a usual one.
-    pub is_given: bool,
+    /// The quantity.
+    #[serde(flatten)]
+    pub assumption: Assumption,
     /// The runs at both ends.
     pub ends: [Comparison; 2],
 }

@@ -2,7 +2,7 @@
 
 use crate::assess::plan::State;
 use crate::assess::results::{Counts, CurveResult, RateResult, StateResult, ends};
-use crate::fragility::{Assessment, Case, Cases, Limit, Link, SweepTable, SweepTableError, Uncertainty};
+use crate::fragility::{Assessment, Case, Limit, Link, SweepTable, SweepTableError, Uncertainty};
 use crate::intensity::Measure;
 use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in};
 use crate::statistics::range;
@@ -35,21 +35,16 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let Cases { cases, .. } = table.cases(limit)?;
+        let (cases, counts) = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
         let range = range(values.iter().flatten().copied()).unwrap_or([f64::NAN; 2]);
-        let counts = Counts {
-            known: cases.len(),
-            exceeded: cases.iter().filter(|case| case.fraction == 1.0).count(),
-            left_out: table.rows() - cases.len(),
-        };
         let fitted = Assessment::new(&cases, &values, Link::Probit, CONFIDENCE, Uncertainty::Profile);
         let assessment = fitted.map_err(|error| error.to_string());
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
         let rate_bounds = hazard.map_or([None; 2], |hazard| rate_bounds(hazard, &cases, &numbers));
-        Ok(StateCurve { counts, assessment, rate, rate_bounds, range })
+        Ok(StateCurve { counts: counts.into(), assessment, rate, rate_bounds, range })
     }
 
     /// The numbers of the curve.
@@ -62,11 +57,6 @@ impl StateCurve {
             beta_interval: ends(found.dispersion),
             auc: found.auc,
         })
-    }
-
-    /// The reason why there is no curve.
-    pub(super) fn no_curve(&self) -> Option<String> {
-        self.assessment.as_ref().err().cloned()
     }
 
     /// The annual rate with its interval.
@@ -92,7 +82,7 @@ impl StateCurve {
             source: state.source.clone(),
             runs: self.counts,
             curve: self.curve(),
-            no_curve: self.no_curve(),
+            no_curve: self.assessment.as_ref().err().cloned(),
             rate: hazard.and_then(|hazard| self.rate(hazard, years)),
             rate_bounds: self.rate_bounds,
         }

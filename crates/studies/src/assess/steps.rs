@@ -1,7 +1,7 @@
 //! The studies of an assessment → their tables, step by step, kept for further calls.
 
 use std::convert::Infallible;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -96,7 +96,9 @@ impl<'a> Work<'a> {
         identity: Vec<String>,
     ) -> Result<(Table, u64), AssessError> {
         let header = TableHeader { study: identity, columns: study.header().columns };
-        let mut file = open(&kept_file(folder, &header), &header, study.rows())?;
+        // The file is named after the description of the table.
+        let path = folder.join(hexadecimal(&Sha256::digest(header.study.join("\n").as_bytes())) + ".csv");
+        let mut file = open(&path, &header, study.rows())?;
         let (mut before, mut table) = (0, Table::default());
         let mut follow = |rows| {
             table.append(rows);
@@ -149,11 +151,6 @@ fn checksum_of(program: &Path) -> Option<String> {
 /// The first 16 digits of a checksum.
 fn hexadecimal(sum: &[u8]) -> String {
     sum.iter().take(8).map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// The file of a table, named after its description.
-fn kept_file(folder: &Path, header: &TableHeader) -> PathBuf {
-    folder.join(hexadecimal(&Sha256::digest(header.study.join("\n").as_bytes())) + ".csv")
 }
 
 /// Opens a kept table; one that is damaged is replaced.

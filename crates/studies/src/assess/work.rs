@@ -5,7 +5,7 @@ use rayon::ThreadPool;
 use crate::assess::alternatives::{Alternative, Assumption};
 use crate::assess::describe::{building, hazard_result, motions, object, static_threshold, strengths};
 use crate::assess::plan::{Hazard, Plan};
-use crate::assess::results::{Comparison, Counts, Report, Sensitivity, SlidingResult};
+use crate::assess::results::{Comparison, Report, Sensitivity, SlidingResult};
 use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Kept, Step, Work};
@@ -86,10 +86,10 @@ pub fn assess(
         sliding.push(sliding_result(plan, compared, friction::to_user(plan.block.friction), &table)?);
     }
     let mut sensitivity = Vec::new();
-    for Assumption { name, changes, values, middle, is_given } in &plan.assumptions {
+    for assumption in &plan.assumptions {
+        let Assumption { name, changes, .. } = assumption;
         let ends = [changed(&mut work, name, &changes[..1])?, changed(&mut work, name, &changes[1..])?];
-        let (name, values, middle, is_given) = (name.clone(), *values, *middle, *is_given);
-        sensitivity.push(Sensitivity { name, values, middle, is_given, ends });
+        sensitivity.push(Sensitivity { assumption: assumption.clone(), ends });
     }
     let table_of_sizes = work.table("other sizes", &of_sizes, &of_sizes.header().study)?;
     let mut statistics = Statistics::new(&of_sizes);
@@ -174,7 +174,7 @@ fn comparison(
         limit: limit.to_string(),
         runs: found.counts,
         curve: found.curve(),
-        no_curve: found.no_curve(),
+        no_curve: found.assessment.as_ref().err().cloned(),
         rate: found.rate.as_ref().map(|rate| rate.rate),
         rate_bounds: found.rate_bounds,
         peak_slip: slip,
@@ -188,10 +188,7 @@ fn sliding_result(
     friction: f64,
     table: &SweepTable,
 ) -> Result<SlidingResult, AssessError> {
-    let limit = plan.states[compared].limit;
-    let cases = table.cases(limit)?.cases;
-    let exceeded = cases.iter().filter(|case| case.fraction == 1.0).count();
-    let runs = Counts { known: cases.len(), exceeded, left_out: table.rows() - cases.len() };
+    let (_, counts) = table.cases(plan.states[compared].limit)?;
     let mut slips: Vec<f64> = table.numbers("peak.slip")?.into_iter().flatten().collect();
     slips.sort_by(f64::total_cmp);
     let median = |sorted: &[f64]| match sorted {
@@ -200,7 +197,7 @@ fn sliding_result(
     };
     Ok(SlidingResult {
         friction,
-        runs,
+        runs: counts.into(),
         slid: slips.iter().filter(|slip| **slip > SLID).count(),
         median_slip: median(&slips),
         greatest_slip: slips.last().copied().unwrap_or(0.0),

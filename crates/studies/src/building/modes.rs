@@ -58,7 +58,6 @@ fn wrong<T>(name: &'static str, found: impl Into<String>, expected: impl Into<St
 
 /// Least damping ratio: with less, floors would vibrate for minutes after the earthquake.
 const MIN_DAMPING: f64 = 0.001;
-const EXPECTED_DAMPING: &str = "0.001 to less than 1";
 /// Greatest number of floors; its eigenproblem takes seconds.
 const MAX_FLOORS: usize = 500;
 
@@ -152,7 +151,6 @@ impl Building {
 
     fn damped(mut self, damping: &Damping) -> Result<Building, BuildingError> {
         let count = self.modes.len();
-        let is_valid = |ratio: f64| (MIN_DAMPING..1.0).contains(&ratio);
         let ratios = match damping {
             Damping::All(ratio) => vec![*ratio; count],
             Damping::Each(ratios) if ratios.len() == count => ratios.clone(),
@@ -180,9 +178,10 @@ impl Building {
             }
         };
         for (number, (mode, ratio)) in self.modes.iter_mut().zip(ratios).enumerate() {
-            if !is_valid(ratio) {
+            if !(MIN_DAMPING..1.0).contains(&ratio) {
                 let name = if matches!(damping, Damping::Rayleigh(..)) { "rayleigh" } else { "damping" };
-                return wrong(name, format!("gives mode {} the ratio {ratio}", number + 1), EXPECTED_DAMPING);
+                let found = format!("gives mode {} the ratio {ratio}", number + 1);
+                return wrong(name, found, format!("{MIN_DAMPING} to less than 1"));
             }
             mode.damping = ratio;
         }

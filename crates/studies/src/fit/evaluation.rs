@@ -10,23 +10,14 @@ use crate::fit::model::{TimeSeries, course};
 use crate::fit::problem::{FitError, Problem, Test};
 use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
 
-/// Numbers of runs of a fit.
-#[derive(Debug, Default)]
-pub struct Runs {
-    /// Runs without derivatives.
-    pub plain: AtomicU64,
-    /// Runs with derivatives.
-    pub with_gradients: AtomicU64,
-}
-
 /// A problem with its unknowns.
 pub struct Evaluator<'a> {
     /// The problem.
     pub problem: &'a Problem,
     /// Its unknowns, the coordinates of a point.
     pub unknowns: &'a [Unknown],
-    /// Runs so far.
-    pub runs: Runs,
+    /// Numbers of runs so far, without and with derivatives.
+    pub runs: [AtomicU64; 2],
 }
 
 impl Evaluator<'_> {
@@ -73,8 +64,7 @@ impl Evaluator<'_> {
         let [_, delay] = self.zero_and_delay(number, values);
         let times: Vec<f64> = times.map(|time| time - delay).collect();
         let run = self.problem.run(test, &parameters).map_err(|_| None)?;
-        let counter = if with_gradients { &self.runs.with_gradients } else { &self.runs.plain };
-        counter.fetch_add(1, Ordering::Relaxed);
+        self.runs[usize::from(with_gradients)].fetch_add(1, Ordering::Relaxed);
         let found = course(&run, &parameters, names.as_deref(), &test.output, &times, with_rate);
         found.ok_or(None)?.map_err(|error| Some(FitError::Runs(error)))
     }

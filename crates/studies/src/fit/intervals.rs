@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::evaluation::Evaluator;
-use crate::fit::least_squares::{Linearization, Minimum, Triangle};
+use crate::fit::least_squares::{Minimum, Triangle};
 
 /// An end of a coordinate's interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,11 +72,12 @@ impl Profile<'_> {
             let moved = &from + &ridge * (center + side * distance - from[i]);
             let mut point = moved.map(|coordinate| coordinate.clamp(0.0, 1.0));
             point[i] = if distance >= range { 0.5 + 0.5 * side } else { center + side * distance };
-            let Some((at, triangle)) = self.linearize(&point) else {
+            let Ok(at) = self.evaluator.linearize(&point, &self.evaluator.problem.counts()) else {
                 // The model fails there: the end is nearer.
                 (high, distance) = (distance, 0.5 * (low + distance));
                 continue;
             };
+            let triangle = at.triangle();
             let mut fixed = vec![false; point.len()];
             fixed[i] = true;
             let step = triangle.step(&point, &fixed, 0.0);
@@ -107,13 +108,6 @@ impl Profile<'_> {
             distance = if next > low && next < high { next } else { 0.5 * (low + high.min(range)) };
         }
         Ok(IntervalEnd::Unsettled(from[i]))
-    }
-
-    fn linearize(&self, point: &DVector<f64>) -> Option<(Linearization, Triangle)> {
-        let counts: Vec<usize> = self.evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
-        let at = self.evaluator.linearize(point, &counts).ok()?;
-        let triangle = at.triangle();
-        Some((at, triangle))
     }
 }
 

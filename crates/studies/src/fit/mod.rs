@@ -35,7 +35,7 @@ use rocking_block::block::Block;
 use serde::Serialize;
 
 use crate::fit::combinations::{Combination, combinations};
-use crate::fit::evaluation::{Evaluator, Runs};
+use crate::fit::evaluation::Evaluator;
 use crate::fit::intervals::{EVALUATIONS, IntervalEnd, Lower, Profile};
 use crate::fit::least_squares::{Minimum, minimize};
 use crate::fit::unknowns::{set, unknowns};
@@ -133,7 +133,7 @@ pub struct Fit {
 pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) + Sync)) -> Result<Fit, FitError> {
     problem.check()?;
     let unknowns = unknowns(problem)?;
-    let evaluator = Evaluator { problem, unknowns: &unknowns, runs: Runs::default() };
+    let evaluator = Evaluator { problem, unknowns: &unknowns, runs: Default::default() };
     pool.install(|| {
         let minima = search::search(&evaluator, progress)?;
         let (best, others, ends) = with_intervals(&evaluator, minima, RESTARTS, EVALUATIONS);
@@ -156,7 +156,7 @@ fn with_intervals(
     restarts: usize,
     evaluations: usize,
 ) -> (Minimum, Vec<Minimum>, Option<Ends>) {
-    let counts: Vec<usize> = evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
+    let counts = evaluator.problem.counts();
     let shared = evaluator.problem.free.len();
     let deviate = normal::quantile(0.5 + 0.5 * evaluator.problem.options.level);
     let mut best = minima.remove(0);
@@ -210,7 +210,7 @@ fn hull(one: Ends, other: Ends) -> Ends {
 
 fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Option<Ends>) -> Result<Fit, FitError> {
     let Evaluator { problem, unknowns, .. } = evaluator;
-    let counts: Vec<usize> = problem.tests.iter().map(|test| test.values.len()).collect();
+    let counts = problem.counts();
     let values = evaluator.values(&best.point);
     let variance = evaluator.variance(best.at.cost(), &counts);
     let covariance = best.at.triangle().covariance() * variance;
@@ -252,7 +252,7 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Optio
     for (unknown, value) in unknowns.iter().zip(&values).filter(|(unknown, _)| unknown.test.is_none()) {
         set(&mut parameters, &unknown.name, *value);
     }
-    let runs = [&evaluator.runs.plain, &evaluator.runs.with_gradients].map(|count| count.load(Ordering::Relaxed));
+    let runs = evaluator.runs.each_ref().map(|count| count.load(Ordering::Relaxed));
     let mut fit = Fit {
         estimates,
         covariance: of_values.row_iter().map(|row| row.iter().copied().collect()).collect(),
@@ -325,11 +325,11 @@ mod tests {
         };
         let counts = [2];
         let all = unknowns(&problem).unwrap();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
         let course = evaluator.course(0, &[3.0], [0.1, 0.2].into_iter(), true);
         let points = course.unwrap_or_else(|_| unreachable!()).points;
         problem.tests[0].values = points.iter().map(|point| point.value).collect();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
         let point = nalgebra::DVector::from_element(1, 0.3);
         let at = evaluator.linearize(&point, &counts).unwrap_or_else(|_| unreachable!());
         let poor = Minimum { point, at, is_converged: true };
@@ -358,11 +358,11 @@ mod tests {
             options: Options::default(),
         };
         let all = unknowns(&problem).unwrap();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
         let course = evaluator.course(0, &[3.0], times.into_iter(), true);
         problem.tests[0].values =
             course.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Runs::default() };
+        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
         let point = nalgebra::DVector::from_element(1, 0.5);
         let at = evaluator.linearize(&point, &[20]).unwrap_or_else(|_| unreachable!());
         for evaluations in [0, EVALUATIONS] {

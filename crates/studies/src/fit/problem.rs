@@ -3,7 +3,7 @@
 use crate::spec::fit::FitTable;
 use crate::spec::limits;
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{BlockError, BlockParameters};
+use rocking_block::block::{Block, BlockError, BlockParameters};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
@@ -74,6 +74,37 @@ impl Test {
             free: Vec::new(),
         }
     }
+
+    /// Refuses a test that is not valid for this block.
+    fn check(&self, block: &Block) -> Result<(), String> {
+        let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = self;
+        let known: Vec<String> =
+            columns(block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
+        let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());
+        let moves = is_moved(ground, pulse, initial);
+        let fault = if !known.contains(output) {
+            format!("there is no measured quantity {output}; expected one of {}", known.join(", "))
+        } else if times.len() != values.len() {
+            format!("{} times and {} values; expected equal numbers", times.len(), values.len())
+        } else if times.len() < 2 {
+            format!("{} values; expected two at least", times.len())
+        } else if let Some(i) = finite(times).or(finite(values)) {
+            format!("value {} at t = {} s is {}; expected finite numbers", i + 1, times[i], values[i])
+        } else if let Some(i) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+            format!("time {} is {} s, after {} s; expected increasing times", i + 2, times[i + 1], times[i])
+        } else if let Some(noise) = noise.filter(|noise| !(*noise > 0.0 && noise.is_finite())) {
+            format!("noise = {noise}; expected a standard deviation > 0")
+        } else if !moves {
+            "nothing moves the block; expected a record, a pulse or an initial state".into()
+        } else if let Some(number) =
+            [*scale, *zero, *delay, initial.theta, initial.theta_dot].iter().find(|x| !x.is_finite())
+        {
+            format!("{number} among scale, zero, delay and the initial state; expected finite numbers")
+        } else {
+            return Ok(());
+        };
+        Err(fault)
+    }
 }
 
 /// Options of a fit.
@@ -113,9 +144,9 @@ pub struct Problem {
 /// The reason why a fit is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// A free parameter that is unknown, or whose bounds or prior are not valid.
+    /// An option or a free parameter that is not valid.
     #[error("{0}")]
-    Free(String),
+    Invalid(String),
     /// A test that is not valid.
     #[error("test_{number}: {message}")]
     Test {
@@ -124,9 +155,6 @@ pub enum FitError {
         /// The fault and the expected content.
         message: String,
     },
-    /// An option that is not valid.
-    #[error("{0}")]
-    Options(String),
     /// A block that is not valid.
     #[error(transparent)]
     Block(BlockError),
@@ -173,9 +201,9 @@ impl Problem {
         Ok(column.map_or("1", |column| column.unit))
     }
 
-    /// Returns the number of measured values.
-    pub fn values(&self) -> usize {
-        self.tests.iter().map(|test| test.values.len()).sum()
+    /// Returns the numbers of measured values of the tests.
+    pub fn counts(&self) -> Vec<usize> {
+        self.tests.iter().map(|test| test.values.len()).collect()
     }
 
     /// Refuses a problem that is not valid.
@@ -186,12 +214,13 @@ impl Problem {
         let Options { starts, level, tolerance, .. } = self.options;
         let starts = Some(f64::from(starts));
         let numbers = [("starts", starts), ("level", Some(level)), ("tolerance", Some(tolerance))];
-        limits::check::<FitTable>(&numbers).map_err(|error| FitError::Options(error.spelled(str::to_owned)))?;
+        limits::check::<FitTable>(&numbers).map_err(|error| FitError::Invalid(error.spelled(str::to_owned)))?;
         if self.tests.is_empty() {
-            return Err(FitError::Options("there is no test; expected one at least".into()));
+            return Err(FitError::Invalid("there is no test; expected one at least".into()));
         }
         for (number, test) in (1..).zip(&self.tests) {
-            self.check_test(test)?.map_err(|message| FitError::Test { number, message })?;
+            let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
+            test.check(&block).map_err(|message| FitError::Test { number, message })?;
         }
         let with_noise = self.tests.iter().filter(|test| test.noise.is_some()).count();
         if with_noise != 0 && with_noise != self.tests.len() {
@@ -208,44 +237,12 @@ impl Problem {
             let all = self.free.iter().chain(self.tests.iter().flat_map(|test| &test.free));
             if let Some(free) = all.into_iter().find(|free| free.prior.is_some()) {
                 let name = &free.name;
-                return Err(FitError::Free(format!(
+                return Err(FitError::Invalid(format!(
                     "prior of {name} without noise; expected both, since one weighs the other"
                 )));
             }
         }
         Ok(())
-    }
-
-    /// Returns the fault of a test as an inner error.
-    fn check_test(&self, test: &Test) -> Result<Result<(), String>, FitError> {
-        let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = test;
-        let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
-        let known: Vec<String> =
-            columns(&block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
-        let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());
-        let moves = is_moved(ground, pulse, initial);
-        let fault = if !known.contains(output) {
-            format!("there is no measured quantity {output}; expected one of {}", known.join(", "))
-        } else if times.len() != values.len() {
-            format!("{} times and {} values; expected equal numbers", times.len(), values.len())
-        } else if times.len() < 2 {
-            format!("{} values; expected two at least", times.len())
-        } else if let Some(i) = finite(times).or(finite(values)) {
-            format!("value {} at t = {} s is {}; expected finite numbers", i + 1, times[i], values[i])
-        } else if let Some(i) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
-            format!("time {} is {} s, after {} s; expected increasing times", i + 2, times[i + 1], times[i])
-        } else if let Some(noise) = noise.filter(|noise| !(*noise > 0.0 && noise.is_finite())) {
-            format!("noise = {noise}; expected a standard deviation > 0")
-        } else if !moves {
-            "nothing moves the block; expected a record, a pulse or an initial state".into()
-        } else if let Some(number) =
-            [*scale, *zero, *delay, initial.theta, initial.theta_dot].iter().find(|x| !x.is_finite())
-        {
-            format!("{number} among scale, zero, delay and the initial state; expected finite numbers")
-        } else {
-            return Ok(Ok(()));
-        };
-        Ok(Err(fault))
     }
 }
 

@@ -119,11 +119,11 @@ pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
     }
     for (i, unknown) in found.iter().enumerate() {
         if found[..i].iter().any(|other| other.full_name() == unknown.full_name()) {
-            return Err(FitError::Free(format!("{} is given twice; expected it once", unknown.full_name())));
+            return Err(FitError::Invalid(format!("{} is given twice; expected it once", unknown.full_name())));
         }
     }
     if found.is_empty() {
-        return Err(FitError::Free("nothing is free; expected one parameter at least, as in alpha".into()));
+        return Err(FitError::Invalid("nothing is free; expected one parameter at least, as in alpha".into()));
     }
     Ok(found)
 }
@@ -154,7 +154,7 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
                 if number.is_some() { "test" } else { "block" }
             ),
         };
-        return Err(FitError::Free(format!("{hint} one of {}", known.join(", "))));
+        return Err(FitError::Invalid(format!("{hint} one of {}", known.join(", "))));
     }
     let start = match name.as_str() {
         "zero" => test.zero,
@@ -166,15 +166,22 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
         && !(mean.is_finite() && deviation > 0.0 && deviation.is_finite())
     {
         let message = format!("prior of {shown} = [{mean}, {deviation}]; expected a mean and a standard deviation > 0");
-        return Err(FitError::Free(message));
+        return Err(FitError::Invalid(message));
     }
     let unit = match name.as_str() {
         "zero" => problem.unit(test)?,
         "delay" => "s",
         _ => unit(name),
     };
-    let unit = unit.to_string();
-    Ok(Unknown { name: name.clone(), unit, test: number, start, bounds, is_logarithmic, prior: free.prior })
+    Ok(Unknown {
+        name: name.clone(),
+        unit: unit.into(),
+        test: number,
+        start,
+        bounds,
+        is_logarithmic,
+        prior: free.prior,
+    })
 }
 
 /// Returns the bounds of a parameter, and whether its logarithm is fitted.
@@ -198,10 +205,10 @@ fn bounds(
     let [low, high] = bounds;
     if !(low.is_finite() && high.is_finite() && low < high) {
         let message = format!("bounds of {shown} = [{low}, {high}]; expected two different numbers, the lower first");
-        return Err(FitError::Free(message));
+        return Err(FitError::Invalid(message));
     }
     if !(low..=high).contains(&start) {
-        return Err(FitError::Free(format!(
+        return Err(FitError::Invalid(format!(
             "{shown} = {start} is not within its bounds [{low}, {high}]; expected a value inside"
         )));
     }

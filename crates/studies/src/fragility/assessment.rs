@@ -106,16 +106,20 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
-        let without = store.without();
+        let without = store.without;
+        let sampling = match uncertainty {
+            Uncertainty::Profile => None,
+            Uncertainty::Bootstrap(samples, seed) => Some((samples, seed)),
+        };
         let found = match store.rows(motions)? {
-            StoredRows::Few(rows, records) => Found::of_list(&rows, &records, link, uncertainty)?,
-            StoredRows::Many(rows) => Found::of_many(&rows, link, uncertainty)?,
+            StoredRows::Few(rows, records) => Found::of_list(&rows, &records, link, sampling)?,
+            StoredRows::Many(rows) => Found::of_many(&rows, link, sampling)?,
         };
         let Found { rows, data, fit, independence, covariance, bootstrap, quality, efficiency, rocking } = found;
         let (median, dispersion) = match &bootstrap {
             None => {
                 let deviate = independence.deviate(confidence);
-                let profile = LikelihoodProfile::clustered(&data, &fit, deviate, covariance.clone())?;
+                let profile = LikelihoodProfile::clustered(&data, &fit, deviate, covariance.clone());
                 (profile.median(), profile.dispersion())
             }
             Some(found) => {
@@ -160,10 +164,8 @@ impl Assessment {
             }
             None => {
                 let deviate = self.independence.deviate(self.confidence);
-                match LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone()) {
-                    Ok(profile) => measures.par_iter().map(|&measure| profile.probability(measure)).collect(),
-                    Err(_) => unreachable!("the data have one measure"),
-                }
+                let profile = LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone());
+                measures.par_iter().map(|&measure| profile.probability(measure)).collect()
             }
         }
     }
@@ -217,11 +219,9 @@ impl Found {
         rows: &[(Case, [f64; 2])],
         records: &[usize],
         link: Link,
-        uncertainty: Uncertainty,
+        sampling: Option<(u32, u64)>,
     ) -> Result<Found, CurveFitError> {
-        let observation =
-            |(case, [measure, _]): &(Case, [f64; 2])| Observation::with_probability(&[*measure], case.fraction);
-        let data = Data::new(rows.iter().map(observation).collect())?;
+        let data = data(rows, 1)?;
         let fit = data.fit(link)?;
         let (rocking, peaks): (Vec<f64>, Vec<f64>) =
             rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
@@ -230,10 +230,7 @@ impl Found {
             rows: rows.len(),
             independence: Independence::of(records),
             covariance: clusters::covariance(&data, &fit, records),
-            bootstrap: match uncertainty {
-                Uncertainty::Profile => None,
-                Uncertainty::Bootstrap(samples, seed) => Some(bootstrap(&data, records, link, samples, seed)?),
-            },
+            bootstrap: sampling.map(|(samples, seed)| bootstrap(&data, records, link, samples, seed)).transpose()?,
             quality: Quality {
                 auc: auc(data.observations(), &probabilities),
                 brier: brier(data.observations(), &probabilities),
@@ -247,16 +244,13 @@ impl Found {
         })
     }
 
-    fn of_many(rows: &ManyRows, link: Link, uncertainty: Uncertainty) -> Result<Found, CurveFitError> {
+    fn of_many(rows: &ManyRows, link: Link, sampling: Option<(u32, u64)>) -> Result<Found, CurveFitError> {
         let (data, fit, width) = rows.curve(link)?;
         Ok(Found {
             rows: rows.count,
             independence: rows.independence(),
             covariance: rows.covariance(&fit, Some(width))?,
-            bootstrap: match uncertainty {
-                Uncertainty::Profile => None,
-                Uncertainty::Bootstrap(samples, seed) => Some(rows.bootstrap(link, samples, seed, width)?),
-            },
+            bootstrap: sampling.map(|(samples, seed)| rows.bootstrap(link, samples, seed, width)).transpose()?,
             quality: rows.quality(&fit)?,
             efficiency: rows.scatter.efficiency(),
             rocking: rows.scatter.rows,
@@ -264,6 +258,13 @@ impl Found {
             fit,
         })
     }
+}
+
+/// The data of a list of rows over the first of their measures.
+fn data(rows: &[(Case, [f64; 2])], measures: usize) -> Result<Data, CurveFitError> {
+    let observation =
+        |(case, values): &(Case, [f64; 2])| Observation::with_probability(&values[..measures], case.fraction);
+    Data::new(rows.iter().map(observation).collect())
 }
 
 /// Standard errors of the coefficients of a fit from their covariance, clustered by record.
@@ -298,9 +299,7 @@ impl Surface {
     pub fn of(store: CaseStore, motions: &Motions, link: Link) -> Result<Surface, CurveFitError> {
         match store.rows(motions)? {
             StoredRows::Few(rows, records) => {
-                let observation =
-                    |(case, measures): &(Case, [f64; 2])| Observation::with_probability(measures, case.fraction);
-                let data = Data::new(rows.iter().map(observation).collect())?;
+                let data = data(&rows, 2)?;
                 let fit = data.fit(link)?;
                 let probabilities = fit.probabilities(data.observations());
                 let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
@@ -324,10 +323,8 @@ impl Surface {
 pub fn sufficiency_of(store: CaseStore, motions: &Motions, link: Link) -> Result<f64, CurveFitError> {
     match store.rows(motions)? {
         StoredRows::Few(rows, records) => {
-            let observation =
-                |(case, [first, _]): &(Case, [f64; 2])| Observation::with_probability(&[*first], case.fraction);
             let others: Vec<f64> = rows.iter().map(|(_, [_, other])| *other).collect();
-            sufficiency(&Data::new(rows.iter().map(observation).collect())?, &others, link, &records)
+            sufficiency(&data(&rows, 1)?, &others, link, &records)
         }
         StoredRows::Many(rows) => {
             let (_, curve, _) = rows.curve(link)?;

@@ -53,7 +53,7 @@ impl Bootstrap {
 /// same curves on every machine: ChaCha with 8 rounds, one stream per sample.
 ///
 /// # Errors
-/// [`CurveFitError::OneMotion`] for fewer than two groups.
+/// Fewer than two groups.
 pub fn bootstrap(
     data: &Data,
     groups: &[usize],
@@ -68,7 +68,7 @@ pub fn bootstrap(
     }
     let members: Vec<_> = members.into_iter().filter(|members| !members.is_empty()).collect();
     if members.len() < 2 {
-        return Err(CurveFitError::OneMotion { found: members.len() });
+        return Err(CurveFitError::one_motion(members.len()));
     }
     let mut found = Bootstrap { fits: Vec::new(), without: 0, groups: members.len() };
     for sample in 0..samples {

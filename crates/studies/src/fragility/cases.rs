@@ -33,16 +33,24 @@ impl Case {
     }
 }
 
-/// The rows of a table, relative to a limit.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cases {
-    /// Rows with a known outcome.
-    pub cases: Vec<Case>,
-    /// Number of rows with failed runs.
+/// Counts of a table's rows, relative to a limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct RowCounts {
+    /// All rows.
+    pub all: usize,
+    /// Rows whose run decides whether the limit is exceeded.
+    pub decided: usize,
+    /// Rows that exceed the limit. For ensembles, the sum of the fractions of samples that do.
+    pub exceeded: f64,
+    /// Rows that exceed the limit if all rows and samples without a known outcome do.
+    pub exceeded_at_most: f64,
+    /// Rows of ensembles some of whose samples have no known outcome.
+    pub partly_known: usize,
+    /// Rows whose runs failed.
     pub failed: usize,
-    /// Number of rows that ended at complete separation without exceeding the limit.
+    /// Rows whose runs ended at complete separation before exceeding the limit.
     pub separated: usize,
-    /// Number of rows that ended undecided without exceeding the limit.
+    /// Rows whose duration was too short.
     pub undecided: usize,
 }
 
@@ -83,15 +91,19 @@ impl Motions {
 }
 
 impl SweepTable {
-    /// Compares each row with a limit. The result is the probability of its ensemble if the table has one, else its single run.
+    /// Returns the rows whose outcome relative to a limit is known, and counts of all rows. The outcome is the probability of the ensemble if
+    /// the table has one, else that of the single run.
     ///
     /// # Errors
     /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
-    pub fn cases(&self, limit: Limit) -> Result<Cases, SweepTableError> {
-        self.cases_of(limit, &mut Motions::default(), |row| row as u64)
+    pub fn cases(&self, limit: Limit) -> Result<(Vec<Case>, RowCounts), SweepTableError> {
+        let mut counts = RowCounts::default();
+        let cases = self.cases_of(limit, &mut Motions::default(), &mut counts, |row| row as u64)?;
+        Ok((cases, counts))
     }
 
-    /// [`SweepTable::cases`] of a batch of rows. Its ground motions may have occurred before; `place` is that of a row in the whole table.
+    /// [`SweepTable::cases`] of a batch of rows, which are counted. Its ground motions may have occurred before; `place` is that of a row
+    /// in the whole table.
     ///
     /// # Errors
     /// Those of [`SweepTable::cases`].
@@ -99,11 +111,15 @@ impl SweepTable {
         &self,
         limit: Limit,
         motions: &mut Motions,
+        counts: &mut RowCounts,
         place: impl Fn(usize) -> u64,
-    ) -> Result<Cases, SweepTableError> {
-        let mut headings = self.table().columns().iter().map(|column| &column.heading);
+    ) -> Result<Vec<Case>, SweepTableError> {
+        let mut headings = self.table.columns().iter().map(|column| &column.heading);
         if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
-            return Err(SweepTableError::Search { file: self.file().into(), column: heading.to_string() });
+            return Err(self.refused(format!(
+                "found the least levels of searches, {heading}; expected an outcome at one level in each row, as from a sweep with \
+                 scales or levels"
+            )));
         }
         let ends = self.ends()?;
         let known = |name: &str| self.column(name).ok();
@@ -119,7 +135,7 @@ impl SweepTable {
         let unknown = known(&format!("ensemble.unknown({limit})"));
         let samples = known("ensemble.samples");
         let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
-        let mut found = Cases::default();
+        let mut found = Vec::new();
         let [record, vertical] = ["record", "vertical"].map(|name| self.column(name).ok());
         // Words are looked up once for all rows of a batch.
         let is_numbered =
@@ -159,13 +175,20 @@ impl SweepTable {
                     let peak = peak.filter(|peak| rocked && *peak > 0.0);
                     let of_samples = number(unknown, row)?.zip(number(samples, row)?);
                     let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
-                    found.cases.push(Case { row, fraction, unknown, peak, motion });
+                    found.push(Case { row, fraction, unknown, peak, motion });
                 }
-                (None, End::Undecided) => found.undecided += 1,
-                (None, End::Separated) => found.separated += 1,
-                (None, End::Failed | End::Completed | End::Overturned) => found.failed += 1,
+                (None, End::Undecided) => counts.undecided += 1,
+                (None, End::Separated) => counts.separated += 1,
+                (None, End::Failed | End::Completed | End::Overturned) => counts.failed += 1,
             }
         }
+        let exceeded = found.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
+        let unknown: f64 = found.iter().map(|case| case.unknown).sum();
+        counts.all += self.rows();
+        counts.decided += found.len();
+        counts.exceeded += exceeded;
+        counts.exceeded_at_most += exceeded + unknown + (self.rows() - found.len()) as f64;
+        counts.partly_known += found.iter().filter(|case| case.unknown > 0.0).count();
         Ok(found)
     }
 }
@@ -183,15 +206,14 @@ mod tests {
     #[test]
     fn rows_are_compared_with_a_limit() {
         let fractions = |limit: &str| {
-            let found = table(TABLE).cases(limit.parse().unwrap()).unwrap();
-            let cases: Vec<_> =
-                found.cases.iter().map(|case| (case.row, case.fraction, case.motion.unwrap())).collect();
-            (cases, found.failed, found.separated, found.undecided)
+            let (cases, counts) = table(TABLE).cases(limit.parse().unwrap()).unwrap();
+            let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction, case.motion.unwrap())).collect();
+            (cases, counts.failed, counts.separated, counts.undecided)
         };
         assert_eq!(fractions("overturned"), (vec![(0, 0.0, 0), (1, 1.0, 1), (2, 0.0, 0), (6, 0.0, 0)], 1, 2, 2));
         let rotated = vec![(0, 0.0, 0), (1, 1.0, 1), (2, 1.0, 0), (4, 1.0, 1), (6, 0.0, 0), (8, 1.0, 1)];
         assert_eq!(fractions("theta/alpha>0.5"), (rotated, 1, 1, 1));
-        let peaks: Vec<_> = table(TABLE).cases(Limit::Overturned).unwrap().cases.iter().map(|case| case.peak).collect();
+        let peaks: Vec<_> = table(TABLE).cases(Limit::Overturned).unwrap().0.iter().map(|case| case.peak).collect();
         assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
     }
 
@@ -200,9 +222,9 @@ mod tests {
     fn rows_are_compared_with_a_slip() {
         let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\
                     4,undecided,0.1\n";
-        let found = table(text).cases(Limit::Slip(0.1)).unwrap();
-        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
-        assert_eq!((cases, found.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
+        let (cases, counts) = table(text).cases(Limit::Slip(0.1)).unwrap();
+        let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, counts.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
         let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
         assert!(refused.starts_with("t.csv: has no column peak.slip"), "{refused}");
     }
@@ -212,24 +234,24 @@ mod tests {
     fn rows_are_compared_with_a_plastic_elongation() {
         let text = "row,outcome,peak.tie_1.plastic [m],peak.damper_1.plastic [m]\n0,completed,0.005,0.02\n\
                     1,completed,0.01,0.005\n2,overturned,0,0\n3,undecided,0.03,\n4,undecided,,\n";
-        let found = table(text).cases(Limit::Plastic(0.015)).unwrap();
-        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
-        assert_eq!((cases, found.undecided), (vec![(0, 1.0), (1, 0.0), (2, 1.0), (3, 1.0)], 1));
+        let (cases, counts) = table(text).cases(Limit::Plastic(0.015)).unwrap();
+        let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, counts.undecided), (vec![(0, 1.0), (1, 0.0), (2, 1.0), (3, 1.0)], 1));
         let refused = table(TABLE).cases(Limit::Plastic(0.1)).unwrap_err().to_string();
         assert!(refused.starts_with("t.csv: has no column peak.damper_1.plastic"), "{refused}");
         let text = "row,outcome,half_cycles>0.005 [1]\n0,completed,3\n1,completed,2\n2,undecided,2\n";
-        let found = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
-        assert_eq!(found.cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [1.0, 0.0]);
-        assert_eq!(found.undecided, 1);
+        let (cases, counts) = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
+        assert_eq!(cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [1.0, 0.0]);
+        assert_eq!(counts.undecided, 1);
     }
 
     #[test]
     fn an_ensemble_gives_its_probability() {
         let ensemble = "row,outcome,peak.theta/alpha [1],ensemble.samples [1],P(overturned) [1]\n0,completed,0.3,4,0.25\n\
                         1,failed,0.3,4,1\n2,failed,0.1,4,\n";
-        let found = table(ensemble).cases(Limit::Overturned).unwrap();
-        assert_eq!(found.cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [0.25, 1.0]);
-        assert_eq!(found.failed, 1);
+        let (cases, counts) = table(ensemble).cases(Limit::Overturned).unwrap();
+        assert_eq!(cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [0.25, 1.0]);
+        assert_eq!(counts.failed, 1);
         let refused = table(ensemble).cases(Limit::Rotation(0.5)).unwrap_err().to_string();
         assert!(
             refused.starts_with("t.csv: has no column P(theta/alpha>0.5); expected one of row, outcome"),

@@ -1,6 +1,6 @@
 //! Observations → data with a unique best curve or surface.
 
-use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::separation;
 
 /// Observations with a unique best curve or surface.
@@ -15,23 +15,22 @@ impl Data {
     /// # Errors
     /// The first invalid row, a single class, constant or dependent measures, or classes that do not overlap.
     pub fn new(observations: Vec<Observation>) -> Result<Data, CurveFitError> {
-        let measures = observations.first().ok_or(CurveFitError::Empty)?.measures.len();
+        let Some(first) = observations.first() else {
+            let message = "found no rows; expected rows that exceed the limit and rows that do not";
+            return Err(CurveFitError(message.into()));
+        };
+        let measures = first.measures.len();
         for (row, observation) in observations.iter().enumerate() {
-            let Observation { measures: of_row, fraction, weight } = observation;
+            let found = observation.measures.len();
             let expected = match measures {
                 1 => "1, as in row 0",
                 2 => "2, as in row 0",
                 _ => "1 or 2",
             };
-            if of_row.len() != measures || !(1..=2).contains(&measures) {
-                return Err(CurveFitError::Measures { row, found: of_row.len(), expected });
+            if found != measures || !(1..=2).contains(&measures) {
+                return Err(CurveFitError(format!("found {found} measures in row {row}; expected {expected}")));
             }
-            if let Some(&found) = of_row.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
-                return Err(CurveFitError::Measure { row, found });
-            }
-            if !((0.0..=1.0).contains(fraction) && *weight > 0.0 && weight.is_finite()) {
-                return Err(CurveFitError::Outcome { row, fraction: *fraction, weight: *weight });
-            }
+            check_row(row, &observation.measures, observation.fraction, observation.weight)?;
         }
         separation::check(&observations)?;
         Ok(Data { observations })

@@ -9,6 +9,7 @@ use serde_json::json;
 use crate::fragility::likelihood::Link;
 use crate::fragility::regression::CurveFit;
 use crate::intensity::Measure;
+use crate::mismatch::Mismatch;
 use crate::run::limit::Limit;
 use crate::statistics::normal::probability;
 
@@ -24,52 +25,6 @@ pub enum LossProgram {
 impl Words for LossProgram {
     const WORDS: &'static [(&'static str, LossProgram)] =
         &[("pelicun", LossProgram::Pelicun), ("openquake", LossProgram::OpenQuake)];
-}
-
-/// The reason why curves cannot be exported.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ExportError {
-    /// The curve is not lognormal, or falls with the measure.
-    #[error(
-        "found a {link} curve of dispersion {beta:.4}; expected a lognormal one of a dispersion above 0, as of the link probit"
-    )]
-    Curve {
-        /// The link.
-        link: Link,
-        /// The dispersion.
-        beta: f64,
-    },
-    /// The program has no such measure.
-    #[error("found a curve over {measure}, which {program} does not have; expected one over {known}")]
-    Measure {
-        /// The measure.
-        measure: Measure,
-        /// The program.
-        program: &'static str,
-        /// Its measures.
-        known: &'static str,
-    },
-    /// The identifier has other characters.
-    #[error("found the identifier `{0}`; expected letters, digits, dots and underscores")]
-    Id(String),
-    /// A limit has two curves.
-    #[error("found two curves of {limit} for {id}; expected a limit for each")]
-    Repeated {
-        /// The component.
-        id: String,
-        /// The limit.
-        limit: Limit,
-    },
-    /// Components have different limits.
-    #[error("found the limit states {found} for {id}; expected {expected} for all components of OpenQuake's model")]
-    States {
-        /// The component.
-        id: String,
-        /// Its limit states.
-        found: String,
-        /// The limits of the first component.
-        expected: String,
-    },
 }
 
 /// A component with a lognormal curve for each of its limits: its damage states.
@@ -108,18 +63,19 @@ impl Component {
         factor: f64,
         curves: impl IntoIterator<Item = (Limit, &'f CurveFit)>,
         description: &str,
-    ) -> Result<Component, ExportError> {
+    ) -> Result<Component, Mismatch> {
         if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || "._".contains(c)) {
-            return Err(ExportError::Id(id.into()));
+            return Err(Mismatch::new(format!("the identifier `{id}`"), "letters, digits, dots and underscores"));
         }
         let mut states: Vec<State> = Vec::new();
         for (limit, fit) in curves {
             let (median, beta) = (fit.median() / factor, fit.dispersion());
             if !(fit.link == Link::Probit && beta > 0.0) {
-                return Err(ExportError::Curve { link: fit.link, beta });
+                let found = format!("a {} curve of dispersion {beta:.4}", fit.link);
+                return Err(Mismatch::new(found, "a lognormal one of a dispersion above 0, as of the link probit"));
             }
             if states.iter().any(|state| state.limit == limit) {
-                return Err(ExportError::Repeated { id: id.into(), limit });
+                return Err(Mismatch::new(format!("two curves of {limit} for {id}"), "a limit for each"));
             }
             states.push(State { limit, median, beta });
         }
@@ -155,8 +111,11 @@ impl Component {
         self.states.windows(2).filter_map(crossing).collect()
     }
 
-    fn unknown(&self, program: &'static str, known: &'static str) -> ExportError {
-        ExportError::Measure { measure: self.measure, program, known }
+    fn unknown(&self, program: &str, known: &str) -> Mismatch {
+        Mismatch::new(
+            format!("a curve over {}, which {program} does not have", self.measure),
+            format!("one over {known}"),
+        )
     }
 }
 
@@ -165,8 +124,8 @@ impl Component {
 /// `gravity` (m/s²) is that of accelerations in g.
 ///
 /// # Errors
-/// [`ExportError::Measure`].
-pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], ExportError> {
+/// A measure that pelicun does not have.
+pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Mismatch> {
     let most = components.iter().map(|component| component.states.len()).max().unwrap_or(0);
     let mut csv = String::from("ID,Incomplete,Demand-Type,Demand-Unit,Demand-Offset,Demand-Directional");
     for number in 1..=most {
@@ -217,8 +176,8 @@ pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Ex
 /// dispersions under the least median, OpenQuake takes the probability as zero.
 ///
 /// # Errors
-/// [`ExportError::Measure`], or components with different limits.
-pub fn openquake(components: &[Component], gravity: f64) -> Result<String, ExportError> {
+/// A measure that OpenQuake does not have, or components with different limits.
+pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Mismatch> {
     let names = |component: &Component| {
         let name = |State { limit, .. }: &State| match limit {
             Limit::Overturned => "overturned".into(),
@@ -241,8 +200,9 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Expor
         };
         let found = names(component);
         if found != states {
-            let (id, [found, expected]) = (component.id.clone(), [found, states].map(|names| names.join(" ")));
-            return Err(ExportError::States { id, found, expected });
+            let found = format!("the limit states {} for {}", found.join(" "), component.id);
+            let expected = format!("{} for all components of OpenQuake's model", states.join(" "));
+            return Err(Mismatch::new(found, expected));
         }
         let at = |z: f64| component.states.iter().map(move |state| factor * state.median * libm::exp(z * state.beta));
         let (least, greatest) = (at(-6.0).fold(f64::INFINITY, f64::min), at(6.0).fold(0.0, f64::max));
@@ -377,7 +337,8 @@ mod tests {
         let repeated = of("a", &[&fit, &fit]).unwrap_err().to_string();
         assert_eq!(repeated, "found two curves of overturned for a; expected a limit for each");
         for id in ["a b", "a-b", ""] {
-            assert_eq!(of(id, &[&fit]), Err(ExportError::Id(id.into())));
+            let refused = of(id, &[&fit]).unwrap_err().to_string();
+            assert_eq!(refused, format!("found the identifier `{id}`; expected letters, digits, dots and underscores"));
         }
     }
 }

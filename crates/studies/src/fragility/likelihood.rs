@@ -100,10 +100,7 @@ impl Link {
 /// The word in options and reports.
 impl std::fmt::Display for Link {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Link::Probit => "probit",
-            Link::Logit => "logit",
-        })
+        f.pad(self.word())
     }
 }
 

@@ -53,34 +53,32 @@ impl<'a> LikelihoodProfile<'a> {
     /// `confidence` is above 0 and below 1; `records` has the record of each observation.
     ///
     /// # Errors
-    /// [`CurveFitError::Measures`] for a surface.
+    /// Data of a surface.
     pub fn new(
         data: &'a Data,
         fit: &'a CurveFit,
         confidence: f64,
         records: &[usize],
     ) -> Result<LikelihoodProfile<'a>, CurveFitError> {
+        let found = data.measures();
+        if found != 1 {
+            return Err(CurveFitError(format!("found {found} measures in row 0; expected 1 for a curve")));
+        }
         let deviate = Independence::of(records).deviate(confidence);
-        LikelihoodProfile::clustered(data, fit, deviate, clusters::covariance(data, fit, records))
+        Ok(LikelihoodProfile::clustered(data, fit, deviate, clusters::covariance(data, fit, records)))
     }
 
     /// [`LikelihoodProfile::new`] with a known deviate of the confidence and covariance. The deviate is two-sided; the covariance is
     /// clustered by record.
-    ///
-    /// # Errors
-    /// Those of [`LikelihoodProfile::new`].
     pub(super) fn clustered(
         data: &'a Data,
         fit: &'a CurveFit,
         deviate: f64,
         covariance: Option<DMatrix<f64>>,
-    ) -> Result<LikelihoodProfile<'a>, CurveFitError> {
-        if data.measures() != 1 {
-            return Err(CurveFitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
-        }
+    ) -> LikelihoodProfile<'a> {
         let observations = together(data.observations());
         let x = observations.iter().map(|row| libm::log(row.measures[0])).collect();
-        Ok(LikelihoodProfile { observations, x, fit, covariance, allowed: deviate * deviate })
+        LikelihoodProfile { observations, x, fit, covariance, allowed: deviate * deviate }
     }
 
     /// Interval of the median, in the unit of the measure. Unbounded where the data admit a slope of zero.

@@ -27,7 +27,7 @@ impl Data {
     /// Fits the curve or surface of maximum likelihood by Newton's method; the maximum is unique.
     ///
     /// # Errors
-    /// [`CurveFitError::NotConverged`] for data that are nearly separable.
+    /// Data that are nearly separable.
     pub fn fit(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         let observations = self.observations();
         let total: f64 = observations.iter().map(|row| row.weight).sum();
@@ -161,19 +161,20 @@ impl Regression for Predictor<'_> {
 pub(super) struct SurfaceRows<'a>(pub &'a SortedRows);
 
 impl SurfaceRows<'_> {
-    /// Adds the terms of a row at these coefficients. They are an intercept and one or two slopes.
-    pub fn add(
-        sums: &mut Sums,
+    /// Returns the sums of a row at these coefficients. They are an intercept and one or two slopes.
+    pub fn sums_of_row(
         row: &EqualRows,
         coefficients: &[f64],
         term: impl Fn(f64, f64) -> Term,
         weight: impl Fn(&Term) -> f64,
-    ) {
+    ) -> Sums {
         let [first, second] = row.measures.map(libm::log);
         let x = &[1.0, first, second][..coefficients.len()];
         let predictor = x.iter().zip(coefficients).map(|(x, coefficient)| x * coefficient).sum();
         let term = term(predictor, row.fraction) * f64::from(row.count);
+        let mut sums = Sums::default();
         sums.add(x, &term, weight(&term));
+        sums
     }
 }
 
@@ -188,11 +189,7 @@ impl Regression for SurfaceRows<'_> {
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
     ) -> Result<Sums, CurveFitError> {
-        self.0.sum(|row| {
-            let mut sums = Sums::default();
-            SurfaceRows::add(&mut sums, row, coefficients.as_slice(), &term, &weight);
-            sums
-        })
+        self.0.sum(|row| SurfaceRows::sums_of_row(row, coefficients.as_slice(), &term, &weight))
     }
 }
 
@@ -288,5 +285,7 @@ pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>
         }
         length = fraction * step.norm();
     }
-    Err(CurveFitError::NotConverged { iterations: MAX_ITERATIONS, step: length })
+    Err(CurveFitError(format!(
+        "found no maximum of the likelihood in {MAX_ITERATIONS} iterations; the last step was {length:e}"
+    )))
 }

@@ -37,37 +37,33 @@ pub(super) struct EqualRows {
 }
 
 impl EqualRows {
-    fn order(&self, other: &EqualRows) -> Ordering {
-        // The bits of numbers from zero on are in the order of the numbers.
-        let order = |one: f64, other: f64| one.to_bits().cmp(&other.to_bits());
-        order(self.measures[0], other.measures[0])
-            .then_with(|| order(self.measures[1], other.measures[1]))
-            .then_with(|| order(self.fraction, other.fraction))
-            .then_with(|| self.motion.cmp(&other.motion))
+    /// The row in words that sort as rows do: the bits of numbers from zero on are in the order of the numbers. The count is last.
+    fn words(&self) -> [u64; 4] {
+        let [first, second] = self.measures;
+        let last = u64::from(self.motion) << 32 | u64::from(self.count);
+        [first.to_bits(), second.to_bits(), self.fraction.to_bits(), last]
     }
 
-    fn bytes(&self) -> [u8; SIZE] {
-        let mut bytes = [0; SIZE];
-        bytes[..8].copy_from_slice(&self.measures[0].to_le_bytes());
-        bytes[8..16].copy_from_slice(&self.measures[1].to_le_bytes());
-        bytes[16..24].copy_from_slice(&self.fraction.to_le_bytes());
-        bytes[24..28].copy_from_slice(&self.motion.to_le_bytes());
-        bytes[28..].copy_from_slice(&self.count.to_le_bytes());
-        bytes
+    fn of_words([first, second, fraction, last]: [u64; 4]) -> EqualRows {
+        let measures = [f64::from_bits(first), f64::from_bits(second)];
+        EqualRows { measures, fraction: f64::from_bits(fraction), motion: (last >> 32) as u32, count: last as u32 }
+    }
+
+    fn order(&self, other: &EqualRows) -> Ordering {
+        let key = |row: &EqualRows| {
+            (row.measures[0].to_bits(), row.measures[1].to_bits(), row.fraction.to_bits(), row.motion)
+        };
+        key(self).cmp(&key(other))
+    }
+
+    fn write(&self, file: &mut impl Write) -> io::Result<()> {
+        self.words().iter().try_for_each(|word| file.write_all(&word.to_le_bytes()))
     }
 
     fn of_bytes(bytes: &[u8]) -> EqualRows {
-        let real = |at: usize| {
-            let mut real = [0; 8];
-            real.copy_from_slice(&bytes[at..at + 8]);
-            f64::from_le_bytes(real)
-        };
-        let whole = |at: usize| {
-            let mut whole = [0; 4];
-            whole.copy_from_slice(&bytes[at..at + 4]);
-            u32::from_le_bytes(whole)
-        };
-        EqualRows { measures: [real(0), real(8)], fraction: real(16), motion: whole(24), count: whole(28) }
+        let mut words = [0; 4];
+        words.iter_mut().zip(bytes.as_chunks().0).for_each(|(word, bytes)| *word = u64::from_le_bytes(*bytes));
+        EqualRows::of_words(words)
     }
 }
 
@@ -110,10 +106,8 @@ impl RowSorter {
     /// Rows that cannot be kept on disk.
     pub fn finish(mut self) -> Result<SortedRows, CurveFitError> {
         self.sort();
-        if self.runs.is_none() {
-            return Ok(SortedRows { kept: self.buffer, file: None });
-        }
-        self.end_run().and_then(|()| self.merged()).map_err(refused)
+        let ended = if self.runs.is_some() { self.end_run() } else { Ok(()) };
+        ended.and_then(|()| self.merged()).map_err(refused)
     }
 
     fn sort(&mut self) {
@@ -126,7 +120,7 @@ impl RowSorter {
             Some(file) => file,
             None => self.runs.insert(BufWriter::new(tempfile::tempfile()?)),
         };
-        self.buffer.iter().try_for_each(|row| file.write_all(&row.bytes()))?;
+        self.buffer.iter().try_for_each(|row| row.write(file))?;
         self.lengths.push(self.buffer.len() as u64);
         self.buffer.clear();
         Ok(())
@@ -145,27 +139,28 @@ impl RowSorter {
         let mut runs: Vec<Run> = self.lengths.into_iter().map(run).collect();
         let mut heads = BinaryHeap::new();
         for (number, run) in runs.iter_mut().enumerate() {
-            heads.extend(run.pop(&file)?.map(|row| Reverse(Head(row, number))));
+            heads.extend(run.pop(&file)?.map(|row| Reverse((row.words(), number))));
         }
         let mut merged = BufWriter::new(tempfile::tempfile()?);
         let mut last: Option<EqualRows> = None;
         while let Some(mut head) = heads.peek_mut() {
-            let Reverse(Head(row, number)) = *head;
+            let Reverse((words, number)) = *head;
+            let row = EqualRows::of_words(words);
             match runs[number].pop(&file)? {
-                Some(next) => *head = Reverse(Head(next, number)),
+                Some(next) => *head = Reverse((next.words(), number)),
                 None => drop(std::collections::binary_heap::PeekMut::pop(head)),
             }
             match &mut last {
                 Some(last) => {
                     if !take_equal(last, &row) {
-                        merged.write_all(&last.bytes())?;
+                        last.write(&mut merged)?;
                         *last = row;
                     }
                 }
                 None => last = Some(row),
             }
         }
-        last.iter().try_for_each(|row| merged.write_all(&row.bytes()))?;
+        last.iter().try_for_each(|row| row.write(&mut merged))?;
         let file = merged.into_inner().map_err(io::IntoInnerError::into_error)?;
         Ok(SortedRows { kept: Vec::new(), file: Some(file) })
     }
@@ -202,29 +197,6 @@ impl Run {
         Ok(self.block.pop())
     }
 }
-
-/// The next row of a run.
-struct Head(EqualRows, usize);
-
-impl Ord for Head {
-    fn cmp(&self, other: &Head) -> Ordering {
-        self.0.order(&other.0)
-    }
-}
-
-impl PartialOrd for Head {
-    fn partial_cmp(&self, other: &Head) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Head {
-    fn eq(&self, other: &Head) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Head {}
 
 /// Rows in the order of their measures, fractions and motions, equal ones counted.
 pub(super) struct SortedRows {
@@ -287,7 +259,10 @@ pub(super) fn total<T: Copy + Default + std::ops::Add<Output = T>>(parts: &[T]) 
 }
 
 fn refused(error: io::Error) -> CurveFitError {
-    CurveFitError::Temporary { folder: std::env::temp_dir().display().to_string(), reason: error.to_string() }
+    CurveFitError(format!(
+        "cannot keep rows in a temporary file in {}: {error}; expected 64 bytes of room for each row; TMPDIR names another folder",
+        std::env::temp_dir().display()
+    ))
 }
 
 #[cfg(test)]

@@ -13,29 +13,19 @@ use crate::fragility::observation::{CurveFitError, Observation};
 /// Needs valid measures.
 pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     let rows = observations.len();
-    let class = |is: fn(f64) -> bool| observations.iter().filter(move |row| is(row.fraction));
-    let (others, exceeded) = (|y: f64| y < 1.0, |y: f64| y > 0.0);
-    for (is, other) in [(others as fn(f64) -> bool, true), (exceeded, false)] {
-        if class(is).next().is_none() {
-            return Err(CurveFitError::OneClass { exceeded: other, rows });
-        }
-    }
     let count = observations[0].measures.len();
-    for measure in 0..count {
-        let value = observations[0].measures[measure];
-        if observations.iter().all(|row| row.measures[measure] == value) {
-            return Err(CurveFitError::Alike { value, rows });
-        }
+    let mut ends = vec![Ends::default(); count];
+    for row in observations {
+        ends.iter_mut().zip(&row.measures).for_each(|(ends, measure)| ends.take(*measure, row.fraction));
     }
+    check_classes(&ends, rows)?;
     if count == 1 {
-        let mut ends = Ends::default();
-        observations.iter().for_each(|row| ends.take(row.measures[0], row.fraction));
-        return match ends.separating() {
+        return match ends[0].separating() {
             Some((below, above, falls)) => {
                 let at = || observations.iter().filter(|row| row.measures[0] == below);
                 let has_more = || observations.iter().any(|row| row.measures[0] > below);
                 let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
-                Err(CurveFitError::Separable { below, above, falls, shared })
+                Err(CurveFitError::separable(below, above, falls, shared))
             }
             None => Ok(()),
         };
@@ -43,13 +33,22 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     let mut hulls = Hulls::default();
     hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction)));
     if hulls.is_line() {
-        return Err(CurveFitError::Collinear { rows });
+        return Err(CurveFitError::collinear(rows));
     }
     if hulls.are_separable() {
-        let (exceeded, others) = (class(exceeded).count(), class(others).count());
-        return Err(CurveFitError::SeparablePlane { exceeded, others });
+        let class = |is: fn(f64) -> bool| observations.iter().filter(|row| is(row.fraction)).count();
+        return Err(CurveFitError::separable_plane(class(|y| y > 0.0), class(|y| y < 1.0)));
     }
     Ok(())
+}
+
+/// Checks that both classes occur, and that each measure varies. `ends` are those of the measures.
+pub(super) fn check_classes(ends: &[Ends], rows: usize) -> Result<(), CurveFitError> {
+    if let Some(exceeded) = ends[0].only_class() {
+        return Err(CurveFitError::one_class(exceeded, rows));
+    }
+    let alike = ends.iter().map(Ends::range).find(|[low, high]| low == high);
+    alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))
 }
 
 /// The convex hulls of all rows and of both classes over two log measures. The classes are rows that do not exceed the limit, and rows that

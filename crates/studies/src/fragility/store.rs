@@ -1,6 +1,6 @@
 //! Cases in batches → a list of rows, or sorted rows if they are many.
 
-use crate::fragility::cases::{Case, Cases, Motions};
+use crate::fragility::cases::{Case, Motions, RowCounts};
 use crate::fragility::many::{ManyRows, ManyRowsBuilder};
 use crate::fragility::observation::CurveFitError;
 use crate::fragility::table::{SweepTable, SweepTableError};
@@ -15,8 +15,8 @@ pub struct CaseStore {
     /// Places in the table, cases and measures.
     list: Vec<(u64, Case, [f64; 2])>,
     many: Option<ManyRowsBuilder>,
-    /// Cases without a value of the measures.
-    without: usize,
+    /// Number of cases without a value of the measures.
+    pub(super) without: usize,
     /// The error of the first row that a fit refuses.
     refused: Option<CurveFitError>,
 }
@@ -52,11 +52,6 @@ impl CaseStore {
                 }
             }
         }
-    }
-
-    /// Number of cases without a value of the measures.
-    pub(super) fn without(&self) -> usize {
-        self.without
     }
 
     /// Returns the rows; `motions` are those of the cases.
@@ -97,7 +92,8 @@ impl CaseStore {
 
 /// Counts and cases of a table read batch by batch, relative to a limit.
 pub struct Collected {
-    limit: Option<Limit>,
+    /// The limit; `None` before the first batch unless it was given.
+    pub limit: Option<Limit>,
     columns: Vec<[Option<String>; 2]>,
     /// The cases over each list of columns.
     pub stores: Vec<CaseStore>,
@@ -107,37 +103,11 @@ pub struct Collected {
     pub counts: RowCounts,
 }
 
-/// Counts of a table's rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct RowCounts {
-    /// All rows.
-    pub all: usize,
-    /// Rows whose run decides whether the limit is exceeded.
-    pub decided: usize,
-    /// Rows that exceed the limit. For ensembles, the sum of the fractions of samples that do.
-    pub exceeded: f64,
-    /// Rows that exceed the limit if all rows and samples without a known outcome do.
-    pub exceeded_at_most: f64,
-    /// Rows of ensembles some of whose samples have no known outcome.
-    pub partly_known: usize,
-    /// Rows whose runs failed.
-    pub failed: usize,
-    /// Rows whose runs ended at complete separation before exceeding the limit.
-    pub separated: usize,
-    /// Rows whose duration was too short.
-    pub undecided: usize,
-}
-
 impl Collected {
     /// Begins with a limit, or the usual one of the table, and each store's columns.
     pub fn new(limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
         let stores = columns.iter().map(|_| CaseStore::default()).collect();
         Collected { limit, columns, stores, motions: Motions::default(), counts: RowCounts::default() }
-    }
-
-    /// The limit; `None` before the first batch unless it was given.
-    pub fn limit(&self) -> Option<Limit> {
-        self.limit
     }
 
     /// Takes a batch of rows. `is_part` says that the rows of the whole table are in the order of their column `row`, otherwise in that of
@@ -153,7 +123,7 @@ impl Collected {
             Some(numbers) => numbers[row].unwrap_or_default() as u64,
             None => before + row as u64,
         };
-        let Cases { cases, failed, separated, undecided } = batch.cases_of(limit, &mut self.motions, place)?;
+        let cases = batch.cases_of(limit, &mut self.motions, &mut self.counts, place)?;
         for (store, columns) in self.stores.iter_mut().zip(&self.columns) {
             let [first, second] =
                 columns.each_ref().map(|name| name.as_ref().map(|name| batch.numbers(name)).transpose());
@@ -165,18 +135,6 @@ impl Collected {
                 store.push(place(case.row), case, [value(&first, case.row), value(&second, case.row)]);
             }
         }
-        let counts = &mut self.counts;
-        counts.all += batch.rows();
-        counts.decided += cases.len();
-        counts.exceeded += cases.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
-        let unknown: f64 = cases.iter().map(|case| case.unknown).sum();
-        counts.exceeded_at_most += cases.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>()
-            + unknown
-            + (batch.rows() - cases.len()) as f64;
-        counts.partly_known += cases.iter().filter(|case| case.unknown > 0.0).count();
-        counts.failed += failed;
-        counts.separated += separated;
-        counts.undecided += undecided;
         Ok(())
     }
 }

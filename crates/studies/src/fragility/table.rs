@@ -16,51 +16,22 @@ pub enum SweepTableError {
     /// The file is not a table.
     #[error(transparent)]
     Read(#[from] TableReadError),
-    /// A column is missing.
-    #[error("{file}: has no column {name}; expected one of {known}")]
-    Column {
+    /// The table lacks the content that an evaluation needs.
+    #[error("{file}: {message}")]
+    Content {
         /// The table.
         file: String,
-        /// Name of the column.
-        name: String,
-        /// The columns of the table.
-        known: String,
+        /// The content found, and the expected one.
+        message: String,
     },
-    /// A field does not fit its column.
-    #[error("{file}: row {row} has {column} = {found}; expected {expected}")]
-    Field {
-        /// The table.
-        file: String,
-        /// Its row, from 0, as numbered in the first column.
-        row: usize,
-        /// Name of the column.
-        column: String,
-        /// Content of the field.
-        found: String,
-        /// The expected content.
-        expected: String,
-    },
-    /// The rows are searches for the least level, whose outcomes belong to no level.
-    #[error(
-        "{file}: found the least levels of searches, {column}; expected an outcome at one level in each row, as from a sweep with scales \
-         or levels"
-    )]
-    Search {
-        /// The table.
-        file: String,
-        /// Heading of the column of the least levels.
-        column: String,
-    },
-    /// No row has the requested value.
-    #[error("{file}: found no row with {column} = {value}; expected a value of that column")]
-    NoRow {
-        /// The table.
-        file: String,
-        /// Name of the column.
-        column: String,
-        /// The requested value.
-        value: String,
-    },
+}
+
+impl SweepTableError {
+    /// No row of a file has this value in a column.
+    pub fn no_row(file: &str, column: &str, value: &str) -> SweepTableError {
+        let message = format!("found no row with {column} = {value}; expected a value of that column");
+        SweepTableError::Content { file: file.into(), message }
+    }
 }
 
 /// Column of blocks with ties: the peak rotation over the balance angle of its side.
@@ -69,8 +40,10 @@ const OVER_BALANCE: &str = "peak.theta/balance";
 /// The table of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepTable {
-    file: String,
-    table: Table,
+    /// Name of the file.
+    pub file: String,
+    /// Its columns.
+    pub table: Table,
     /// Headings of all columns of the file, including those left out of the table.
     headings: Vec<String>,
 }
@@ -134,16 +107,6 @@ impl SweepTable {
         Ok(SweepTable::new(file, reader.table()))
     }
 
-    /// Name of the file.
-    pub fn file(&self) -> &str {
-        &self.file
-    }
-
-    /// Its columns.
-    pub fn table(&self) -> &Table {
-        &self.table
-    }
-
     /// The distinct words of a column in the order of the rows. `None` without such a column.
     pub fn words(&self, name: &str) -> Option<Vec<String>> {
         let column = self.column(name).ok()?;
@@ -168,7 +131,7 @@ impl SweepTable {
     pub fn keep(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
         self.keep_rows(column, value)?;
         match self.rows() {
-            0 => Err(SweepTableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
+            0 => Err(SweepTableError::no_row(&self.file, column, value)),
             _ => Ok(()),
         }
     }
@@ -280,15 +243,19 @@ impl SweepTable {
         let exact = find(name, |a, b| a == b);
         // `Sa(0.5)` is the column `Sa(0.5 s)`.
         let measure = || find(&name.parse::<Measure>().ok()?.to_string(), |a, b| a == b);
-        exact.or_else(|| find(name, str::eq_ignore_ascii_case)).or_else(measure).ok_or_else(|| {
-            SweepTableError::Column { file: self.file.clone(), name: name.into(), known: self.headings.join(", ") }
-        })
+        exact
+            .or_else(|| find(name, str::eq_ignore_ascii_case))
+            .or_else(measure)
+            .ok_or_else(|| self.refused(format!("has no column {name}; expected one of {}", self.headings.join(", "))))
     }
 
     fn wrong(&self, row: usize, column: &Series, expected: &str) -> SweepTableError {
         let number = self.table.column("row").and_then(|numbers| numbers.text(row).parse().ok()).unwrap_or(row);
-        let (file, found, expected) = (self.file.clone(), column.text(row), expected.into());
-        SweepTableError::Field { file, row: number, column: column.heading.to_string(), found, expected }
+        self.refused(format!("row {number} has {} = {}; expected {expected}", column.heading, column.text(row)))
+    }
+
+    pub(super) fn refused(&self, message: String) -> SweepTableError {
+        SweepTableError::Content { file: self.file.clone(), message }
     }
 }
 

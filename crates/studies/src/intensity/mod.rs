@@ -100,34 +100,36 @@ impl Measure {
         format!("{self} [{}]", self.unit())
     }
 
+    /// The name in tables, without a period; the unit; and the power of a factor on the record that multiplies the measure.
+    fn properties(self) -> (&'static str, &'static str, u8) {
+        match self {
+            Measure::Pga => ("PGA", "m/s2", 1),
+            Measure::Pgv => ("PGV", "m/s", 1),
+            Measure::Pgd => ("PGD", "m", 1),
+            Measure::PgvToPga => ("PGV/PGA", "s", 0),
+            Measure::Arias => ("Arias", "m/s", 2),
+            Measure::Cav => ("CAV", "m/s", 1),
+            Measure::SignificantDuration => ("D5-95", "s", 0),
+            Measure::MeanPeriod => ("T_m", "s", 0),
+            Measure::SpectrumIntensity => ("SI", "m", 1),
+            Measure::Sa(_) => ("Sa", "m/s2", 1),
+            Measure::Sv(_) => ("Sv", "m/s", 1),
+            Measure::PgaToUplift => ("PGA/(g tan alpha)", "1", 1),
+            Measure::PgvToOverturning => ("p PGV/(g tan alpha)", "1", 1),
+            Measure::Pfa => ("PFA", "m/s2", 1),
+            Measure::Pfv => ("PFV", "m/s", 1),
+            Measure::PeriodToBlock => ("p T_m", "1", 0),
+        }
+    }
+
     /// The unit.
     pub fn unit(self) -> &'static str {
-        match self {
-            Measure::Pga | Measure::Sa(_) | Measure::Pfa => "m/s2",
-            Measure::Pgv | Measure::Arias | Measure::Cav | Measure::Sv(_) | Measure::Pfv => "m/s",
-            Measure::Pgd | Measure::SpectrumIntensity => "m",
-            Measure::PgvToPga | Measure::SignificantDuration | Measure::MeanPeriod => "s",
-            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => "1",
-        }
+        self.properties().1
     }
 
     /// The power of a factor on the record that multiplies the measure, 0 without effect.
     pub fn power(self) -> u8 {
-        match self {
-            Measure::Arias => 2,
-            Measure::PgvToPga | Measure::SignificantDuration | Measure::MeanPeriod | Measure::PeriodToBlock => 0,
-            Measure::Pga
-            | Measure::Pgv
-            | Measure::Pgd
-            | Measure::Cav
-            | Measure::SpectrumIntensity
-            | Measure::Sa(_)
-            | Measure::Sv(_)
-            | Measure::Pfa
-            | Measure::Pfv
-            | Measure::PgaToUplift
-            | Measure::PgvToOverturning => 1,
-        }
+        self.properties().2
     }
 
     /// The underlying measure of the record, and the factor that relates it to a block.
@@ -175,24 +177,11 @@ impl Measure {
 /// The name in tables and study files.
 impl std::fmt::Display for Measure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Measure::Pga => "PGA",
-            Measure::Pgv => "PGV",
-            Measure::Pgd => "PGD",
-            Measure::PgvToPga => "PGV/PGA",
-            Measure::Arias => "Arias",
-            Measure::Cav => "CAV",
-            Measure::SignificantDuration => "D5-95",
-            Measure::MeanPeriod => "T_m",
-            Measure::SpectrumIntensity => "SI",
-            Measure::Sa(period) => return write!(f, "Sa({period} s)"),
-            Measure::Sv(period) => return write!(f, "Sv({period} s)"),
-            Measure::Pfa => "PFA",
-            Measure::Pfv => "PFV",
-            Measure::PgaToUplift => "PGA/(g tan alpha)",
-            Measure::PgvToOverturning => "p PGV/(g tan alpha)",
-            Measure::PeriodToBlock => "p T_m",
-        })
+        let (name, ..) = self.properties();
+        match self {
+            Measure::Sa(period) | Measure::Sv(period) => write!(f, "{name}({period} s)"),
+            _ => f.write_str(name),
+        }
     }
 }
 

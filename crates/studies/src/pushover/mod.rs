@@ -36,39 +36,17 @@ pub struct Push {
 }
 
 /// The reason why a block has no curve.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PushoverError {
-    /// A rotation out of range.
-    #[error("{name} = {value} rad; expected a rotation above 0 and below pi/2 rad")]
-    Rotation {
-        /// The parameter's name.
-        name: &'static str,
-        /// Its value (rad).
-        value: f64,
-    },
-    /// No step.
-    #[error("points = {0}; expected 1 to {MAX_POINTS} steps")]
-    Points(u32),
-    /// The vertical forces have no stable balance.
-    #[error(
-        "theta = {theta} rad: supports, weight, ties and dampers do not balance; expected softer ties or stiffer supports"
-    )]
-    NoEquilibrium {
-        /// The rotation (rad).
-        theta: f64,
-    },
-    /// The block does not reach the amplitude of the cycles.
-    #[error(
-        "cycles of {amplitude} rad end at theta = {theta} rad, where the block {reason}; expected a smaller amplitude"
-    )]
-    Amplitude {
-        /// The amplitude (rad).
-        amplitude: f64,
-        /// The rotation of the end (rad).
-        theta: f64,
-        /// What happens there.
-        reason: &'static str,
-    },
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct PushoverError(String);
+
+impl PushoverError {
+    /// The vertical forces have no stable balance at a rotation (rad).
+    fn no_equilibrium(theta: f64) -> PushoverError {
+        PushoverError(format!(
+            "theta = {theta} rad: supports, weight, ties and dampers do not balance; expected softer ties or stiffer supports"
+        ))
+    }
 }
 
 /// Greatest number of steps.
@@ -173,11 +151,12 @@ impl Pushover {
         let Push { over, to, amplitude, points } = *push;
         for (name, value) in [("to", to), ("amplitude", amplitude)] {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && *value < FRAC_PI_2)) {
-                return Err(PushoverError::Rotation { name, value });
+                let message = format!("{name} = {value} rad; expected a rotation above 0 and below pi/2 rad");
+                return Err(PushoverError(message));
             }
         }
         if !(1..=MAX_POINTS).contains(&points) {
-            return Err(PushoverError::Points(points));
+            return Err(PushoverError(format!("points = {points}; expected 1 to {MAX_POINTS} steps")));
         }
         let sign = -over.sign();
         let end = to.unwrap_or_else(|| block.alpha_of(over));
@@ -211,10 +190,13 @@ impl Cycle {
                 lost_before = walk.lost;
             }
             if !walk.to(turn * sign * amplitude, step)? {
-                let theta = walk.at().theta;
-                return Err(PushoverError::Amplitude { amplitude, theta, reason: walk.reason() });
+                return Err(PushoverError(format!(
+                    "cycles of {amplitude} rad end at theta = {} rad, where the block {}; expected a smaller amplitude",
+                    walk.at.theta,
+                    walk.reason()
+                )));
             }
-            ends.push(walk.row_count());
+            ends.push(walk.rows.len());
         }
         let after = walk.lost;
         let lost = std::array::from_fn(|number| after[number] - lost_before[number]);

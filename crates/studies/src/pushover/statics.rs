@@ -115,7 +115,7 @@ impl Stretch {
     /// Returns the equilibrium at a rotation; the search for the height begins at `near` (m).
     ///
     /// # Errors
-    /// [`PushoverError::NoEquilibrium`]: the vertical forces do not balance.
+    /// The vertical forces do not balance.
     pub fn equilibrium(
         &self,
         block: &Block,
@@ -173,7 +173,7 @@ impl Stretch {
     ) -> Result<Dual<f64>, PushoverError> {
         const ITERATIONS: u32 = 100;
         const ROUND_OFF: f64 = 1e-9;
-        let lost = || PushoverError::NoEquilibrium { theta };
+        let lost = || PushoverError::no_equilibrium(theta);
         let scale = block.static_deflection() + block.r0 * theta.abs();
         let (mut v, mut last) = (near, f64::INFINITY);
         for _ in 0..ITERATIONS {

@@ -32,14 +32,16 @@ pub(super) struct Walk<'a> {
     block: Block,
     stretch: Stretch,
     direction: f64,
-    at: Equilibrium,
+    /// The present equilibrium.
+    pub at: Equilibrium,
     /// Energy lost by yielding (J), by the numbers of the restraints.
     pub lost: [f64; restraints::MAX],
     /// Whether a path away from the upright position ends at the balance.
     ends_at_balance: bool,
     /// Whether the lateral force grew at the end of the last step.
     grew: bool,
-    rows: &'a mut Vec<Equilibrium>,
+    /// The rows so far.
+    pub rows: &'a mut Vec<Equilibrium>,
     landmarks: &'a mut Vec<Landmark>,
 }
 
@@ -53,7 +55,7 @@ impl<'a> Walk<'a> {
     /// Begins at θ = 0 under the weight and the restraints' pull, in this direction.
     ///
     /// # Errors
-    /// [`PushoverError::NoEquilibrium`].
+    /// The vertical forces do not balance.
     pub fn new(
         block: &Block,
         direction: f64,
@@ -72,7 +74,7 @@ impl<'a> Walk<'a> {
         let at = stretch.equilibrium(&block, 0.0, direction, 0.0)?;
         if regime == Regime::Separated || at.reaction.iter().any(|&load| load < -ROUNDING * block.mass * block.gravity)
         {
-            return Err(PushoverError::NoEquilibrium { theta: 0.0 });
+            return Err(PushoverError::no_equilibrium(0.0));
         }
         let lost = [0.0; restraints::MAX];
         let mut walk = Walk { block, stretch, direction, at, lost, ends_at_balance, grew: true, rows, landmarks };
@@ -82,16 +84,6 @@ impl<'a> Walk<'a> {
             walk.pivot()?;
         }
         Ok(walk)
-    }
-
-    /// Returns the present equilibrium.
-    pub fn at(&self) -> &Equilibrium {
-        &self.at
-    }
-
-    /// Returns the number of rows so far.
-    pub fn row_count(&self) -> usize {
-        self.rows.len()
     }
 
     /// Returns the motion of the block at the end of a path that stopped early.
@@ -127,7 +119,7 @@ impl<'a> Walk<'a> {
     /// Returns whether it gets there: not beyond the balance, nor where the block slides or leaves the ground.
     ///
     /// # Errors
-    /// [`PushoverError::NoEquilibrium`] on the way.
+    /// The vertical forces do not balance on the way.
     pub fn to(&mut self, target: f64, step: f64) -> Result<bool, PushoverError> {
         let direction = if target >= self.at.theta { 1.0 } else { -1.0 };
         if direction != self.direction {
@@ -147,7 +139,7 @@ impl<'a> Walk<'a> {
             };
             events_here = if next == from { events_here + 1 } else { 0 };
             if events_here > MAX_EVENTS {
-                return Err(PushoverError::NoEquilibrium { theta: from });
+                return Err(PushoverError::no_equilibrium(from));
             }
             if next != from {
                 self.commit(next)?;

@@ -1,66 +1,17 @@
 //! A fragility curve and a power law → the rate from a range of the measure.
 
 use crate::fragility::{CurveFit, Link};
+use crate::mismatch::Mismatch;
 use crate::risk::hazard::PowerLaw;
 use crate::statistics::normal;
-
-/// The reason why a fragility curve cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CurveError {
-    /// The median is not a positive number.
-    #[error("found the median {found}; expected a number above 0")]
-    Median {
-        /// The median.
-        found: f64,
-    },
-    /// The dispersion is negative or not a number.
-    #[error(
-        "found the dispersion {found}; expected a number of at least 0, for a probability that grows with the measure"
-    )]
-    Dispersion {
-        /// The dispersion.
-        found: f64,
-    },
-    /// A level of a table does not follow the one before.
-    #[error("found {found} as level {number}; expected levels above 0 that increase")]
-    Level {
-        /// The level.
-        found: f64,
-        /// Its number, from 1.
-        number: usize,
-    },
-    /// A probability of a table is outside 0 to 1.
-    #[error("found the probability {found} at the level {level}; expected 0 to 1")]
-    Probability {
-        /// The probability.
-        found: f64,
-        /// Its level.
-        level: f64,
-    },
-    /// A table is too short.
-    #[error(
-        "found {levels} levels and {probabilities} probabilities; expected two or more, a probability for each level"
-    )]
-    Length {
-        /// Number of levels.
-        levels: usize,
-        /// Number of probabilities.
-        probabilities: usize,
-    },
-}
 
 /// The probability that a limit is exceeded, as a function of the intensity measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FragilityCurve {
-    /// `Φ(ln(m/median)/β)`; a step for β = 0.
-    Lognormal {
-        /// Median (unit of the measure).
-        median: f64,
-        /// Dispersion β (1).
-        beta: f64,
-    },
-    /// `1/(1 + exp(−ln(m/median)/β))`, β above 0.
-    Logistic {
+    /// `F(ln(m/median)/β)`: lognormal for a probit, where β = 0 is a step, and logistic for a logit.
+    Parametric {
+        /// The distribution function F.
+        link: Link,
         /// Median (unit of the measure).
         median: f64,
         /// Dispersion β (1).
@@ -80,42 +31,41 @@ impl FragilityCurve {
     ///
     /// # Errors
     /// A median not above zero, or a negative dispersion.
-    pub fn lognormal(median: f64, beta: f64) -> Result<FragilityCurve, CurveError> {
+    pub fn lognormal(median: f64, beta: f64) -> Result<FragilityCurve, Mismatch> {
         if !(median > 0.0 && median.is_finite()) {
-            return Err(CurveError::Median { found: median });
+            return Err(Mismatch::new(format!("the median {median}"), "a number above 0"));
         }
         if !(beta >= 0.0 && beta.is_finite()) {
-            return Err(CurveError::Dispersion { found: beta });
+            let expected = "a number of at least 0, for a probability that grows with the measure";
+            return Err(Mismatch::new(format!("the dispersion {beta}"), expected));
         }
-        Ok(FragilityCurve::Lognormal { median, beta })
+        Ok(FragilityCurve::Parametric { link: Link::Probit, median, beta })
     }
 
     /// A fitted curve of one measure.
     ///
     /// # Errors
     /// A probability that falls with the measure.
-    pub fn of(fit: &CurveFit) -> Result<FragilityCurve, CurveError> {
-        let curve = FragilityCurve::lognormal(fit.median(), fit.dispersion())?;
-        Ok(match (fit.link, curve) {
-            (Link::Logit, FragilityCurve::Lognormal { median, beta }) => FragilityCurve::Logistic { median, beta },
-            (_, curve) => curve,
-        })
+    pub fn of(fit: &CurveFit) -> Result<FragilityCurve, Mismatch> {
+        let (link, median, beta) = (fit.link, fit.median(), fit.dispersion());
+        FragilityCurve::lognormal(median, beta).map(|_| FragilityCurve::Parametric { link, median, beta })
     }
 
     /// A table of probabilities.
     ///
     /// # Errors
     /// Fewer than two levels, levels that do not increase, or a probability outside 0 to 1.
-    pub fn tabulated(levels: &[f64], probabilities: &[f64]) -> Result<FragilityCurve, CurveError> {
+    pub fn tabulated(levels: &[f64], probabilities: &[f64]) -> Result<FragilityCurve, Mismatch> {
         if levels.len() < 2 || levels.len() != probabilities.len() {
-            return Err(CurveError::Length { levels: levels.len(), probabilities: probabilities.len() });
+            let found = format!("{} levels and {} probabilities", levels.len(), probabilities.len());
+            return Err(Mismatch::new(found, "two or more, a probability for each level"));
         }
-        for (i, (&level, &found)) in levels.iter().zip(probabilities).enumerate() {
+        for (i, (&level, probability)) in levels.iter().zip(probabilities).enumerate() {
             if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
-                return Err(CurveError::Level { found: level, number: i + 1 });
+                return Err(Mismatch::new(format!("{level} as level {}", i + 1), "levels above 0 that increase"));
             }
-            if !(0.0..=1.0).contains(&found) {
-                return Err(CurveError::Probability { found, level });
+            if !(0.0..=1.0).contains(probability) {
+                return Err(Mismatch::new(format!("the probability {probability} at the level {level}"), "0 to 1"));
             }
         }
         Ok(FragilityCurve::Tabulated { levels: levels.to_vec(), probabilities: probabilities.to_vec() })
@@ -129,8 +79,7 @@ impl FragilityCurve {
     /// The probability at the logarithm of a measure.
     fn at(&self, x: f64) -> f64 {
         match self {
-            FragilityCurve::Lognormal { median, beta } => normal::probability(deviate(x, *median, *beta)),
-            FragilityCurve::Logistic { median, beta } => Link::Logit.probability(deviate(x, *median, *beta)),
+            FragilityCurve::Parametric { link, median, beta } => link.probability(deviate(x, *median, *beta)),
             FragilityCurve::Tabulated { levels, probabilities } => {
                 let after = levels.partition_point(|level| libm::log(*level) <= x);
                 let [before, after] = [after.max(1) - 1, after.min(levels.len() - 1)];
@@ -147,8 +96,12 @@ impl FragilityCurve {
     /// a table contributes nothing: a constant probability would meet an unbounded rate.
     pub(super) fn contribution(&self, law: &PowerLaw) -> f64 {
         let inside = match self {
-            FragilityCurve::Lognormal { median, beta } => lognormal(law, libm::log(*median), *beta),
-            FragilityCurve::Logistic { median, beta } => return logistic(law, libm::log(*median), *beta),
+            FragilityCurve::Parametric { link: Link::Probit, median, beta } => {
+                lognormal(law, libm::log(*median), *beta)
+            }
+            FragilityCurve::Parametric { link: Link::Logit, median, beta } => {
+                return logistic(law, libm::log(*median), *beta);
+            }
             FragilityCurve::Tabulated { levels, probabilities } => {
                 if law.from == f64::NEG_INFINITY {
                     let part = law.between(libm::log(levels[0]), law.to);

@@ -1,20 +1,6 @@
 //! Levels, rates → a hazard curve.
 
-/// The reason why a hazard curve cannot be read or used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("found {found}; expected {expected}")]
-pub struct HazardError {
-    /// The content found, with its location.
-    pub found: String,
-    /// The expected content.
-    pub expected: String,
-}
-
-impl HazardError {
-    pub(super) fn new(found: impl Into<String>, expected: impl Into<String>) -> HazardError {
-        HazardError { found: found.into(), expected: expected.into() }
-    }
-}
+use crate::mismatch::Mismatch;
 
 /// A hazard curve: the annual rate at which an intensity measure exceeds a level.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +22,10 @@ impl HazardCurve {
     ///
     /// # Errors
     /// The first level or rate that violates this.
-    pub fn new(levels: &[f64], rates: &[f64]) -> Result<HazardCurve, HazardError> {
+    pub fn new(levels: &[f64], rates: &[f64]) -> Result<HazardCurve, Mismatch> {
         if levels.len() != rates.len() {
             let found = format!("{} levels and {} rates", levels.len(), rates.len());
-            return Err(HazardError::new(found, "a rate for each level"));
+            return Err(Mismatch::new(found, "a rate for each level"));
         }
         for (i, (&level, &rate)) in levels.iter().zip(rates).enumerate() {
             if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
@@ -47,19 +33,19 @@ impl HazardCurve {
                     0 => "a level above 0".into(),
                     _ => format!("levels that increase, here above {}", levels[i - 1]),
                 };
-                return Err(HazardError::new(format!("{level} as level {}", i + 1), expected));
+                return Err(Mismatch::new(format!("{level} as level {}", i + 1), expected));
             }
             if !(rate >= 0.0 && rate.is_finite() && (i == 0 || rate <= rates[i - 1])) {
                 let expected = match i {
                     0 => "a rate of at least 0".into(),
                     _ => format!("rates of at least 0 that do not increase, here at most {}", rates[i - 1]),
                 };
-                return Err(HazardError::new(format!("the rate {rate} at the level {level}"), expected));
+                return Err(Mismatch::new(format!("the rate {rate} at the level {level}"), expected));
             }
         }
         let positive = rates.iter().filter(|rate| **rate > 0.0).count();
         if positive < 2 {
-            return Err(HazardError::new(format!("{positive} levels with a rate above 0"), "two or more"));
+            return Err(Mismatch::new(format!("{positive} levels with a rate above 0"), "two or more"));
         }
         let mut remarks = Vec::new();
         if positive < levels.len() {

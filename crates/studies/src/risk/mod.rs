@@ -22,8 +22,8 @@ mod hazard_file;
 mod rate;
 mod units;
 
-pub use curve::{CurveError, FragilityCurve};
-pub use hazard::{HazardCurve, HazardError};
+pub use curve::FragilityCurve;
+pub use hazard::HazardCurve;
 pub use hazard_file::{HazardOptions, canonical, read_hazard};
 pub use rate::{AnnualRate, RatePart, interval, probability_in};
 pub use units::si;

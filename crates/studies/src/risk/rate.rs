@@ -14,8 +14,10 @@ pub struct AnnualRate {
     pub below_hazard: f64,
     /// Its contribution from measures above the hazard's greatest level (1/year).
     pub above_hazard: f64,
-    hazard: HazardCurve,
-    curve: FragilityCurve,
+    /// The hazard curve.
+    pub hazard: HazardCurve,
+    /// The fragility curve.
+    pub curve: FragilityCurve,
 }
 
 /// The part of the rate from a range of the measure.
@@ -60,16 +62,6 @@ impl AnnualRate {
     pub fn hazard_range(&self) -> [f64; 2] {
         let levels = self.hazard.levels();
         [levels[0], levels[levels.len() - 1]]
-    }
-
-    /// The hazard curve.
-    pub fn hazard(&self) -> &HazardCurve {
-        &self.hazard
-    }
-
-    /// The fragility curve.
-    pub fn curve(&self) -> &FragilityCurve {
-        &self.curve
     }
 
     /// The parts of the rate below, between and above the hazard's levels.
@@ -149,6 +141,7 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fragility::Link;
 
     /// A hazard `k0 m^−k` at these levels.
     fn power_law(k0: f64, k: f64, levels: &[f64]) -> HazardCurve {
@@ -184,12 +177,17 @@ mod tests {
     #[test]
     fn a_power_law_and_a_logistic_curve_have_the_closed_form() {
         for (k, median, beta) in [(2.5, 0.6, 0.2), (1.0, 0.3, 0.05), (2.0, 3.0, 0.49)] {
-            let found = AnnualRate::new(&power_law(1e-4, k, &levels()), &FragilityCurve::Logistic { median, beta });
+            let found = AnnualRate::new(
+                &power_law(1e-4, k, &levels()),
+                &FragilityCurve::Parametric { link: Link::Logit, median, beta },
+            );
             let angle = std::f64::consts::PI * k * beta;
             near(found.rate, 1e-4 * libm::exp(-k * libm::log(median)) * angle / libm::sin(angle), 1e-12);
         }
-        let found =
-            AnnualRate::new(&power_law(1e-4, 3.0, &levels()), &FragilityCurve::Logistic { median: 0.5, beta: 0.4 });
+        let found = AnnualRate::new(
+            &power_law(1e-4, 3.0, &levels()),
+            &FragilityCurve::Parametric { link: Link::Logit, median: 0.5, beta: 0.4 },
+        );
         assert_eq!((found.rate, found.quantile(0.5)), (f64::INFINITY, None));
     }
 

@@ -15,7 +15,7 @@ use crate::options::measure::BlockScales;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::PictureOptions;
 use crate::output::report::{ReportOptions, WrittenFiles};
-use report::{FragilityReport, MeasureReport, SurfaceReport, warning_of_left_out};
+use report::{MeasureReport, SurfaceReport, summary, warning_of_left_out};
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
@@ -85,21 +85,20 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
 
     let mut table = options.cases()?;
+    let mut assess = |i: usize| options.assess(&mut table, i, format.is_some(), explicit);
+    let curves = (0..im.len()).map(&mut assess).collect::<anyhow::Result<Vec<_>>>()?;
     let mut warnings = Vec::from_iter(warning_of_left_out(&table.counts));
-    let (mut measures, mut last, mut intervals) = (Vec::new(), Pictured::default(), None);
-    for i in 0..im.len() {
-        let (report, pictured, found) = options.assess(&mut table, i, format.is_some(), explicit)?;
-        intervals.get_or_insert(found.intervals);
+    for warning in curves.iter().flat_map(|curve| &curve.warnings) {
         // That of missing intervals is the same for all measures.
-        let new: Vec<String> = found.warnings.into_iter().filter(|warning| !warnings.contains(warning)).collect();
-        warnings.extend(new);
-        measures.push(report);
-        last = pictured;
+        if !warnings.contains(warning) {
+            warnings.push(warning.clone());
+        }
     }
-    let mut pictures: Vec<(Pending, Vec<u8>)> =
-        export_files.into_iter().zip(last.exported.into_iter().map(String::into_bytes)).collect();
-    if let (Some(file), Some(format), Some(svg)) = (picture, format, last.svg) {
-        pictures.push((file, format.encode(&svg)?));
+    let exported = curves.iter().flat_map(|curve| &curve.exported).map(|content| content.clone().into_bytes());
+    let mut pictures: Vec<(Pending, Vec<u8>)> = export_files.into_iter().zip(exported).collect();
+    let svg = curves.iter().find_map(|curve| curve.svg.as_ref());
+    if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
+        pictures.push((file, format.encode(svg)?));
     }
     if let (Some(file), Some(format)) = (ida_picture, ida_format) {
         // All columns identify the curves of an analysis.
@@ -109,21 +108,11 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
         pictures.push((file, format.encode(&svg)?));
     }
     Pending::write(pictures)?;
-    let result = FragilityReport {
-        table: table.name,
-        limit: table.limit.to_string(),
-        link: fit.link.to_string(),
-        confidence: fit.ci,
-        intervals: intervals.unwrap_or_default(),
-        rows: table.counts,
-        measures,
-        surface: last.surface,
-    };
     for warning in &warnings {
         eprintln!("rocking: warning: {warning}");
     }
     let written = WrittenFiles::new(outputs);
-    let summary = result.summary();
+    let summary = summary(&table, fit, &curves);
     options.report.print("fragility", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }
 
@@ -142,18 +131,15 @@ struct TableCases {
     further: Vec<(Limit, Collected)>,
 }
 
-/// The picture of a curve or a surface, and what is exported of it.
-#[derive(Default)]
-struct Pictured {
-    svg: Option<String>,
-    surface: Option<SurfaceReport>,
-    exported: Vec<String>,
-}
-
-/// The words on a curve: how its intervals were found, and warnings.
-struct CurveWords {
+/// The curve of a measure; of a single one also its surface, its picture and its export.
+struct MeasureCurve {
+    report: MeasureReport,
+    /// Method of the intervals.
     intervals: String,
     warnings: Vec<String>,
+    surface: Option<SurfaceReport>,
+    svg: Option<String>,
+    exported: Vec<String>,
 }
 
 impl FragilityCommand {
@@ -176,8 +162,8 @@ impl FragilityCommand {
         let others: Vec<&String> = beside.iter().chain(surface).collect();
         let columns =
             im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
-        let mut found = fit.collected(None, columns.collect());
-        let further = self.export_limit.iter().map(|&limit| (limit, fit.collected(Some(limit), vec![one(&im[0])])));
+        let mut found = Collected::new(fit.limit, columns.collect());
+        let further = self.export_limit.iter().map(|&limit| (limit, Collected::new(Some(limit), vec![one(&im[0])])));
         let mut further: Vec<(Limit, Collected)> = further.collect();
         let (mut blocks, mut headings) = (charts::Blocks::default(), None);
         let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();
@@ -193,7 +179,7 @@ impl FragilityCommand {
             name,
             blocks: blocks.to_string(),
             headings: headings.unwrap_or_default(),
-            limit: found.limit().unwrap_or(Limit::Overturned),
+            limit: found.limit.unwrap_or(Limit::Overturned),
             counts: found.counts,
             motions: found.motions,
             stores: found.stores.into_iter(),
@@ -208,7 +194,7 @@ impl FragilityCommand {
         i: usize,
         draws: bool,
         explicit: &ExplicitOptions,
-    ) -> anyhow::Result<(MeasureReport, Pictured, CurveWords)> {
+    ) -> anyhow::Result<MeasureCurve> {
         let FragilityCommand { im, beside, fit, .. } = self;
         let FitOptions { link, ci, .. } = *fit;
         let TableCases { name, blocks, headings, limit, motions, stores, further, .. } = table;
@@ -222,29 +208,30 @@ impl FragilityCommand {
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
         };
         let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
-        let mut pictured = Pictured::default();
+        let (mut surface, mut svg, mut exported) = (None, None, Vec::new());
         if let Some(other) = &self.surface {
             let found = Surface::of(store(), motions, link);
             let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
             let headings = [heading, headings.last().unwrap_or(heading)].map(String::as_str);
             if draws {
-                pictured.svg = Some(charts::surface(blocks, &found, headings, *limit)?);
+                svg = Some(charts::surface(blocks, &found, headings, *limit)?);
             }
-            pictured.surface = Some(SurfaceReport::of(headings, &found));
+            surface = Some(SurfaceReport::of(headings, &found));
         } else if draws {
-            pictured.svg = Some(charts::curve(blocks, &found, heading, *limit, ci)?);
+            svg = Some(charts::curve(blocks, &found, heading, *limit, ci)?);
         }
         if let Some(program) = self.export {
             let further = std::mem::take(further);
             let component = self.component(name, heading, *limit, &found, further, explicit).with_context(at)?;
             warnings.extend(component.crossings());
-            pictured.exported = match program {
+            exported = match program {
                 LossProgram::Pelicun => pelicun(&[component], self.block.g)?.to_vec(),
                 LossProgram::OpenQuake => vec![openquake(&[component], self.block.g)?],
             };
         }
         let intervals = fit.uncertainty().words(found.independence);
-        Ok((MeasureReport::of(heading, &found, &sufficiency), pictured, CurveWords { intervals, warnings }))
+        let report = MeasureReport::of(heading, &found, &sufficiency);
+        Ok(MeasureCurve { report, intervals, warnings, surface, svg, exported })
     }
 
     /// Returns the files of the export.

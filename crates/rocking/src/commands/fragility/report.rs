@@ -2,21 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::commands::fragility::{MeasureCurve, TableCases};
+use crate::options::fit::FitOptions;
 use crate::output::summary::{Object, Summary, aligned};
 use rocking_studies::fragility::{Assessment, Interval, RowCounts, Surface};
-
-/// Report of all curves, in SI units.
-pub struct FragilityReport {
-    pub table: String,
-    pub limit: String,
-    pub link: String,
-    pub confidence: f64,
-    /// Method of the intervals.
-    pub intervals: String,
-    pub rows: RowCounts,
-    pub measures: Vec<MeasureReport>,
-    pub surface: Option<SurfaceReport>,
-}
+use rocking_studies::spec::words::Words;
 
 /// Warns of rows and samples left out although they may exceed the limit.
 pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
@@ -120,49 +110,49 @@ impl SurfaceReport {
     }
 }
 
-impl FragilityReport {
-    /// Summarizes the curves.
-    pub fn summary(&self) -> Summary {
-        let RowCounts { all, decided, exceeded, exceeded_at_most, partly_known, failed, separated, undecided } =
-            self.rows;
-        let left_out = [
-            (failed, "failed"),
-            (separated, "ended at separation"),
-            (undecided, "undecided"),
-            (partly_known, "with samples of unknown outcome"),
-        ];
-        let left_out = left_out.iter().filter(|(count, _)| *count > 0);
-        let left_out: String = left_out.map(|(count, why)| format!(", {count} {why}")).collect();
-        // A sum of probabilities has too many digits.
-        let [exceeded, at_most] = [exceeded, exceeded_at_most].map(|count| (count * 10.0).round() / 10.0);
-        let range = if decided < all || partly_known > 0 {
-            format!(", in {exceeded} to {at_most} of all {all}")
-        } else {
-            String::new()
-        };
-        let FragilityReport { table, limit, link, confidence, intervals, measures, surface, .. } = self;
-        let mut summary = Summary::default();
-        summary.item("table", table, "table", format!("{table}: {all} rows{left_out}"));
-        summary.item("limit", limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
-        let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * confidence);
-        summary.item("link", link, "curve", text);
-        summary.entry("confidence", confidence);
-        summary.entry("intervals", intervals);
-        summary.entry("rows", self.rows);
-        let head = ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"];
-        let beside = measures[0].beside.iter().map(|other| format!("p beside {other}"));
-        let mut lines = vec![head.map(String::from).into_iter().chain(beside).collect()];
-        lines.extend(measures.iter().map(|measure| measure.fields.clone()));
-        summary.text += &aligned(&lines, 0..0);
-        summary.entry("measures", measures.iter().map(|measure| &measure.json).collect::<Vec<_>>());
-        if let Some(SurfaceReport { json, text }) = surface {
-            summary.item("surface", json, "surface", text);
-        }
-        let without: usize = measures.iter().filter_map(|measure| measure.without_curve).sum();
-        if without > 0 {
-            let text = format!("{without} samples have no curve: their data are separable or of one class");
-            summary.line("bootstrap", text);
-        }
-        summary
+/// Summarizes the curves of a table, in SI units.
+pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) -> Summary {
+    let RowCounts { all, decided, exceeded, exceeded_at_most, partly_known, failed, separated, undecided } =
+        table.counts;
+    let left_out = [
+        (failed, "failed"),
+        (separated, "ended at separation"),
+        (undecided, "undecided"),
+        (partly_known, "with samples of unknown outcome"),
+    ];
+    let left_out = left_out.iter().filter(|(count, _)| *count > 0);
+    let left_out: String = left_out.map(|(count, why)| format!(", {count} {why}")).collect();
+    // A sum of probabilities has too many digits.
+    let [exceeded, at_most] = [exceeded, exceeded_at_most].map(|count| (count * 10.0).round() / 10.0);
+    let range = if decided < all || partly_known > 0 {
+        format!(", in {exceeded} to {at_most} of all {all}")
+    } else {
+        String::new()
+    };
+    let (TableCases { name, limit, counts, .. }, link, intervals) = (table, fit.link, &curves[0].intervals);
+    let mut summary = Summary::default();
+    summary.item("table", name, "table", format!("{name}: {all} rows{left_out}"));
+    let limit = limit.to_string();
+    summary.item("limit", &limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
+    let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * fit.ci);
+    summary.item("link", link.word(), "curve", text);
+    summary.entry("confidence", fit.ci);
+    summary.entry("intervals", intervals);
+    summary.entry("rows", counts);
+    let measures = || curves.iter().map(|curve| &curve.report);
+    let head = ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"];
+    let beside = curves[0].report.beside.iter().map(|other| format!("p beside {other}"));
+    let mut lines = vec![head.map(String::from).into_iter().chain(beside).collect()];
+    lines.extend(measures().map(|measure| measure.fields.clone()));
+    summary.text += &aligned(&lines, 0..0);
+    summary.entry("measures", measures().map(|measure| &measure.json).collect::<Vec<_>>());
+    for SurfaceReport { json, text } in curves.iter().filter_map(|curve| curve.surface.as_ref()) {
+        summary.item("surface", json, "surface", text);
     }
+    let without: usize = measures().filter_map(|measure| measure.without_curve).sum();
+    if without > 0 {
+        let text = format!("{without} samples have no curve: their data are separable or of one class");
+        summary.line("bootstrap", text);
+    }
+    summary
 }

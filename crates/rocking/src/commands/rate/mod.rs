@@ -15,11 +15,13 @@ use crate::options::measure::BlockScales;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::{ReportOptions, WrittenFiles};
-use report::{CurveReport, RateReport};
+use crate::output::summary::Object;
+use report::RateReport;
 use rocking_charts::fragility::probability_of;
 use rocking_studies::fragility::{Assessment, Collected, Interval, Limit, split_heading};
 use rocking_studies::intensity::Measure;
 use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
+use rocking_studies::spec::words::Words;
 use rocking_studies::statistics::range;
 
 /// Options of `rocking rate`.
@@ -93,7 +95,10 @@ struct Fragility {
     ordinate: String,
     /// Least and greatest measure of the rows.
     rows: Option<[f64; 2]>,
-    report: CurveReport,
+    /// The curve in words.
+    text: String,
+    /// The curve in numbers.
+    json: Object,
 }
 
 /// Runs the command.
@@ -126,16 +131,14 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
         "{file}: the hazard grows faster towards small measures than the logistic curve falls, so that the rate is not bounded; \
          expected a hazard curve from lower levels, or --link probit"
     );
-    let ends = fragility.assessment.as_ref().map(|assessment| interval(&hazard, assessment));
+    let ends = fragility.assessment.as_ref().map(|assessment| (fit.ci, interval(&hazard, assessment)));
     let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
-    let (fragility_report, years, rows) = (fragility.report, &options.years[..], fragility.rows);
-    let ends = ends.map(|ends| (fit.ci, ends));
-    let report =
-        RateReport { file, im: heading.clone(), fragility: fragility_report, found: &found, ends, years, rows };
+    let (fragility, found, years) = (&fragility, &found, &options.years);
+    let report = RateReport { file, im: &heading, fragility, found, ends, years };
     let mut written = Vec::new();
     if let (Some(file), Some(format)) = (picture, format) {
         let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
-        let svg = rocking_charts::rate::rate(&report.lines(), &found, &heading, &fragility.ordinate, band)?;
+        let svg = rocking_charts::rate::rate(&report.lines(), found, &heading, &fragility.ordinate, band)?;
         written.push((file, format.encode(&svg)?));
     }
     if let Some(file) = csv_file {
@@ -206,40 +209,35 @@ impl FragilityOptions {
     }
 
     fn lognormal(&self, median: f64, beta: f64, gravity: f64) -> anyhow::Result<Fragility> {
-        let (heading, factor) = match self.im.as_deref().map(split_heading) {
-            None => (None, 1.0),
-            Some((name, unit)) => {
-                let known = name.parse::<Measure>().map(|measure| (measure.to_string(), measure.unit()));
-                let converted = unit.and_then(|unit| si(unit, gravity));
-                match (known, unit, converted) {
-                    (Ok((name, unit)), None, _) => (Some(format!("{name} [{unit}]")), 1.0),
-                    (Ok((name, expected)), Some(found), converted) => {
-                        let (unit, factor) = converted.unwrap_or((found, 1.0));
-                        anyhow::ensure!(unit == expected, "--im {name} in {found}; expected a unit of {expected}");
-                        (Some(format!("{name} [{unit}]")), factor)
-                    }
-                    (Err(_), Some(unit), None) => (Some(format!("{name} [{unit}]")), 1.0),
-                    (Err(_), Some(_), Some((unit, factor))) => (Some(format!("{name} [{unit}]")), factor),
-                    (Err(_), None, _) => (Some(name.into()), 1.0),
-                }
+        let (mut heading, mut factor) = (None, 1.0);
+        if let Some((name, found)) = self.im.as_deref().map(split_heading) {
+            let measure = name.parse::<Measure>().ok();
+            let name = measure.map_or(name.into(), |measure| measure.to_string());
+            let mut unit = found.or(measure.map(Measure::unit));
+            if let Some((si, of_si)) = found.and_then(|found| si(found, gravity)) {
+                (unit, factor) = (Some(si), of_si);
             }
-        };
-        let curve = FragilityCurve::lognormal(median * factor, beta)?;
-        let report = CurveReport::lognormal(median * factor, beta);
+            if let (Some(found), Some(expected)) = (found, measure.map(Measure::unit)) {
+                anyhow::ensure!(unit == Some(expected), "--im {name} in {found}; expected a unit of {expected}");
+            }
+            heading = Some(unit.map_or(name.clone(), |unit| format!("{name} [{unit}]")));
+        }
+        let median = median * factor;
         Ok(Fragility {
-            curve,
+            curve: FragilityCurve::lognormal(median, beta)?,
             heading,
             assessment: None,
             ordinate: "probability of exceedance".into(),
             rows: None,
-            report,
+            text: format!("lognormal, median {median:.4}, beta {beta:.4}"),
+            json: Object::default().with("curve", "lognormal").with("median", median).with("beta", beta),
         })
     }
 
     fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let FitOptions { link, ci, .. } = self.fit;
-        let mut found = self.fit.collected(None, vec![[Some(im.into()), None]]);
+        let mut found = Collected::new(self.fit.limit, vec![[Some(im.into()), None]]);
         let mut heading = None;
         let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
             if heading.is_none() {
@@ -247,11 +245,12 @@ impl FragilityOptions {
             }
             Ok(found.take(batch, is_part)?)
         })?;
-        let limit = found.limit().unwrap_or(Limit::Overturned);
+        let limit = found.limit.unwrap_or(Limit::Overturned);
         let Collected { stores, motions, .. } = found;
         let store = stores.into_iter().next().unwrap_or_default();
         let at = || format!("{name}: {im}");
-        let (limit, ordinate) = (limit.to_string(), probability_of(limit));
+        let ordinate = probability_of(limit);
+        let json = |curve: &str| Object::from([("curve", curve), ("table", &name)]).with("limit", limit.to_string());
         if self.empirical {
             let levels = store.levels(&motions).with_context(at)?;
             let row_count: usize = levels.iter().map(|(.., rows)| rows).sum();
@@ -264,15 +263,18 @@ impl FragilityOptions {
             let (levels, fractions): (Vec<f64>, Vec<f64>) =
                 levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
             let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
-            let report = CurveReport::empirical(&name, &limit, levels.len());
-            return Ok(Fragility { curve, heading, assessment: None, ordinate, rows, report });
+            let text = format!("empirical, fractions at {} levels; {limit} in {name}", levels.len());
+            let json = json("empirical").with("levels", levels.len());
+            return Ok(Fragility { curve, heading, assessment: None, ordinate, rows, text, json });
         }
         let uncertainty = self.fit.uncertainty();
         let assessment = Assessment::of(store, &motions, link, ci, uncertainty).with_context(at)?;
         let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
+        let (median, beta) = (assessment.fit.median(), assessment.fit.dispersion());
+        let text = format!("{link}, median {median:.4}, beta {beta:.4}; {limit} in {name}");
         let intervals = uncertainty.words(assessment.independence);
-        let report = CurveReport::fitted(&name, &limit, &assessment.fit, &intervals);
-        Ok(Fragility { curve, heading, assessment: Some(assessment), ordinate, rows, report })
+        let json = json(link.word()).with("median", median).with("beta", beta).with("intervals", intervals);
+        Ok(Fragility { curve, heading, assessment: Some(assessment), ordinate, rows, text, json })
     }
 }

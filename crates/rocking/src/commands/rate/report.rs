@@ -1,59 +1,40 @@
 //! An annual rate → its summary, table and warnings.
 
-use std::fmt::Write;
-
+use crate::commands::rate::Fragility;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::rate::per_year;
-use rocking_studies::fragility::{CurveFit, Interval, split_heading};
+use rocking_studies::fragility::{Interval, split_heading};
 use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
 const NOTABLE: f64 = 0.01;
+
+/// The numbers of a part of the rate with their units; two have that of the measure.
+///
+/// Hazard and probability are the annual rate and the probability of exceeding the limit at the lower end.
+const PART: [(&str, Option<&str>); 6] = [
+    ("from", None),
+    ("to", None),
+    ("hazard", Some("1/year")),
+    ("probability", Some("1")),
+    ("rate", Some("1/year")),
+    ("share", Some("1")),
+];
 
 /// A report of an annual rate, in SI units and years.
 pub struct RateReport<'a> {
     /// The file of the hazard curve.
     pub file: String,
     /// Heading of the measure.
-    pub im: String,
+    pub im: &'a str,
     /// The fragility curve.
-    pub fragility: CurveReport,
+    pub fragility: &'a Fragility,
     /// The rate.
     pub found: &'a AnnualRate,
     /// The ends of its interval at a confidence level.
     pub ends: Option<(f64, Interval)>,
     /// Numbers of years for the probability of an exceedance.
     pub years: &'a [f64],
-    /// The range of the rows of a table.
-    pub rows: Option<[f64; 2]>,
-}
-
-/// The fragility curve of a report, in words and in numbers.
-pub struct CurveReport {
-    text: String,
-    json: Object,
-}
-
-impl CurveReport {
-    /// Describes a curve of options.
-    pub fn lognormal(median: f64, beta: f64) -> CurveReport {
-        let json = Object::default().with("curve", "lognormal").with("median", median).with("beta", beta);
-        CurveReport { text: format!("lognormal, median {median:.4}, beta {beta:.4}"), json }
-    }
-
-    /// Describes a curve fitted to a table.
-    pub fn fitted(table: &str, limit: &str, fit: &CurveFit, intervals: &str) -> CurveReport {
-        let (link, median, beta) = (fit.link, fit.median(), fit.dispersion());
-        let json = Object::from([("curve", link.to_string().as_str()), ("table", table), ("limit", limit)]);
-        let json = json.with("median", median).with("beta", beta).with("intervals", intervals);
-        CurveReport { text: format!("{link}, median {median:.4}, beta {beta:.4}; {limit} in {table}"), json }
-    }
-
-    /// Describes the fractions of a table.
-    pub fn empirical(table: &str, limit: &str, levels: usize) -> CurveReport {
-        let json = Object::from([("curve", "empirical"), ("table", table), ("limit", limit)]).with("levels", levels);
-        CurveReport { text: format!("empirical, fractions at {levels} levels; {limit} in {table}"), json }
-    }
 }
 
 impl RateReport<'_> {
@@ -77,7 +58,7 @@ impl RateReport<'_> {
     fn extrapolated(&self) -> ([f64; 2], Option<[f64; 2]>) {
         let AnnualRate { rate, below_hazard, above_hazard, .. } = *self.found;
         let fraction = |contribution: f64| if rate > 0.0 { contribution / rate } else { 0.0 };
-        let of_rows = self.rows.map(|[least, greatest]| {
+        let of_rows = self.fragility.rows.map(|[least, greatest]| {
             [self.found.between(0.0, least), self.found.between(greatest, f64::INFINITY)].map(fraction)
         });
         ([below_hazard, above_hazard].map(fraction), of_rows)
@@ -86,7 +67,7 @@ impl RateReport<'_> {
     /// Returns a warning for each curve with a notable extrapolated part of the rate.
     pub fn warnings(&self) -> Vec<String> {
         let ([below, above], of_rows) = self.extrapolated();
-        let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.rows.unwrap_or_default());
+        let ([least, greatest], [first, last]) = (self.found.hazard_range(), self.fragility.rows.unwrap_or_default());
         let [below_rows, above_rows] = of_rows.unwrap_or_default();
         let parts = [
             (below, format!("below {least:.4}, the least level of the hazard curve")),
@@ -97,14 +78,14 @@ impl RateReport<'_> {
         let notable = parts.into_iter().filter(|(fraction, _)| *fraction >= NOTABLE);
         let notable = notable
             .map(|(fraction, place)| format!("{} % of the rate comes from {} {place}", percent(fraction), self.im));
-        let remarks = self.found.hazard().remarks.iter().map(|remark| format!("{}: {remark}", self.file));
+        let remarks = self.found.hazard.remarks.iter().map(|remark| format!("{}: {remark}", self.file));
         remarks.chain(notable).collect()
     }
 
     /// Summarizes the rate.
     pub fn summary(&self) -> Summary {
         let RateReport { file, im, fragility, found, .. } = self;
-        let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard().levels().len());
+        let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard.levels().len());
         let ends = |ends: [Option<f64>; 2], format: fn(f64) -> String| match self.ends {
             Some((confidence, _)) => format!(" ({} % interval {})", 100.0 * confidence, between(ends, format)),
             None => String::new(),
@@ -112,10 +93,10 @@ impl RateReport<'_> {
         let mut summary = Summary::default();
         summary.item(
             "hazard",
-            Object::from([("file", file), ("im", im)])
+            Object::from([("file", file.as_str()), ("im", im)])
                 .with("levels", levels)
                 .with("range", [least, greatest])
-                .with("remarks", &found.hazard().remarks),
+                .with("remarks", &found.hazard.remarks),
             "hazard",
             format!("{file}: {im}, {levels} levels from {least:.4} to {greatest:.4}"),
         );
@@ -171,46 +152,35 @@ impl RateReport<'_> {
                 of_rows_text.unwrap_or_default()
             ),
         );
-        let part = |part: RatePart| {
-            let [to, hazard] = self.optional(&part);
-            Object::default()
-                .with("from", part.from)
-                .with("to", to)
-                .with("hazard", hazard)
-                .with("probability", self.probability(&part))
-                .with("rate", part.rate)
-                .with("share", part.fraction)
-        };
-        summary.entry("deaggregation", found.deaggregation().into_iter().map(part).collect::<Vec<_>>());
+        let part = |numbers| PART.into_iter().map(|(name, _)| name).zip(numbers).collect::<Object>();
+        summary.entry("deaggregation", self.parts().map(part).collect::<Vec<_>>());
     }
 
-    /// The upper end of a part, and the annual rate at its lower end. An infinite upper end and the rate at zero are missing.
-    fn optional(&self, part: &RatePart) -> [Option<f64>; 2] {
-        let from = Some(part.from).filter(|from| *from > 0.0);
-        [Some(part.to).filter(|to| to.is_finite()), from.map(|from| self.found.hazard().rate(from))]
-    }
-
-    /// Probability of exceeding the limit at the lower end of a part.
-    fn probability(&self, part: &RatePart) -> f64 {
-        if part.from > 0.0 { self.found.curve().probability(part.from) } else { 0.0 }
+    /// The numbers of [`PART`] for each part of the rate. An infinite upper end and the hazard at zero are missing.
+    fn parts(&self) -> impl Iterator<Item = [Option<f64>; 6]> {
+        let AnnualRate { hazard, curve, .. } = self.found;
+        self.found.deaggregation().into_iter().map(|RatePart { from, to, rate, fraction }| {
+            let above_zero = Some(from).filter(|from| *from > 0.0);
+            let probability = above_zero.map_or(0.0, |from| curve.probability(from));
+            let to = Some(to).filter(|to| to.is_finite());
+            [Some(from), to, above_zero.map(|from| hazard.rate(from)), Some(probability), Some(rate), Some(fraction)]
+        })
     }
 
     /// Writes the deaggregation as CSV, in full precision.
     pub fn table(&self) -> String {
-        let unit = split_heading(&self.im).1.unwrap_or("1");
+        let unit = split_heading(self.im).1.unwrap_or("1");
         let mut table = format!(
             "# rocking-block {} rate\n# {}\n",
             env!("CARGO_PKG_VERSION"),
             self.summary().text.trim_end().replace('\n', "\n# ")
         );
-        // Writing to a String never fails.
-        let _ = writeln!(table, "from [{unit}],to [{unit}],hazard [1/year],probability [1],rate [1/year],share [1]");
-        for part in self.found.deaggregation() {
-            let RatePart { from, rate, fraction, .. } = part;
-            let [to, hazard] =
-                self.optional(&part).map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
-            let _ = writeln!(table, "{from:?},{to},{hazard},{:?},{rate:?},{fraction:?}", self.probability(&part));
+        table += &PART.map(|(name, known)| format!("{name} [{}]", known.unwrap_or(unit))).join(",");
+        for part in self.parts() {
+            table.push('\n');
+            table += &part.map(|number| number.map_or(String::new(), |number| format!("{number:?}"))).join(",");
         }
+        table.push('\n');
         table
     }
 }

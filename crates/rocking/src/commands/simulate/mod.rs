@@ -111,7 +111,7 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let loops_file = options.plot_loops.as_deref().map(Pending::new).transpose()?;
 
     const PARTS: u64 = 1000;
-    let mut bar = Progress::new(PARTS, 0);
+    let bar = Progress::new(PARTS, 0);
     let progress = |part| bar.show((part * PARTS as f64) as u64);
     let (history, derivatives) = options.history(&run, progress)?;
     bar.clear();

@@ -12,11 +12,11 @@ use crate::fragility::data::Data;
 use crate::fragility::goodness::{Fitted, Group, Grouping};
 use crate::fragility::likelihood::Link;
 use crate::fragility::nodes::{MAX_GROWTH, Node, Reducer, observations, reduced};
-use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
 use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
-use crate::fragility::separation::{Ends, Hulls};
+use crate::fragility::separation::{Ends, Hulls, check_classes};
 
 /// Rows of a picture.
 const MAX_MARKS: usize = 10_000;
@@ -42,13 +42,7 @@ impl ManyRowsBuilder {
     /// # Errors
     /// Rows that cannot be kept on disk.
     pub fn push(&mut self, case: &Case, measures: [f64; 2]) -> Result<(), CurveFitError> {
-        let row = self.count;
-        if let Some(&found) = measures.iter().find(|&&measure| !(measure > 0.0 && measure.is_finite())) {
-            return Err(CurveFitError::Measure { row, found });
-        }
-        if !(0.0..=1.0).contains(&case.fraction) {
-            return Err(CurveFitError::Outcome { row, fraction: case.fraction, weight: 1.0 });
-        }
+        check_row(self.count, &measures, case.fraction, 1.0)?;
         self.count += 1;
         self.ends.iter_mut().zip(measures).for_each(|(ends, measure)| ends.take(measure, case.fraction));
         match case.motion {
@@ -105,11 +99,6 @@ impl ManyRows {
         Independence::of_counts(self.motions.len() + self.own, self.count)
     }
 
-    /// Least and greatest value of the first measure.
-    pub fn range(&self) -> [f64; 2] {
-        self.ends[0].range()
-    }
-
     /// Passes all rows on: the first measure, the fraction, the weight and the motion.
     fn each(&self, each: &mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError> {
         self.sorted.batches(&mut |rows| {
@@ -132,22 +121,12 @@ impl ManyRows {
         Ok(levels)
     }
 
-    /// Checks that both classes occur, and that the first measures vary.
-    fn check_classes(&self, measures: usize) -> Result<(), CurveFitError> {
-        let rows = self.count;
-        if let Some(exceeded) = self.ends[0].only_class() {
-            return Err(CurveFitError::OneClass { exceeded, rows });
-        }
-        let alike = self.ends.iter().take(measures).map(Ends::range).find(|[low, high]| low == high);
-        alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::Alike { value, rows }))
-    }
-
     /// Fits a curve over the first measure. Returns its data in few observations, with the width of their cells.
     ///
     /// # Errors
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
     pub fn curve(&self, link: Link) -> Result<(Data, CurveFit, f64), CurveFitError> {
-        self.check_classes(1)?;
+        check_classes(&self.ends[..1], self.count)?;
         if let Some((below, above, falls)) = self.ends[0].separating() {
             let (mut exceeded, mut rows, mut has_more) = (0.0, 0, false);
             self.each(&mut |measure, fraction, weight, _| {
@@ -157,10 +136,10 @@ impl ManyRows {
                 has_more |= measure > below;
             })?;
             let shared = (below == above).then_some((exceeded, rows, has_more));
-            return Err(CurveFitError::Separable { below, above, falls, shared });
+            return Err(CurveFitError::separable(below, above, falls, shared));
         }
         // Over the range of both classes, the predictor grows by less than 30 with this many rows.
-        let [low, high] = self.range();
+        let [low, high] = self.ends[0].range();
         let overlap = Some(self.ends[0].overlap()).filter(|overlap| *overlap > 0.0);
         let mut width = overlap.unwrap_or_else(|| libm::log(high / low)) / 30.0;
         loop {
@@ -223,17 +202,8 @@ impl ManyRows {
     pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
-        let sums_of = |row: &EqualRows| {
-            let mut sums = Sums::default();
-            SurfaceRows::add(
-                &mut sums,
-                row,
-                coefficients,
-                |predictor, y| fit.link.term(predictor, y),
-                |term| term.information,
-            );
-            sums
-        };
+        let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
+        let sums_of = |row: &EqualRows| SurfaceRows::sums_of_row(row, coefficients, term, |term| term.information);
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
         self.sorted.batches(&mut |rows| {
@@ -284,13 +254,13 @@ impl ManyRows {
     /// order of the table; this one does in that of their measures.
     ///
     /// # Errors
-    /// [`CurveFitError::OneMotion`] for fewer than two groups, and those of temporary files.
+    /// Fewer than two groups, and those of temporary files.
     pub fn bootstrap(&self, link: Link, samples: u32, seed: u64, width: f64) -> Result<Bootstrap, CurveFitError> {
         let is_clustered = self.independence() != Independence::Rows;
         let nodes = if is_clustered && self.own == 0 { self.nodes_by_motion(width)? } else { None };
         let groups = if is_clustered { self.motions.len() + self.own } else { self.count };
         if groups < 2 {
-            return Err(CurveFitError::OneMotion { found: groups });
+            return Err(CurveFitError::one_motion(groups));
         }
         let mut places = vec![None; self.motions.iter().max().map_or(0, |last| *last as usize + 1)];
         let shared = if is_clustered { &self.motions[..] } else { &[] };
@@ -349,17 +319,17 @@ impl ManyRows {
     /// # Errors
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
     pub fn surface(&self, link: Link) -> Result<CurveFit, CurveFitError> {
-        self.check_classes(2)?;
+        check_classes(&self.ends, self.count)?;
         let mut hulls = Hulls::default();
         self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction))))?;
         if hulls.is_line() {
-            return Err(CurveFitError::Collinear { rows: self.count });
+            return Err(CurveFitError::collinear(self.count));
         }
         let exceeded =
             |is: fn(f64) -> bool| self.sorted.sum(|row| if is(row.fraction) { f64::from(row.count) } else { 0.0 });
         if hulls.are_separable() {
             let [exceeded, others] = [exceeded(|y| y > 0.0)?, exceeded(|y| y < 1.0)?].map(|count| count as usize);
-            return Err(CurveFitError::SeparablePlane { exceeded, others });
+            return Err(CurveFitError::separable_plane(exceeded, others));
         }
         let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction)?;
         fit_of(&SurfaceRows(&self.sorted), link, self.count as f64, sum / self.count as f64)

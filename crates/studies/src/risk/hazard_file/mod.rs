@@ -15,7 +15,8 @@ use serde_json::Value;
 
 use crate::fragility::split_heading;
 use crate::intensity::Measure;
-use crate::risk::hazard::{HazardCurve, HazardError};
+use crate::mismatch::Mismatch;
+use crate::risk::hazard::HazardCurve;
 use crate::risk::units::si;
 
 /// Fewest levels of a curve in a file of all measures. A hazard map has columns of the same kind for a few probabilities.
@@ -42,7 +43,7 @@ pub struct HazardOptions {
 ///
 /// # Errors
 /// Another format, several curves without a choice, or the errors of [`HazardCurve::new`].
-pub fn read_hazard(file: &str, text: &str, options: &HazardOptions) -> Result<HazardCurve, HazardError> {
+pub fn read_hazard(file: &str, text: &str, options: &HazardOptions) -> Result<HazardCurve, Mismatch> {
     let text = text.trim_start_matches('\u{feff}');
     let raw = match text.trim_start().starts_with(['{', '[']) {
         true => json(text, options)?,
@@ -63,11 +64,11 @@ struct RawCurve {
 }
 
 impl RawCurve {
-    fn curve(self, options: &HazardOptions) -> Result<HazardCurve, HazardError> {
+    fn curve(self, options: &HazardOptions) -> Result<HazardCurve, Mismatch> {
         let wanted = options.measure.as_deref().map(canonical);
         let measure = match (self.measure, wanted) {
             (Some(found), Some(wanted)) if found != wanted => {
-                return Err(HazardError::new(format!("a hazard curve of {found}"), format!("one of {wanted}")));
+                return Err(Mismatch::new(format!("a hazard curve of {found}"), format!("one of {wanted}")));
             }
             (found, wanted) => found.or(wanted),
         };
@@ -80,12 +81,12 @@ impl RawCurve {
         let (mut levels, mut values) = (self.levels, self.values);
         if levels.len() != values.len() {
             let found = format!("{} levels and {} values", levels.len(), values.len());
-            return Err(HazardError::new(found, "a value for each level"));
+            return Err(Mismatch::new(found, "a value for each level"));
         }
         let mut remark = None;
         if let Some(years) = self.years {
             if let Some((level, value)) = levels.iter().zip(&values).find(|(_, value)| !(0.0..=1.0).contains(*value)) {
-                return Err(HazardError::new(format!("the probability {value} at the level {level}"), "0 to 1"));
+                return Err(Mismatch::new(format!("the probability {value} at the level {level}"), "0 to 1"));
             }
             let all = levels.len();
             (levels, values) = levels.into_iter().zip(values).filter(|(_, value)| *value < 1.0).unzip();
@@ -128,40 +129,38 @@ fn usual_unit(measure: &str) -> Option<String> {
     Some(unit.into())
 }
 
-fn years(options: &HazardOptions, years_of_file: Option<f64>) -> Result<Option<f64>, HazardError> {
+fn years(options: &HazardOptions, years_of_file: Option<f64>) -> Result<Option<f64>, Mismatch> {
     let found = |years: f64| format!("an investigation time of {years} years");
     match (options.years.or(years_of_file), years_of_file) {
-        (Some(years), _) if !(years > 0.0 && years.is_finite()) => {
-            Err(HazardError::new(found(years), "a number above 0"))
-        }
+        (Some(years), _) if !(years > 0.0 && years.is_finite()) => Err(Mismatch::new(found(years), "a number above 0")),
         (Some(years), Some(of_file)) if years != of_file => {
-            Err(HazardError::new(found(years), format!("{of_file}, as the file says")))
+            Err(Mismatch::new(found(years), format!("{of_file}, as the file says")))
         }
         (years, _) => Ok(years),
     }
 }
 
 /// Refuses an investigation time for a file of annual rates.
-fn check_without_years(options: &HazardOptions, place: &str) -> Result<(), HazardError> {
+fn check_without_years(options: &HazardOptions, place: &str) -> Result<(), Mismatch> {
     let refused = |years| {
         let found = format!("an investigation time of {years} years for {place}");
-        Err(HazardError::new(found, "none, as it holds annual rates"))
+        Err(Mismatch::new(found, "none, as it holds annual rates"))
     };
     options.years.map_or(Ok(()), refused)
 }
 
 /// Refuses a site for a file that names none.
-fn check_without_site(options: &HazardOptions) -> Result<(), HazardError> {
-    let refused = |site: &String| Err(HazardError::new(format!("the site {site}"), "none, as the file names no sites"));
+fn check_without_site(options: &HazardOptions) -> Result<(), Mismatch> {
+    let refused = |site: &String| Err(Mismatch::new(format!("the site {site}"), "none, as the file names no sites"));
     options.site.as_ref().map_or(Ok(()), refused)
 }
 
-fn number(text: &str, location: &str) -> Result<f64, HazardError> {
-    text.trim().parse().map_err(|_| HazardError::new(format!("`{text}` in {location}"), "a number"))
+fn number(text: &str, location: &str) -> Result<f64, Mismatch> {
+    text.trim().parse().map_err(|_| Mismatch::new(format!("`{text}` in {location}"), "a number"))
 }
 
-fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {
-    let unreadable = |error: csv::Error| HazardError::new(error.to_string(), "CSV");
+fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Mismatch> {
+    let unreadable = |error: csv::Error| Mismatch::new(error.to_string(), "CSV");
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(unreadable)?.clone();
     let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
@@ -177,7 +176,9 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
         let site = ["lon", "lat"].map(value_in_comment);
         return rows_of_measures(columns, &rows, site, years(options, years_of_file)?, options);
     }
-    let measures = measures_of_columns(&header);
+    // A file of all measures has a column for each level of each.
+    let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();
+    measures.dedup();
     if !has_sites && measures.is_empty() && !header.iter().any(|name| name.starts_with("poe-")) {
         check_without_site(options)?;
         return two_columns(&header, &rows, years_of_file, options);
@@ -198,7 +199,7 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
         && columns.len() < FEWEST_LEVELS
     {
         let found = format!("{} columns of {measure}, as in a map for some probabilities", columns.len());
-        return Err(HazardError::new(found, format!("a hazard curve of {FEWEST_LEVELS} levels or more")));
+        return Err(Mismatch::new(found, format!("a hazard curve of {FEWEST_LEVELS} levels or more")));
     }
     let row = site(&header, &rows, options.site.as_deref())?;
     let values = columns.iter().map(|&(i, level)| number(&row[i], &format!("the column of the level {level}")));
@@ -209,7 +210,7 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Haza
     });
     let years = years(options, years_of_file)?;
     if is_openquake && years.is_none() {
-        return Err(HazardError::new("no investigation_time in the comment", "the years of the probabilities"));
+        return Err(Mismatch::new("no investigation_time in the comment", "the years of the probabilities"));
     }
     Ok(RawCurve {
         unit: measure.clone().or(options.measure.clone()).and_then(|measure| usual_unit(&canonical(&measure))),
@@ -238,22 +239,15 @@ fn measure_and_level(name: &str) -> Option<(String, f64)> {
     })
 }
 
-/// Returns the measures of a file in their order. It has a column for each level of each measure.
-fn measures_of_columns(header: &csv::StringRecord) -> Vec<String> {
-    let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();
-    measures.dedup();
-    measures
-}
-
 /// Returns the wanted measure of several in a file, or the only one.
-fn chosen_measure(measures: &[String], options: &HazardOptions) -> Result<String, HazardError> {
+fn chosen_measure(measures: &[String], options: &HazardOptions) -> Result<String, Mismatch> {
     let wanted = options.measure.as_deref().map(canonical);
     match (&wanted, measures) {
         (Some(wanted), _) if measures.contains(wanted) => Ok(wanted.clone()),
         (None, [only]) => Ok(only.clone()),
         _ => {
             let expected = wanted.map_or("the choice of one".into(), |wanted| format!("one of {wanted}"));
-            Err(HazardError::new(format!("hazard curves of {}", measures.join(", ")), expected))
+            Err(Mismatch::new(format!("hazard curves of {}", measures.join(", ")), expected))
         }
     }
 }
@@ -265,7 +259,7 @@ fn rows_of_measures(
     site: [Option<String>; 2],
     years: Option<f64>,
     options: &HazardOptions,
-) -> Result<RawCurve, HazardError> {
+) -> Result<RawCurve, Mismatch> {
     let mut measures: Vec<String> = rows.iter().map(|row| canonical(&row[imt])).collect();
     measures.dedup();
     let measure = chosen_measure(&measures, options)?;
@@ -274,14 +268,11 @@ fn rows_of_measures(
         let given: Option<Vec<f64>> = wanted.split(',').map(|part| part.trim().parse().ok()).collect();
         let [lon, lat] = found.map(|coordinate| coordinate.map_or("unknown".into(), |degrees| degrees.to_string()));
         if given != found.into_iter().collect() {
-            return Err(HazardError::new(
-                format!("the site {wanted}"),
-                format!("{lon},{lat}, the only one of the file"),
-            ));
+            return Err(Mismatch::new(format!("the site {wanted}"), format!("{lon},{lat}, the only one of the file")));
         }
     }
     if years.is_none() {
-        return Err(HazardError::new("no investigation_time in the comment", "the years of the probabilities"));
+        return Err(Mismatch::new("no investigation_time in the comment", "the years of the probabilities"));
     }
     let of_measure = || rows.iter().filter(|row| canonical(&row[imt]) == measure);
     Ok(RawCurve {
@@ -298,7 +289,7 @@ fn site<'a>(
     header: &csv::StringRecord,
     rows: &'a [csv::StringRecord],
     wanted: Option<&str>,
-) -> Result<&'a csv::StringRecord, HazardError> {
+) -> Result<&'a csv::StringRecord, Mismatch> {
     let column = |name: &str| header.iter().position(|found| found.eq_ignore_ascii_case(name));
     let (name, lon, lat) = (column("name").or(column("custom_site_id")), column("lon"), column("lat"));
     let coordinates = |row: &csv::StringRecord| {
@@ -310,26 +301,26 @@ fn site<'a>(
         (None, Some([lon, lat])) => format!("{lon},{lat}"),
         (None, None) => "a site without a name".into(),
     };
-    let Some(wanted) = wanted else {
-        return match rows {
-            [row] => Ok(row),
-            _ => {
-                let known: Vec<String> = rows.iter().take(8).map(label).collect();
-                let more = if rows.len() > 8 { ", …" } else { "" };
-                let found = format!("{} sites", rows.len());
-                Err(HazardError::new(found, format!("the choice of one: {}{more}", known.join("; "))))
-            }
-        };
+    let known = || rows.iter().take(8).map(label).collect::<Vec<_>>().join("; ");
+    let wanted = match (wanted, rows) {
+        (Some(wanted), _) => wanted,
+        (None, [row]) => return Ok(row),
+        (None, _) => {
+            let more = if rows.len() > 8 { ", …" } else { "" };
+            return Err(Mismatch::new(
+                format!("{} sites", rows.len()),
+                format!("the choice of one: {}{more}", known()),
+            ));
+        }
     };
     let at: Option<Vec<f64>> = wanted.split(',').map(|part| part.trim().parse().ok()).collect();
     let is_wanted = |row: &&csv::StringRecord| {
         name.is_some_and(|i| row[i].eq_ignore_ascii_case(wanted))
             || at.is_some() && coordinates(row).map(Vec::from) == at
     };
-    let known = || rows.iter().take(8).map(label).collect::<Vec<_>>().join("; ");
     rows.iter()
         .find(is_wanted)
-        .ok_or_else(|| HazardError::new(format!("no site {wanted}"), format!("one such as {}", known())))
+        .ok_or_else(|| Mismatch::new(format!("no site {wanted}"), format!("one such as {}", known())))
 }
 
 /// Reads a table of levels and rates, or of levels and probabilities in some years.
@@ -338,14 +329,14 @@ fn two_columns(
     rows: &[csv::StringRecord],
     years_of_file: Option<f64>,
     options: &HazardOptions,
-) -> Result<RawCurve, HazardError> {
+) -> Result<RawCurve, Mismatch> {
     const EXPECTED: &str = "a heading such as `PGA [g],rate [1/year]`, or the export of OpenQuake or nshmp-haz";
     let headings: Vec<&str> = header.iter().collect();
     let [level, value] = headings[..] else {
-        return Err(HazardError::new(format!("{} columns", headings.len()), EXPECTED));
+        return Err(Mismatch::new(format!("{} columns", headings.len()), EXPECTED));
     };
     if level.parse::<f64>().is_ok() || level.is_empty() {
-        return Err(HazardError::new(format!("`{level},{value}` in the first line"), EXPECTED));
+        return Err(Mismatch::new(format!("`{level},{value}` in the first line"), EXPECTED));
     }
     let (name, unit) = split_heading(level);
     let lower = value.to_ascii_lowercase();
@@ -359,11 +350,11 @@ fn two_columns(
         && of_file != wanted
         && (si(of_file, 1.0).is_none() || si(of_file, options.gravity) != si(wanted, options.gravity))
     {
-        return Err(HazardError::new(format!("the unit {wanted}"), format!("{of_file}, as the file says")));
+        return Err(Mismatch::new(format!("the unit {wanted}"), format!("{of_file}, as the file says")));
     }
     let years = years(options, years_of_file.or_else(|| years_in(&lower).filter(|_| is_probability)))?;
     if is_probability && years.is_none() {
-        return Err(HazardError::new(format!("the column `{value}`"), "the investigation time of its probabilities"));
+        return Err(Mismatch::new(format!("the column `{value}`"), "the investigation time of its probabilities"));
     }
     let column = |i: usize| rows.iter().map(|row| number(&row[i], headings[i])).collect::<Result<Vec<f64>, _>>();
     Ok(RawCurve {
@@ -385,14 +376,14 @@ fn years_in(heading: &str) -> Option<f64> {
 }
 
 /// Reads the reply of a hazard service of the USGS.
-fn json(text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {
+fn json(text: &str, options: &HazardOptions) -> Result<RawCurve, Mismatch> {
     const EXPECTED: &str =
         "the reply of a hazard service of the USGS, with response.hazardCurves or response[].metadata.imt";
     check_without_site(options)?;
-    let reply: Value = serde_json::from_str(text).map_err(|error| HazardError::new(error.to_string(), "JSON"))?;
+    let reply: Value = serde_json::from_str(text).map_err(|error| Mismatch::new(error.to_string(), "JSON"))?;
     let response = &reply["response"];
     let curves = response["hazardCurves"].as_array().or(response.as_array());
-    let curves = curves.ok_or_else(|| HazardError::new("JSON without hazard curves", EXPECTED))?;
+    let curves = curves.ok_or_else(|| Mismatch::new("JSON without hazard curves", EXPECTED))?;
     let name = |curve: &Value| {
         let imt = [&curve["imt"], &curve["metadata"]["imt"]].into_iter().find(|imt| !imt.is_null())?;
         imt["value"].as_str().or(imt.as_str()).map(canonical)
@@ -406,19 +397,19 @@ fn json(text: &str, options: &HazardOptions) -> Result<RawCurve, HazardError> {
     };
     let curve = curve.ok_or_else(|| {
         let expected = wanted.map_or("the choice of one".into(), |wanted| format!("one of {wanted}"));
-        HazardError::new(format!("hazard curves of {}", known.join(", ")), expected)
+        Mismatch::new(format!("hazard curves of {}", known.join(", ")), expected)
     })?;
     let measure = name(curve);
     let components = curve["data"].as_array().map_or(&[][..], |components| components);
     let total = components
         .iter()
         .find(|component| component["component"].as_str().is_none_or(|name| name.eq_ignore_ascii_case("total")));
-    let total = total.ok_or_else(|| HazardError::new("no component `Total` in `data`", EXPECTED))?;
+    let total = total.ok_or_else(|| Mismatch::new("no component `Total` in `data`", EXPECTED))?;
     let numbers = |choices: [&Value; 2], name: &str| {
         let array = choices.into_iter().find_map(Value::as_array);
-        let array = array.ok_or_else(|| HazardError::new(format!("no array {name}"), EXPECTED))?;
+        let array = array.ok_or_else(|| Mismatch::new(format!("no array {name}"), EXPECTED))?;
         let number =
-            |value: &Value| value.as_f64().ok_or_else(|| HazardError::new(format!("{value} in {name}"), "a number"));
+            |value: &Value| value.as_f64().ok_or_else(|| Mismatch::new(format!("{value} in {name}"), "a number"));
         array.iter().map(number).collect::<Result<Vec<f64>, _>>()
     };
     check_without_years(options, "the reply of a hazard service")?;
