@@ -404,7 +404,7 @@ mod tests {
         let springs = BlockSpec { width: Some(1.0), stiffness: Some(1e7), mass: Some(1000.0), ..BlockSpec::default() };
         assert_eq!(springs.said().collect::<Vec<_>>(), [("width", 1.0), ("K", 1e7), ("mass", 1000.0)]);
         let sized = BlockSpec { width: Some(1.0), height: Some(3.0), eta: default.eta, ..BlockSpec::default() };
-        assert_eq!(sized.said().collect::<Vec<_>>(), [("width", 1.0), ("height", 3.0), ("eta", 40.0)]);
+        assert_eq!(sized.said().collect::<Vec<_>>(), [("eta", 40.0), ("width", 1.0), ("height", 3.0)]);
         let tied = BlockSpec { hold: HoldSpec { ties: vec![Tie::default()], ..HoldSpec::default() }, ..default };
         assert_eq!(tied.said().collect::<Vec<_>>(), [("mass", 1000.0)]);
     }
