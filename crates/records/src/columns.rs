@@ -203,12 +203,14 @@ fn choose(
         others.iter().copied().filter(|&index| names.get(index).is_some_and(Heading::is_acceleration)).collect();
     match (others.as_slice(), named.as_slice()) {
         (&[only], _) | (_, &[only]) => Ok((time, only)),
-        _ if is_block_under_text(source, layout) => Err(RecordError::Header {
-            file: source.name.clone(),
-            line: layout.first_row,
-            found: format!("{width} numbers a line under a header of text without names of columns"),
-            expected: format!("the header of a known format ({}), a line of names, or a layout", Format::NAMES),
-        }),
+        _ if is_block_under_text(source, layout) => Err(source.line_error(
+            layout.first_row,
+            format!(
+                "found {width} numbers a line under a header of text without names of columns, \
+                 expected the header of a known format ({}), a line of names, or a layout",
+                Format::NAMES
+            ),
+        )),
         _ => {
             let but = String::from("but no clear acceleration column");
             Err(error(but, Setting::AccelerationColumn))

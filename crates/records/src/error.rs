@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::options::Setting;
-use super::unit::Unit;
 
 /// Reason for refusing a file. Every message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -17,39 +16,23 @@ pub enum RecordError {
         /// Error of the operating system, part of the message; as a `source` it would appear twice.
         error: std::io::Error,
     },
-    /// The file is larger than any accelerogram.
-    #[error("{file}: more than {limit} MiB, expected one accelerogram")]
-    TooLarge {
-        /// Name of the file.
-        file: String,
-        /// Largest accepted size (MiB).
-        limit: u64,
-    },
-    /// An option is invalid for any file.
-    #[error("{file}: {option} = {value}; expected {expected}")]
-    Option {
-        /// Name of the file.
-        file: String,
-        /// Name of the option.
-        option: &'static str,
-        /// Value of the option.
-        value: String,
-        /// Valid values.
-        expected: &'static str,
-    },
-    /// The record cannot be processed as requested.
+    /// The file as a whole, an option, or the requested processing is at fault.
     #[error("{file}: {message}")]
-    Processing {
+    File {
         /// Name of the file.
         file: String,
-        /// Found and expected value.
+        /// Found and expected content.
         message: String,
     },
-    /// The file has only blanks.
-    #[error("{file}: the file is empty, expected an accelerogram")]
-    Empty {
+    /// A line violates the format.
+    #[error("{file}, line {line}: {message}")]
+    Line {
         /// Name of the file.
         file: String,
+        /// Line number, from 1.
+        line: usize,
+        /// Found and expected content.
+        message: String,
     },
     /// The file is not text.
     #[error("{file}: found {found}, expected an accelerogram as ASCII, Latin-1 or UTF-8 text")]
@@ -69,54 +52,6 @@ pub enum RecordError {
         /// Content that the line announces.
         found: String,
     },
-    /// The file is a known kind of accelerogram that is not supported.
-    #[error("{file}, line {line}: found {found}, which is not supported; expected {expected}")]
-    NotRead {
-        /// Name of the file.
-        file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Kind of file.
-        found: String,
-        /// Kind to export instead.
-        expected: &'static str,
-    },
-    /// A header line violates its format.
-    #[error("{file}, line {line}: found {found}, expected {expected}")]
-    Header {
-        /// Name of the file.
-        file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Content of the line.
-        found: String,
-        /// Content that the format requires.
-        expected: String,
-    },
-    /// A value is not a finite number.
-    #[error("{file}, line {line}: found {found}, expected a finite number")]
-    Number {
-        /// Name of the file.
-        file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Content of the line.
-        found: String,
-    },
-    /// The last number has fewer digits than all others: the file was cut off.
-    #[error(
-        "{file}, line {line}: the file ends within the number {found}, expected {expected} as in all numbers before"
-    )]
-    Truncated {
-        /// Name of the file.
-        file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Number that was cut off.
-        found: String,
-        /// Digits of all other numbers.
-        expected: String,
-    },
     /// The count of the header differs from the number of values.
     #[error("{file}, line {line}: found {counted} values in the file, expected {stated}, the header's {key}")]
     Count {
@@ -128,14 +63,6 @@ pub enum RecordError {
         key: &'static str,
         /// Count in the header.
         stated: usize,
-        /// Number of values.
-        counted: usize,
-    },
-    /// The file has fewer than two values.
-    #[error("{file}: found {counted} values, expected at least 2")]
-    TooFew {
-        /// Name of the file.
-        file: String,
         /// Number of values.
         counted: usize,
     },
@@ -166,24 +93,6 @@ pub enum RecordError {
         setting: Setting,
         /// Values of the setting.
         expected: String,
-    },
-    /// The peak exceeds that of any earthquake: the unit of the file is wrong.
-    #[error(
-        "{file}, line {line}: the peak is {peak:.3e} g at {time} s in the file's unit, {unit}; expected at most {limit} g"
-    )]
-    Absurd {
-        /// Name of the file.
-        file: String,
-        /// Line of the unit, from 1.
-        line: usize,
-        /// Peak ground acceleration in units of the caller's gravity.
-        peak: f64,
-        /// Time of the peak (s).
-        time: f64,
-        /// Unit of the file.
-        unit: Unit,
-        /// Largest accepted peak, in the same unit.
-        limit: f64,
     },
 }
 

@@ -78,28 +78,33 @@ impl Format {
     /// Names that [`Format::from_str`] reads, for messages.
     pub const NAMES: &'static str =
         "peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, fixed";
+
+    /// Returns the title, and the words that [`Format::from_str`] reads.
+    fn title_and_words(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Format::Peer => ("PEER AT2", &["peer", "at2"]),
+            Format::Smc => ("SMC", &["smc"]),
+            Format::Columns => ("columns", &["columns", "csv", "txt"]),
+            Format::Cosmos => ("COSMOS", &["cosmos"]),
+            Format::Csmip => ("CSMIP", &["csmip", "dmg", "cesmd"]),
+            Format::Esm => ("ESM ASC", &["esm", "asc", "itaca", "dyna", "afad", "tadas"]),
+            Format::Knet => ("K-NET", &["knet", "k-net", "kiknet", "kik-net"]),
+            Format::Geonet => ("GeoNet", &["geonet"]),
+            Format::Nsmn => ("NSMN", &["nsmn"]),
+            Format::Unam => ("UNAM", &["unam", "racm"]),
+            Format::Renadic => ("RENADIC", &["renadic"]),
+            Format::Bhrc => ("BHRC", &["bhrc"]),
+            Format::Usc => ("USC", &["usc"]),
+            Format::Jma => ("JMA", &["jma"]),
+            Format::Cwb => ("CWB", &["cwb", "cwa"]),
+            Format::Fixed => ("fixed width", &["fixed"]),
+        }
+    }
 }
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Format::Peer => "PEER AT2",
-            Format::Smc => "SMC",
-            Format::Columns => "columns",
-            Format::Cosmos => "COSMOS",
-            Format::Csmip => "CSMIP",
-            Format::Esm => "ESM ASC",
-            Format::Knet => "K-NET",
-            Format::Geonet => "GeoNet",
-            Format::Nsmn => "NSMN",
-            Format::Unam => "UNAM",
-            Format::Renadic => "RENADIC",
-            Format::Bhrc => "BHRC",
-            Format::Usc => "USC",
-            Format::Jma => "JMA",
-            Format::Cwb => "CWB",
-            Format::Fixed => "fixed width",
-        })
+        f.pad(self.title_and_words().0)
     }
 }
 
@@ -112,24 +117,7 @@ impl FromStr for Format {
     type Err = UnknownFormat;
 
     fn from_str(text: &str) -> Result<Format, UnknownFormat> {
-        match text.to_ascii_lowercase().as_str() {
-            "peer" | "at2" => Ok(Format::Peer),
-            "smc" => Ok(Format::Smc),
-            "columns" | "csv" | "txt" => Ok(Format::Columns),
-            "cosmos" => Ok(Format::Cosmos),
-            "csmip" | "dmg" | "cesmd" => Ok(Format::Csmip),
-            "esm" | "asc" | "itaca" | "dyna" | "afad" | "tadas" => Ok(Format::Esm),
-            "knet" | "k-net" | "kiknet" | "kik-net" => Ok(Format::Knet),
-            "geonet" => Ok(Format::Geonet),
-            "nsmn" => Ok(Format::Nsmn),
-            "unam" | "racm" => Ok(Format::Unam),
-            "renadic" => Ok(Format::Renadic),
-            "bhrc" => Ok(Format::Bhrc),
-            "usc" => Ok(Format::Usc),
-            "jma" => Ok(Format::Jma),
-            "cwb" | "cwa" => Ok(Format::Cwb),
-            "fixed" => Ok(Format::Fixed),
-            _ => Err(UnknownFormat(text.to_owned())),
-        }
+        let is_named = |format: &Format| format.title_and_words().1.iter().any(|word| text.eq_ignore_ascii_case(word));
+        Format::ALL.into_iter().find(is_named).ok_or_else(|| UnknownFormat(text.to_owned()))
     }
 }

@@ -111,7 +111,7 @@ pub const LARGEST_FILE: u64 = 512;
 /// Reads an accelerogram file.
 ///
 /// # Errors
-/// [`RecordError::Unreadable`] and [`RecordError::TooLarge`] before the content is examined, then those of [`parse`].
+/// [`RecordError::Unreadable`] before the content is examined, then those of [`parse`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
     parse(&path.display().to_string(), &bytes(path)?, options)
 }
@@ -190,15 +190,15 @@ pub fn parse_with_doubt(
     bytes: &[u8],
     options: &ReadOptions,
 ) -> Result<(Record, Option<String>), RecordError> {
+    let refused = |message: String| RecordError::File { file: name.to_owned(), message };
     if bytes.len() as u64 > LARGEST_FILE << 20 {
-        return Err(RecordError::TooLarge { file: name.to_owned(), limit: LARGEST_FILE });
+        return Err(refused(format!("more than {LARGEST_FILE} MiB, expected one accelerogram")));
     }
     for (option, value) in
         [("time step", options.time_step), ("gravity", Some(options.gravity)), ("value scale", options.value_scale)]
     {
         if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-            let (file, value) = (name.to_owned(), value.to_string());
-            return Err(RecordError::Option { file, option, value, expected: "a finite number above 0" });
+            return Err(refused(format!("{option} = {value}; expected a finite number above 0")));
         }
     }
     let source = FileText::new(name, bytes)?;
@@ -231,8 +231,7 @@ pub fn parse_with_doubt(
     }
     let (record, differing_peak) = raw.into_record(&source, options)?;
     let doubt = differing_peak.or_else(|| plausibility::implausibility(bytes, &record));
-    let processed = options.processing.apply(record);
-    let record = processed.map_err(|message| RecordError::Processing { file: name.to_owned(), message })?;
+    let record = options.processing.apply(record).map_err(refused)?;
     Ok((record, doubt))
 }
 
@@ -242,35 +241,21 @@ fn detect(source: &FileText<'_>, options: &ReadOptions) -> Format {
     let first = head.first().copied().unwrap_or_default();
     let columns_chosen = options.time_column.is_some() || options.acceleration_column.is_some();
     let any = |is_line: fn(&str) -> bool| head.iter().any(|line| is_line(line));
-    if smc::is_first_line(first) {
-        Format::Smc
-    } else if cosmos::is_first_line(first) {
-        Format::Cosmos
-    } else if bhrc::is_first_line(first) {
-        Format::Bhrc
-    } else if jma::is_first_line(first) {
-        Format::Jma
-    } else if geonet::is_head(&head) {
-        Format::Geonet
-    } else if usc::is_head(&head) {
-        Format::Usc
-    } else if any(renadic::is_header_line) {
-        Format::Renadic
-    } else if any(esm::is_header_line) {
-        Format::Esm
-    } else if any(knet::is_header_line) {
-        Format::Knet
-    } else if any(nsmn::is_header_line) {
-        Format::Nsmn
-    } else if any(unam::is_header_line) {
-        Format::Unam
-    } else if any(cwb::is_header_line) {
-        Format::Cwb
-    } else if csmip::is_volume_one(first) || any(volume::is_block_line) {
-        Format::Csmip
-    } else if any(peer::has_npts) || !columns_chosen && table::is_block(&head) {
-        Format::Peer
-    } else {
-        Format::Columns
-    }
+    let found = [
+        (smc::is_first_line(first), Format::Smc),
+        (cosmos::is_first_line(first), Format::Cosmos),
+        (bhrc::is_first_line(first), Format::Bhrc),
+        (jma::is_first_line(first), Format::Jma),
+        (geonet::is_head(&head), Format::Geonet),
+        (usc::is_head(&head), Format::Usc),
+        (any(renadic::is_header_line), Format::Renadic),
+        (any(esm::is_header_line), Format::Esm),
+        (any(knet::is_header_line), Format::Knet),
+        (any(nsmn::is_header_line), Format::Nsmn),
+        (any(unam::is_header_line), Format::Unam),
+        (any(cwb::is_header_line), Format::Cwb),
+        (csmip::is_volume_one(first) || any(volume::is_block_line), Format::Csmip),
+        (any(peer::has_npts) || !columns_chosen && table::is_block(&head), Format::Peer),
+    ];
+    found.into_iter().find(|(is_found, _)| *is_found).map_or(Format::Columns, |(_, format)| format)
 }

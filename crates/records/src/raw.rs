@@ -105,7 +105,8 @@ impl Raw {
             return Err(RecordError::Count { file: file(), line, key, stated: value, counted: self.values.len() });
         }
         if self.values.len() < 2 {
-            return Err(RecordError::TooFew { file: file(), counted: self.values.len() });
+            let message = format!("found {} values, expected at least 2", self.values.len());
+            return Err(RecordError::File { file: file(), message });
         }
         let time_step = match (self.time_step, options.time_step) {
             (Some(StatedStep { line, value, .. }), _) if !(value.is_finite() && value > 0.0) => {
@@ -156,7 +157,10 @@ impl Raw {
         let peak = acceleration.abs() / options.gravity;
         if !(peak <= LARGEST_PEAK && record.acceleration.iter().all(|a| a.is_finite())) {
             return Err(match unit_line {
-                Some(line) => RecordError::Absurd { file: file(), line, peak, time, unit, limit: LARGEST_PEAK },
+                Some(line) => {
+                    let found = format!("the peak is {peak:.3e} g at {time} s in the file's unit, {unit}");
+                    source.line_error(line, format!("{found}; expected at most {LARGEST_PEAK} g"))
+                }
                 None => {
                     let found =
                         format!("the peak would be {peak:.3e} g at {time} s in {unit}, more than {LARGEST_PEAK} g");

@@ -96,12 +96,11 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     // Times and accelerations alternate in records of digitized film, which are not evenly spaced.
     let times: Vec<f64> = raw.values.iter().copied().step_by(2).take(PAIRS).collect();
     if rate == undefined && times.len() == PAIRS && times.is_sorted_by(|a, b| a < b) {
-        return Err(RecordError::NotRead {
-            file: source.name.clone(),
+        return Err(source.not_supported(
             line,
-            found: "an SMC file without sampling rate, whose values are times and accelerations in turn".into(),
-            expected: "the corrected record, which has a sampling rate",
-        });
+            "an SMC file without sampling rate, whose values are times and accelerations in turn",
+            "the corrected record, which has a sampling rate",
+        ));
     }
     Ok(raw)
 }

@@ -39,7 +39,8 @@ impl<'a> FileText<'a> {
             Err(_) => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()),
         };
         if text.trim().is_empty() {
-            return Err(RecordError::Empty { file: name });
+            let message = "the file is empty, expected an accelerogram".into();
+            return Err(RecordError::File { file: name, message });
         }
         Ok(FileText { name, text })
     }
@@ -56,7 +57,23 @@ impl<'a> FileText<'a> {
     }
 
     pub(super) fn header_error(&self, line: usize, found: &str, expected: impl Into<String>) -> RecordError {
-        RecordError::Header { file: self.name.clone(), line, found: quoted(found), expected: expected.into() }
+        self.line_error(line, format!("found {}, expected {}", quoted(found), expected.into()))
+    }
+
+    pub(super) fn line_error(&self, line: usize, message: String) -> RecordError {
+        RecordError::Line { file: self.name.clone(), line, message }
+    }
+
+    /// Builds the error of a known kind of accelerogram that is not supported; `expected` is the kind to export instead.
+    pub(super) fn not_supported(&self, line: usize, found: &str, expected: &str) -> RecordError {
+        self.line_error(line, format!("found {found}, which is not supported; expected {expected}"))
+    }
+
+    /// Builds the error of a file that was cut off within its last number; all others have the `expected` digits.
+    fn truncated(&self, line: usize, number: &str, expected: &str) -> RecordError {
+        let found = quoted(number);
+        let message = format!("the file ends within the number {found}, expected {expected} as in all numbers before");
+        self.line_error(line, message)
     }
 
     /// Builds the error of a file that needs a setting.
@@ -72,11 +89,8 @@ impl<'a> FileText<'a> {
     }
 
     pub(super) fn number(&self, line: usize, token: &str) -> Result<f64, RecordError> {
-        number(token).filter(|value| value.is_finite()).ok_or_else(|| RecordError::Number {
-            file: self.name.clone(),
-            line,
-            found: quoted(token),
-        })
+        let value = number(token).filter(|value| value.is_finite());
+        value.ok_or_else(|| self.header_error(line, token, "a finite number"))
     }
 
     /// Parses a stated unit; refuses units of other quantities and returns `None` for unknown ones.
@@ -102,9 +116,8 @@ impl<'a> FileText<'a> {
         if complete || !self.text.ends_with(text) {
             return Ok(());
         }
-        let found = quoted(text.split_whitespace().next_back().unwrap_or(""));
-        let expected = format!("columns of {width} characters");
-        Err(RecordError::Truncated { file: self.name.clone(), line, found, expected })
+        let last = text.split_whitespace().next_back().unwrap_or("");
+        Err(self.truncated(line, last, &format!("columns of {width} characters")))
     }
 
     pub(super) fn not_acceleration(&self, line: usize, found: impl Into<String>) -> RecordError {
@@ -174,12 +187,8 @@ impl<'s> Values<'s> {
             let decimals = others.decimals.map_or(String::new(), |n| format!(" {n} decimals"));
             let exponent = if others.exponent > 0 { " an exponent" } else { "" };
             let and = if decimals.is_empty() || exponent.is_empty() { "" } else { " and" };
-            return Err(RecordError::Truncated {
-                file: self.source.name.clone(),
-                line: self.last_line,
-                found: quoted(&self.last),
-                expected: format!("{decimals}{and}{exponent}").trim_start().to_owned(),
-            });
+            let expected = format!("{decimals}{and}{exponent}");
+            return Err(self.source.truncated(self.last_line, &self.last, expected.trim_start()));
         }
         Ok(self.numbers)
     }

@@ -114,14 +114,12 @@ pub(super) fn pairs(raw: &mut Raw, source: &FileText<'_>, lines: &[(usize, &str)
     }
     raw.values = values.finish()?;
     (raw.start_time, raw.time_step) = axis.even_spacing(source).map_err(|error| match (error, axis.farthest()) {
-        (RecordError::UnevenTime { file, .. }, Some((line, found, expected, step))) => RecordError::NotRead {
-            file,
-            line,
-            found: format!(
+        (RecordError::UnevenTime { .. }, Some((line, found, expected, step))) => {
+            let found = format!(
                 "an uncorrected accelerogram (volume 1) whose times are not evenly spaced: {found} s, where steps of {step:.6} s give {expected:.3} s"
-            ),
-            expected: "the corrected record (volume 2)",
-        },
+            );
+            source.not_supported(line, &found, "the corrected record (volume 2)")
+        }
         (error, _) => error,
     })?;
     Ok(())
