@@ -27,7 +27,7 @@ pub struct BlockSpec {
     #[schemars(title = "frequency parameter p", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD/S"))]
     pub p: Option<f64>,
-    /// Stiffness ratio eta = omega_v/p of the supports [default: 40]
+    /// Stiffness ratio eta = omega_v/p of the supports; beside --width either it or --stiffness is needed [default: 40]
     #[schemars(title = "stiffness ratio η", extend("fit_factor" = 10, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long))]
     pub eta: Option<f64>,
