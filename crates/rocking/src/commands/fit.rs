@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 
-use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
 use crate::options::run::ThreadOptions;
 use crate::output::files::{NamedFile, Pending, check_distinct};
@@ -38,9 +37,8 @@ pub struct FitCommand {
 }
 
 /// Runs the command.
-pub fn run(options: &FitCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &FitCommand) -> anyhow::Result<()> {
     let FitCommand { file: study, csv, residuals, picture, threads, report } = options;
-    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     [csv, residuals].into_iter().flatten().try_for_each(|path| check_table(path))?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let (name, text) = input::text(study)?;

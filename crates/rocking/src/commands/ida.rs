@@ -4,7 +4,6 @@ use clap::Parser;
 use serde_json::json;
 
 use crate::commands::sweep::SweepOptions;
-use crate::options::explicit::ExplicitOptions;
 use crate::options::run::warn;
 use crate::output::files::{NamedFile, Pending};
 use crate::output::formats::{PictureOptions, check_table};
@@ -30,9 +29,8 @@ pub struct IdaCommand {
 const FRACTILES: [f64; 3] = [0.16, 0.5, 0.84];
 
 /// Runs the command.
-pub fn run(options: &IdaCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let IdaCommand { sweep: options, picture } = options;
-    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let plot = picture.plot.as_deref();
     let format = picture.format()?;
     let csv = options.study.csv();

@@ -8,7 +8,6 @@ use clap::Parser;
 
 use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
-use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
 use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
@@ -49,9 +48,8 @@ pub struct PulseCommand {
 }
 
 /// Runs the command.
-pub fn run(options: &PulseCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &PulseCommand) -> anyhow::Result<()> {
     let PulseCommand { file, reading, g, shape, csv, picture, report } = options;
-    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     anyhow::ensure!(
         pulse_fit::SHAPES.contains(shape),
         "--shape {}; expected a pulse after which the ground stands still: {}",

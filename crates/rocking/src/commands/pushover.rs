@@ -63,7 +63,6 @@ enum Side {
 /// Runs the command.
 pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let PushoverCommand { block: given, side, to, amplitude, points, csv, cycle_csv, picture, report } = options;
-    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     explicit.refuse_unless(amplitude.is_some(), &["cycle-csv"], "without --amplitude")?;
     let outputs = [("csv", csv.as_deref()), ("cycle-csv", cycle_csv.as_deref()), ("plot", picture.plot.as_deref())];
     check_distinct(&[], &NamedFile::of_options(outputs))?;

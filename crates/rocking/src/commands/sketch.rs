@@ -8,7 +8,6 @@ use clap::Parser;
 
 use crate::commands::simulate::summary::parameters;
 use crate::options::block;
-use crate::options::explicit::ExplicitOptions;
 use crate::output::files::Pending;
 use crate::output::formats::PictureOptions;
 use crate::output::report::{ReportOptions, WrittenFiles};
@@ -30,9 +29,8 @@ pub struct SketchCommand {
 }
 
 /// Runs the command.
-pub fn run(options: &SketchCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+pub fn run(options: &SketchCommand) -> anyhow::Result<()> {
     let SketchCommand { block: given, picture, report } = options;
-    explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let block = block::block(given)?;
     let plot = picture.plot.clone().map_or_else(default_output, Ok)?;

@@ -102,7 +102,7 @@ struct BlockOptions {
 
 /// Runs the command.
 pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    explicit.refuse_unless(options.picture.plot.is_some(), &["over", "plot-format"], "without --plot")?;
+    explicit.refuse_unless(options.picture.plot.is_some(), &["over"], "without --plot")?;
     explicit.refuse_unless(explicit.has("vertical"), &["also-horizontal"], "without --vertical")?;
     let (csv, plot) = (options.study.csv(), options.picture.plot.as_deref());
     let statistics_path = options.statistics.as_deref();

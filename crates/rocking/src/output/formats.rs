@@ -88,7 +88,10 @@ pub struct PictureOptions {
 impl PictureOptions {
     /// Returns the format of the picture, if there is one.
     pub fn format(&self) -> anyhow::Result<Option<PictureFormat>> {
-        let Some(path) = &self.plot else { return Ok(None) };
+        let Some(path) = &self.plot else {
+            anyhow::ensure!(self.plot_format.is_none(), "--plot-format has no effect without --plot");
+            return Ok(None);
+        };
         match (self.plot_format, path.extension()) {
             (Some(chosen), None) => Ok(Some(chosen)),
             (Some(chosen), Some(_)) if PictureFormat::of(path)? != chosen => {

@@ -145,7 +145,6 @@ struct MeasureCurve {
 impl FragilityCommand {
     /// Refuses options without effect.
     fn check(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-        explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
         explicit.refuse_unless(self.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
         self.fit.check(explicit)?;
         for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {

@@ -105,7 +105,6 @@ struct Fragility {
 pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let FragilityOptions { table, empirical, fit, .. } = &options.fragility;
     let plot = options.picture.plot.as_deref();
-    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
     fit.check(explicit)?;
     explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
     explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;

@@ -174,7 +174,6 @@ impl SimulateCommand {
     fn refuse_without_effect(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         let on_supports = self.block.foundation() == Foundation::Viscoelastic;
         explicit.refuse_unless(on_supports, &["v", "v-dot"], "on a rigid base")?;
-        explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
         explicit.refuse_unless(!self.quiet, &["events", "friction-demand"], "with --quiet")
     }
 
