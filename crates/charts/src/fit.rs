@@ -4,7 +4,7 @@ use crate::chart::{Chart, Curve, range};
 use crate::formula::formula;
 use crate::history::{block_line, thinned};
 use crate::line_style::LineStyle;
-use crate::page::{Symbol, page};
+use crate::page::{StackedChart, Symbol, stacked};
 use crate::picture::PictureError;
 use rocking_studies::fit::{Fit, TestFit};
 
@@ -21,17 +21,10 @@ pub fn fit(fit: &Fit, title: &str) -> Result<String, PictureError> {
         (Symbol::Curve(LineStyle::WIDE_GREY), "measured".to_string()),
         (Symbol::Curve(LineStyle::THIN), "fitted".to_string()),
     ];
-    let charts: Vec<[Chart; 2]> =
-        fit.tests.iter().enumerate().map(|(number, test)| charts(number, test, fit)).collect();
-    page(&heading, &legend, fit.tests.len() as u32 * HEIGHTS.iter().sum::<u32>(), |root, body| {
-        let mut rest = body.clone();
-        for (chart, height) in charts.iter().flat_map(|pair| pair.iter().zip(HEIGHTS)) {
-            let (area, below) = rest.split_vertically(height);
-            chart.draw(root, &area)?;
-            rest = below;
-        }
-        Ok(())
-    })
+    let charts = fit.tests.iter().enumerate().flat_map(|(number, test)| charts(number, test, fit));
+    let all: Vec<StackedChart> =
+        charts.zip(HEIGHTS.into_iter().cycle()).map(|(chart, height)| (height, vec![], chart)).collect();
+    stacked(&heading, &legend, &all)
 }
 
 fn charts<'a>(number: usize, test: &TestFit, fit: &Fit) -> [Chart<'a>; 2] {

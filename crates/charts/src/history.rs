@@ -7,7 +7,7 @@ use crate::formula::formula;
 use crate::labels;
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
-use crate::page::{Key, Symbol, page, with_legend};
+use crate::page::{StackedChart, Symbol, stacked};
 use crate::picture::PictureError;
 use rocking_block::block::restraints::{MAX_TIES, tie};
 use rocking_block::block::{Block, Body, Corner, Regime, Supports};
@@ -31,9 +31,6 @@ pub(crate) const LINKS: [LineStyle; MAX_TIES] = [
 
 /// A quantity over time: its name in the legend, the style of its line, its value.
 type Series<'a> = (&'a str, LineStyle, &'a dyn Fn(&Row) -> f64);
-
-/// A chart with its height and its legend.
-type Panel<'a> = (u32, Vec<Key>, Chart<'a>);
 
 /// Draws a history as SVG, with a title for the run.
 ///
@@ -100,15 +97,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         let ground = Chart { x: axis(true), y: ("ground/g", 0.0..0.0), ..Chart::default() };
         panels.push(panel(history, HEIGHTS[3], ground, of_ground));
     }
-    page(&heading, &[], panels.iter().map(|panel| panel.0).sum(), |root, body| {
-        let mut rest = body.clone();
-        for (height, legend, chart) in &panels {
-            let (area, below) = rest.split_vertically(*height);
-            chart.draw(root, &with_legend(&area, legend)?)?;
-            rest = below;
-        }
-        Ok(())
-    })
+    stacked(&heading, &[], &panels)
 }
 
 /// Describes a rotation beyond the ordinate.
@@ -119,7 +108,7 @@ fn beyond(history: &History, alpha: f64) -> Option<String> {
 }
 
 /// Adds series and their legend to a chart. An empty ordinate takes the range of the series.
-fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Series]) -> Panel<'a> {
+fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Series]) -> StackedChart<'a> {
     let legend = series
         .iter()
         .filter(|(name, ..)| !name.is_empty())

@@ -3,7 +3,7 @@
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::canvas::{Area, Drawn, Mark, SHADE, TEXT, WIDTH, anchored, drawing, fill, grey, outline, text};
-use crate::chart::{Fill, SIDES};
+use crate::chart::{Chart, Fill, SIDES};
 use crate::formula::{self, formula};
 use crate::line_style::LineStyle;
 use crate::picture::PictureError;
@@ -56,6 +56,22 @@ pub fn page(
             top.draw_text(&line.replace('\u{A0}', " "), &text(*size), (MARGIN as i32, 280 + (LINE * i as u32) as i32))?;
         }
         draw(root, &with_legend(&rest, legend)?)
+    })
+}
+
+/// A chart of a page, with its height and its legend.
+pub type StackedChart<'a> = (u32, Vec<Key>, Chart<'a>);
+
+/// Draws a page of charts, one under the other.
+pub fn stacked(heading: &[String], legend: &[Key], charts: &[StackedChart]) -> Result<String, PictureError> {
+    page(heading, legend, charts.iter().map(|(height, ..)| height).sum(), |root, body| {
+        let mut rest = body.clone();
+        for (height, legend, chart) in charts {
+            let (area, below) = rest.split_vertically(*height);
+            chart.draw(root, &with_legend(&area, legend)?)?;
+            rest = below;
+        }
+        Ok(())
     })
 }
 

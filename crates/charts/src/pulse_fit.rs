@@ -4,7 +4,7 @@ use crate::chart::{Chart, Curve, range};
 use crate::formula::formula;
 use crate::history::thinned;
 use crate::line_style::LineStyle;
-use crate::page::{Symbol, page};
+use crate::page::{Symbol, stacked};
 use crate::picture::PictureError;
 use rocking_block::excitation::Pulse;
 use rocking_studies::pulse_fit::{FitSample, PulseFit};
@@ -44,9 +44,5 @@ pub fn pulse_fit(samples: &[FitSample], fit: &PulseFit, title: &str) -> Result<S
         (Symbol::Curve(LineStyle::FAINT), "record".to_string()),
         (Symbol::Curve(LineStyle::BLACK), "pulse".to_string()),
     ];
-    page(&heading, &legend, HEIGHTS.iter().sum(), |root, body| {
-        let (upper, lower) = body.split_vertically(HEIGHTS[0]);
-        accelerations.draw(root, &upper)?;
-        velocities.draw(root, &lower)
-    })
+    stacked(&heading, &legend, &[(HEIGHTS[0], vec![], accelerations), (HEIGHTS[1], vec![], velocities)])
 }

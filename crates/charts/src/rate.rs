@@ -6,7 +6,7 @@ use crate::chart::{Chart, Curve, Tile};
 use crate::fragility::axis;
 use crate::line_style::LineStyle;
 use crate::numerals::significant;
-use crate::page::{Symbol, page};
+use crate::page::{Symbol, stacked};
 use crate::picture::PictureError;
 use rocking_studies::fragility::Interval;
 use rocking_studies::risk::AnnualRate;
@@ -60,13 +60,8 @@ pub fn rate(
     if !middle.areas.is_empty() {
         legend.insert(1, (Symbol::Band, "confidence interval".into()));
     }
-    page(lines, &legend, HEIGHTS.iter().sum(), |root, body| {
-        let (top, rest) = body.split_vertically(HEIGHTS[0]);
-        let (centre, bottom) = rest.split_vertically(HEIGHTS[1]);
-        upper.draw(root, &top)?;
-        middle.draw(root, &centre)?;
-        lower.draw(root, &bottom)
-    })
+    let [top, centre, bottom] = HEIGHTS;
+    stacked(lines, &legend, &[(top, vec![], upper), (centre, vec![], middle), (bottom, vec![], lower)])
 }
 
 /// Grey levels of the bars inside and outside of the hazard's levels.

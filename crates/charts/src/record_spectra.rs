@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, Tile, rotations};
 use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
-use crate::page::{Key, Symbol, page};
+use crate::page::{Key, Symbol, stacked};
 use crate::picture::PictureError;
 use crate::spectrum::{self, Abscissa, Curves};
 use rocking_studies::spectrum::Spectrum;
@@ -33,25 +33,18 @@ pub fn spectrum(
     let over = curves.over();
     let groups = &statistics.groups;
     let heading = [spectrum::heading(spectrum, title), spectrum::block_line(spectrum)];
-    let panel: u32 = HEIGHTS.iter().sum();
-    page(&heading, &legend(groups), panel * groups.len() as u32, |root, body| {
-        let mut rest = body.clone();
-        for group in groups {
-            let (area, below) = rest.split_vertically(panel);
-            let (upper, lower) = area.split_vertically(HEIGHTS[0]);
-            let sizes = sizes(spectrum, group, over);
-            let range = match (sizes.first(), sizes.last()) {
-                (Some((a, _)), Some((b, _))) => a.min(*b)..a.max(*b),
-                _ => 0.0..1.0,
-            };
-            let margin = 0.02 * (range.end - range.start);
-            let range = range.start - margin..range.end + margin;
-            peaks(spectrum, group, curves, &sizes, range.clone()).draw(root, &upper)?;
-            shares(&sizes, range, over).draw(root, &lower)?;
-            rest = below;
-        }
-        Ok(())
-    })
+    let of_group = |group: &FoundationStatistics| {
+        let sizes = sizes(spectrum, group, over);
+        let range = match (sizes.first(), sizes.last()) {
+            (Some((a, _)), Some((b, _))) => a.min(*b)..a.max(*b),
+            _ => 0.0..1.0,
+        };
+        let margin = 0.02 * (range.end - range.start);
+        let range = range.start - margin..range.end + margin;
+        let peaks = peaks(spectrum, group, curves, &sizes, range.clone());
+        [(HEIGHTS[0], vec![], peaks), (HEIGHTS[1], vec![], shares(&sizes, range, over))]
+    };
+    stacked(&heading, &legend(groups), &groups.iter().flat_map(of_group).collect::<Vec<_>>())
 }
 
 fn legend(groups: &[FoundationStatistics]) -> Vec<Key> {
