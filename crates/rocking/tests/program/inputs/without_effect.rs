@@ -132,13 +132,13 @@ fn a_rigid_base_needs_no_stiffness() {
 #[test]
 fn outline_and_supports_are_given_independently() {
     let folder = tempfile::tempdir().unwrap();
-    // With α = arctan(1/4), p = 1 rad/s and M = 1000 kg, ω_v = 40 rad/s takes K = 8e5 N/m, and ξ_v = 0.1 takes C = 4e3 N.s/m.
+    // With α = arctan(1/4), p = 1 rad/s and M = 1000 kg, ω_v = 50 rad/s takes K = 1.25e6 N/m, and ξ_v = 0.2 takes C = 1e4 N.s/m.
     let (alpha, r0) = (0.25_f64.atan(), 0.75 * 9.81);
     let of = |name: &str, value: f64| [format!("--{name}"), value.to_string()];
     let paper = [of("alpha", alpha), of("p", 1.0)].concat();
     let sizes = [of("width", 2.0 * r0 * alpha.sin()), of("height", 2.0 * r0 * alpha.cos())].concat();
-    let ratios = [of("eta", 40.0), of("xi-v", 0.1)].concat();
-    let springs = [of("stiffness", 8e5), of("damping", 4e3), of("mass", 1000.0)].concat();
+    let ratios = [of("eta", 50.0), of("xi-v", 0.2)].concat();
+    let springs = [of("stiffness", 1.25e6), of("damping", 1e4), of("mass", 1000.0)].concat();
     let peak = |outline: &[String], supports: &[String]| {
         let options: Vec<&str> = outline.iter().chain(supports).map(String::as_str).collect();
         let printed = stdout(folder.path(), &[&["simulate", "--csv", "x.csv"], &PULSE[..], &options].concat());
