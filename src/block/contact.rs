@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Body, Corner, Creep, Foot};
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::Elementary;
 
 /// The regime of motion, by the corners in contact.
@@ -195,9 +195,9 @@ impl<T: Elementary> Contacts<T> {
 
     /// Returns the height of a support's top above rest (m), and its rate (m/s). Both are zero if the corner bears.
     #[inline]
-    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Sample<T> {
+    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Dual<T> {
         match self.of(corner) {
-            Contact::Bearing => Sample::default(),
+            Contact::Bearing => Dual::default(),
             Contact::Held(creep, _) | Contact::Lifted(creep) => creep.top(corner, body, time),
         }
     }

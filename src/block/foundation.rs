@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Body, Corner};
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Scalar};
 
 /// The ground under the block.
@@ -132,9 +132,9 @@ pub(crate) const RECOVERED: f64 = 50.0;
 
 impl<T: Elementary> Creep<T> {
     /// Returns the height of the support's top above rest (m), and its rate (m/s).
-    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Sample<T> {
+    pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Dual<T> {
         match body.foundation {
-            Foundation::Rigid => Sample::default(),
+            Foundation::Rigid => Dual::default(),
             Foundation::Viscoelastic => {
                 let rate = body.creep_rate;
                 // Rounding of the clock may give a time before lift-off.
@@ -143,10 +143,10 @@ impl<T: Elementary> Creep<T> {
                 let exponent = rate * elapsed;
                 // Without damping it recovers at once.
                 if self.depth.is_zero() || rate.value().is_infinite() || exponent.value() > RECOVERED {
-                    return Sample { value: body.free_height(corner), rate: T::from(0.0) };
+                    return Dual::new(body.free_height(corner), T::from(0.0));
                 }
                 let sunk = self.depth * (-exponent).exp();
-                Sample { value: body.free_height(corner) - sunk, rate: rate * sunk }
+                Dual::new(body.free_height(corner) - sunk, rate * sunk)
             }
         }
     }

@@ -7,8 +7,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::numerics::scalar::Scalar;
 
 /// `re + eps ε` with `ε² = 0`: a number and its derivative. It is with respect to time or a parameter.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Dual<R> {
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Dual<R = f64> {
     /// The number.
     pub re: R,
     /// Its derivative.
@@ -55,14 +55,18 @@ macro_rules! constants_with_duals {
 }
 pub(super) use constants_with_duals;
 
-/// A plain number with its derivative.
-pub type Dual64 = Dual<f64>;
-
 impl<R> Dual<R> {
     /// Returns a number with this derivative.
     #[inline(always)]
     pub fn new(re: R, eps: R) -> Dual<R> {
         Dual { re, eps }
+    }
+}
+
+impl<R: Default> Default for Dual<R> {
+    #[inline(always)]
+    fn default() -> Dual<R> {
+        Dual::new(R::default(), R::default())
     }
 }
 
@@ -163,11 +167,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// Returns the same number as a dual of `num-dual`.
-    fn other(x: Dual64) -> num_dual::Dual64 {
+    fn other(x: Dual) -> num_dual::Dual64 {
         num_dual::Dual64::new(x.re, x.eps)
     }
 
-    fn bits(x: Dual64) -> [u64; 2] {
+    fn bits(x: Dual) -> [u64; 2] {
         [x.re.to_bits(), x.eps.to_bits()]
     }
 
@@ -175,7 +179,7 @@ mod tests {
         /// The bits of each operation are those of `num-dual`.
         #[test]
         fn operations_are_those_of_num_dual(a in [-1e3..1e3, -1e3..1e3], b in [-1e3..1e3, -1e3..1e3], c in -1e3..1e3) {
-            let [a, b] = [a, b].map(|[re, eps]| Dual64::new(re, eps));
+            let [a, b] = [a, b].map(|[re, eps]| Dual::new(re, eps));
             for (ours, theirs) in [
                 (a + b, other(a) + other(b)),
                 (a - b, other(a) - other(b)),
@@ -185,7 +189,7 @@ mod tests {
                 (a + c, other(a) + c),
                 (a - c, other(a) - c),
                 (a * c, other(a) * c),
-                (Dual64::from(c), num_dual::Dual64::from(c)),
+                (Dual::from(c), num_dual::Dual64::from(c)),
             ] {
                 prop_assert_eq!(bits(ours), [theirs.re.to_bits(), theirs.eps.to_bits()]);
             }
@@ -195,7 +199,7 @@ mod tests {
         #[test]
         fn functions_are_those_of_num_dual(x in 0.01..0.99, y in [0.1..9.0, -2.0..2.0], eps in -2.0..2.0) {
             use num_dual::DualNum;
-            let (x, y) = (Dual64::new(x, eps), Dual64::new(y[0], y[1]));
+            let (x, y) = (Dual::new(x, eps), Dual::new(y[0], y[1]));
             for (ours, theirs) in [
                 (x.sin(), other(x).sin()),
                 (x.cos(), other(x).cos()),

@@ -144,7 +144,7 @@ fn reached_event(simulation: &Simulation, function: EventFunction, excitation: &
     let (block, pose) = (simulation.block(), &simulation.run.pose);
     let rate = |pose: &Pose| {
         let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
-        (function.sample(&now).rate, now)
+        (function.sample(&now).eps, now)
     };
     let (first, now) = rate(pose);
     let duration = NEAR / block.omega_v.max(block.p);

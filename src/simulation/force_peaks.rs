@@ -4,7 +4,7 @@
 use crate::numerics::Real;
 use crate::numerics::bernstein::{DEGREE, Highest, Pair, Searched};
 use crate::numerics::scalar::{Runs, greatest};
-use crate::simulation::outputs::{MAX_FRICTION_DEMAND, PeakQuantities, peak_quantities};
+use crate::simulation::outputs::{Channels, MAX_FRICTION_DEMAND};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::system::evaluation::Evaluation;
 
@@ -144,13 +144,13 @@ impl<R: Searched> ForcePeaks<R> {
 impl ForcePeaks<f64> {
     /// Includes the forces of an instant.
     pub(super) fn include_forces(&mut self, now: &Evaluation) {
-        self.include_quantities(&peak_quantities(now.body, now.regime, &now.instant, [0.0; 2]));
+        self.include_channels(&Channels::of(now.body, now.regime, &now.instant, [0.0; 2]));
     }
 
     /// Includes the forces of a block.
     #[inline]
-    pub(super) fn include_quantities(&mut self, quantities: &PeakQuantities<f64>) {
-        let &PeakQuantities { reaction: [left, right], horizontal, friction_demand, .. } = quantities;
+    pub(super) fn include_channels(&mut self, channels: &Channels<f64>) {
+        let &Channels { reaction: [left, right], horizontal, friction_demand, .. } = channels;
         self.reaction = greater(greater(self.reaction, left), right);
         self.horizontal = greater(self.horizontal, horizontal.abs());
         self.friction_demand = greater(self.friction_demand, friction_demand);

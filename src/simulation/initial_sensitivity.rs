@@ -2,11 +2,11 @@
 
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::Excitation;
-use crate::numerics::dual::{Dual, Dual64};
+use crate::numerics::dual::Dual;
 use crate::numerics::gradient::DirectionalDual;
 use crate::simulation::Energies;
 use crate::simulation::outputs::{Observation, observe};
-use crate::simulation::peaks::{Peaks, channels};
+use crate::simulation::peaks::Peaks;
 use crate::system::System;
 use crate::system::beginning::Initial;
 use crate::system::dynamics::instant;
@@ -54,14 +54,14 @@ impl Start {
             lean(&mut goes_on, initial);
             begins = goes_on;
         }
-        let support_heights = goes_on.support_heights.map(|top| top.value);
+        let support_heights = goes_on.support_heights.map(|top| top.re);
         let seen = observe(block, goes_on.regime, &goes_on.instant, support_heights, goes_on.forcing);
         let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
-        let of_size = |x: Dual64| if x.re < 0.0 { -x.eps } else { x.eps };
+        let of_size = |x: Dual| if x.re < 0.0 { -x.eps } else { x.eps };
         let peaks = Peaks {
             pull: seen.restraints.map(|restraint| of_size(restraint.pull)),
             plastic: seen.restraints.map(|restraint| of_size(restraint.plastic)),
-            ..channels(&seen).peak_sensitivity()
+            ..seen.channels().peak_sensitivity()
         };
         let seen = if is_frozen { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);

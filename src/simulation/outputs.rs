@@ -1,10 +1,11 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
+use serde::{Deserialize, Serialize};
+
 use crate::block::restraints::{self, ObservedRestraint};
 use crate::block::{Body, Corner, Regime};
 use crate::excitation::Forcing;
-use crate::numerics::dual::{Dual, Dual64};
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::system::dynamics::{instant, instant_held};
 use crate::system::evaluation::Evaluation;
@@ -70,13 +71,13 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     support_heights: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
-    let PeakQuantities { reaction, horizontal, uplift, friction_demand } =
-        peak_quantities(body, regime, x, support_heights);
+    let Channels { theta, reaction, horizontal, uplift, friction_demand } =
+        Channels::of(body, regime, x, support_heights);
     let power = x.powers(body, regime, forcing);
     let [friction_power, restraint_power @ ..] = forces::dissipated(body, &forcing, x).map(|power| power * body.mass);
     Observation {
         regime,
-        theta: x.theta,
+        theta,
         theta_dot: x.theta_dot,
         theta_ddot: x.theta_ddot,
         v: x.v,
@@ -99,35 +100,42 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     }
 }
 
-/// The observed quantities besides θ that have peaks, in the units of [`Observation`].
-pub struct PeakQuantities<T> {
-    /// Vertical reactions.
+/// The observed quantities that have peaks, or these with their rates of change, in the units of [`Observation`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Channels<T = Dual> {
+    /// Rotation θ (rad).
+    pub theta: T,
+    /// Vertical reactions N_L, N_R (N).
     pub reaction: [T; 2],
-    /// Horizontal reaction.
+    /// Horizontal reaction H (N).
     pub horizontal: T,
-    /// Gaps under the corners.
+    /// Heights of the corners above their supports (m).
     pub uplift: [T; 2],
-    /// Friction demand.
+    /// Friction demand (1).
     pub friction_demand: T,
 }
 
-/// Returns these quantities; `support_heights` are the heights of the supports.
-#[inline(always)]
-pub fn peak_quantities<P: Scalar, T: CombinesWith<P>>(
-    body: &Body<P>,
-    regime: Regime,
-    x: &Instant<T>,
-    support_heights: [T; 2],
-) -> PeakQuantities<T> {
-    let [left, right] = x.reaction;
-    let reaction = [left * body.mass, right * body.mass];
-    let horizontal = x.horizontal * body.mass;
-    PeakQuantities {
-        reaction,
-        horizontal,
-        // No closure: it would not be inlined into the lanes, and compiled without their vectors.
-        uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
-        friction_demand: friction_demand(regime, T::from(body.friction), horizontal, reaction[0] + reaction[1]),
+impl<T: Scalar> Channels<T> {
+    /// Those of an instant; `support_heights` are the heights of the supports.
+    #[inline(always)]
+    pub fn of<P: Scalar>(body: &Body<P>, regime: Regime, x: &Instant<T>, support_heights: [T; 2]) -> Channels<T>
+    where
+        T: CombinesWith<P>,
+    {
+        let [left, right] = x.reaction;
+        let reaction = [left * body.mass, right * body.mass];
+        let horizontal = x.horizontal * body.mass;
+        Channels {
+            theta: x.theta,
+            reaction,
+            horizontal,
+            // No closure: it would not be inlined into the lanes, and compiled without their vectors.
+            uplift: [
+                uplift(regime, x, support_heights, Corner::Left),
+                uplift(regime, x, support_heights, Corner::Right),
+            ],
+            friction_demand: friction_demand(regime, T::from(body.friction), horizontal, reaction[0] + reaction[1]),
+        }
     }
 }
 
@@ -185,6 +193,12 @@ impl<T: Scalar> Observation<T> {
         }
     }
 
+    /// The quantities that have peaks.
+    pub fn channels(&self) -> Channels<T> {
+        let Observation { theta, reaction, horizontal, uplift, friction_demand, .. } = *self;
+        Channels { theta, reaction, horizontal, uplift, friction_demand }
+    }
+
     /// The observation of a held block: no rates, accelerations or reactions. All derivatives are zero.
     pub fn frozen(&self) -> Observation<T> {
         self.map(|x| T::constant(x.value())).without_motion()
@@ -221,27 +235,26 @@ where
     /// The observed quantities with their exact rates along the motion in the dual parts.
     #[inline(always)]
     pub fn observe_rates(&self) -> Observation<Dual<R>> {
-        let support_heights = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
         let rate = self.forcing_rate();
         let forcing = self.forcing.with_derivative(rate);
-        observe(self.body, self.regime, &self.with_rates(rate), support_heights, forcing)
+        observe(self.body, self.regime, &self.with_rates(rate), self.support_heights, forcing)
     }
 }
 
 impl Evaluation<'_> {
     /// The observed quantities.
     pub fn observe(&self) -> Observation<f64> {
-        observe(self.body, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
+        observe(self.body, self.regime, &self.instant, self.support_heights.map(|top| top.re), self.forcing)
     }
 
     /// The observed quantities with exact derivatives in the dual parts. They are with respect to the forcing in a direction, and to
     /// `time`, with which supports creep.
-    pub fn observe_direction(&self, direction: Forcing<f64>, time: f64) -> Observation<Dual64> {
-        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
-        let footing = self.footing.map(Dual64::from);
+    pub fn observe_direction(&self, direction: Forcing<f64>, time: f64) -> Observation<Dual> {
+        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual::from);
+        let footing = self.footing.map(Dual::from);
         let forcing = self.forcing.with_derivative(direction);
         let x = self.instant_along(state, footing, forcing, time);
-        let support_heights = self.support_heights.map(|top| Dual64::new(top.value, time * top.rate));
+        let support_heights = self.support_heights.map(|top| Dual::new(top.re, time * top.eps));
         observe(self.body, self.regime, &x, support_heights, forcing)
     }
 
@@ -249,14 +262,14 @@ impl Evaluation<'_> {
     /// a held corner creeps.
     pub(super) fn instant_along(
         &self,
-        state: [Dual64; 4],
-        footing: Footing<Dual64>,
-        forcing: Forcing<Dual64>,
+        state: [Dual; 4],
+        footing: Footing<Dual>,
+        forcing: Forcing<Dual>,
         time: f64,
-    ) -> Instant<Dual64> {
+    ) -> Instant<Dual> {
         let Some(held) = self.held else { return instant(self.body, self.regime, state, footing, forcing) };
         let Held { corner, top, standing } = held.with_rates(self.body);
-        let held = Held { corner, top: top.map(|top| Dual64::new(top.re, time * top.eps)), standing };
+        let held = Held { corner, top: top.map(|top| Dual::new(top.re, time * top.eps)), standing };
         instant_held(self.body, [state[0], state[1]], held, footing, forcing)
     }
 }

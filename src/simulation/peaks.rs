@@ -1,14 +1,12 @@
 //! Observations and their rates at the ends of a step → peaks since the start, also inside the step.
 
-use std::ops::Neg;
-
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Body, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::{self, Sample, may_rise_inside};
+use crate::numerics::roots::{self, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Real, Runs, Scalar, greatest};
-use crate::simulation::outputs::{Observation, PeakQuantities, peak_quantities};
+use crate::simulation::outputs::Channels;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
 
@@ -48,33 +46,18 @@ pub enum Channel {
     FrictionDemand,
 }
 
-/// The quantities whose greatest absolute values are peaks, with their rates of change.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Channels<R = f64> {
-    /// Rotation θ (rad).
-    pub theta: Sample<R>,
-    /// Vertical reactions N_L, N_R (N).
-    pub reaction: [Sample<R>; 2],
-    /// Horizontal reaction H (N).
-    pub horizontal: Sample<R>,
-    /// Heights of the corners above their supports (m).
-    pub uplift: [Sample<R>; 2],
-    /// Friction demand (1).
-    pub friction_demand: Sample<R>,
-}
-
-impl<R: Copy + Neg<Output = R>> Channels<R> {
+impl<R: Scalar> Channels<Dual<R>> {
     /// All values that may be a peak; signed quantities in both directions.
     #[inline(always)]
-    pub fn candidates(&self) -> [(Channel, Sample<R>); 9] {
+    pub fn candidates(&self) -> [(Channel, Dual<R>); 9] {
         let Channels { theta, reaction, horizontal, uplift, friction_demand } = *self;
         [
             (Channel::Theta, theta),
-            (Channel::Theta, theta.negated()),
+            (Channel::Theta, -theta),
             (Channel::Reaction, reaction[0]),
             (Channel::Reaction, reaction[1]),
             (Channel::Horizontal, horizontal),
-            (Channel::Horizontal, horizontal.negated()),
+            (Channel::Horizontal, -horizontal),
             (Channel::Uplift, uplift[0]),
             (Channel::Uplift, uplift[1]),
             (Channel::FrictionDemand, friction_demand),
@@ -130,25 +113,25 @@ impl<T: Real> Peaks<T> {
 
     /// Includes the values at one instant.
     #[inline(always)]
-    pub fn include(&mut self, channels: &Channels<T>) {
+    pub fn include(&mut self, channels: &Channels<Dual<T>>) {
         each_candidate!(|i| {
             let (channel, sample) = channels.candidates()[i];
-            self.raise(channel, sample.value);
+            self.raise(channel, sample.re);
         });
     }
 
     /// Includes the values at both ends of a step.
     #[inline(always)]
-    pub fn include_ends(&mut self, start: &Channels<T>, end: &Channels<T>) {
+    pub fn include_ends(&mut self, start: &Channels<Dual<T>>, end: &Channels<Dual<T>>) {
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
-            self.raise(channel, greatest(start.value, end.value));
+            self.raise(channel, greatest(start.re, end.re));
         });
     }
 
     /// Whether a value may exceed its peak and both ends between two instants, in each run.
     #[inline(always)]
-    pub fn may_rise_inside(&self, start: &Channels<T>, end: &Channels<T>, duration: T) -> T::Runs {
+    pub fn may_rise_inside(&self, start: &Channels<Dual<T>>, end: &Channels<Dual<T>>, duration: T) -> T::Runs {
         let mut may = T::Runs::less(duration, duration);
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
@@ -193,7 +176,7 @@ impl Peaks {
     /// Includes the pulls and the plastic elongations of the restraints at one instant.
     pub fn include_restraints(&mut self, now: &Evaluation) {
         for number in now.body.restraints.numbers() {
-            self.include_pull(now.body, number, now.pull(number).value.abs());
+            self.include_pull(now.body, number, now.pull(number).re.abs());
         }
         self.include_plastic(&now.plastic_elongations());
     }
@@ -219,8 +202,8 @@ impl Peaks {
             let most = roots::greatest(self.pull[number], start, end, duration, &mut pull);
             self.include_pull(here.body, number, most);
             if here.body.restraints.pushes(number) {
-                let [start, end] = [start, end].map(Sample::negated);
-                let mut pushed = |elapsed: f64| inside(elapsed).pull(number).negated();
+                let [start, end] = [-start, -end];
+                let mut pushed = |elapsed: f64| -inside(elapsed).pull(number);
                 let most = roots::greatest(self.pull[number], start, end, duration, &mut pushed);
                 self.include_pull(here.body, number, most);
             }
@@ -241,12 +224,12 @@ impl Peaks {
         start: &Channels,
         end: &Channels,
         duration: f64,
-        inside: &mut dyn FnMut(Channel, usize, f64) -> Sample,
+        inside: &mut dyn FnMut(Channel, usize, f64) -> Dual,
     ) {
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             let most = self.of(channel);
-            if start.value > most || end.value > most || may_rise_inside(most, start, end, duration) {
+            if start.re > most || end.re > most || may_rise_inside(most, start, end, duration) {
                 let most = roots::greatest(most, start, end, duration, &mut |elapsed| inside(channel, i, elapsed));
                 self.raise(channel, most);
             }
@@ -270,8 +253,8 @@ impl Peaks {
         const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
         let of_it = now.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
         of_it
-            .filter(|sample| sample.value >= AT_PEAK * self.of(channel))
-            .fold(0.0, |rate, sample| greater(rate, sample.rate))
+            .filter(|sample| sample.re >= AT_PEAK * self.of(channel))
+            .fold(0.0, |rate, sample| greater(rate, sample.eps))
     }
 }
 
@@ -282,11 +265,11 @@ impl Channels {
         // Both reactions of a block at rest are the same number up to rounding.
         const SAME: f64 = 1.0 - 1e-13;
         let along = |channel: Channel| {
-            let zero = Sample::default();
+            let zero = Dual::default();
             let of_it = || self.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
-            let greatest = of_it().fold(0.0, |most, sample| greater(most, sample.value));
-            let at_it = of_it().chain([zero]).filter(|sample| sample.value >= SAME * greatest);
-            at_it.map(|sample| sample.rate).reduce(greater).unwrap_or(0.0)
+            let greatest = of_it().fold(0.0, |most, sample| greater(most, sample.re));
+            let at_it = of_it().chain([zero]).filter(|sample| sample.re >= SAME * greatest);
+            at_it.map(|sample| sample.eps).reduce(greater).unwrap_or(0.0)
         };
         Peaks {
             theta: along(Channel::Theta),
@@ -304,71 +287,42 @@ pub fn greater(first: f64, second: f64) -> f64 {
     if second > first { second } else { first }
 }
 
-/// The channels of an observation whose dual parts are rates.
-#[inline(always)]
-pub fn channels<R: Scalar>(x: &Observation<Dual<R>>) -> Channels<R> {
-    Channels {
-        theta: sample(x.theta),
-        reaction: [sample(x.reaction[0]), sample(x.reaction[1])],
-        horizontal: sample(x.horizontal),
-        uplift: [sample(x.uplift[0]), sample(x.uplift[1])],
-        friction_demand: sample(x.friction_demand),
-    }
-}
-
-#[inline(always)]
-fn sample<R: Scalar>(x: Dual<R>) -> Sample<R> {
-    Sample { value: x.re, rate: x.eps }
-}
-
 impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: CombinesWith<R>,
 {
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]
-    pub fn channels(&self) -> Channels<R> {
-        let [left, right] = self.support_heights;
-        let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
-        let x = self.with_rates(self.forcing_rate());
-        let PeakQuantities { reaction, horizontal, uplift, friction_demand } =
-            peak_quantities(self.body, self.regime, &x, tops);
-        Channels {
-            theta: sample(x.theta),
-            reaction: [sample(reaction[0]), sample(reaction[1])],
-            horizontal: sample(horizontal),
-            uplift: [sample(uplift[0]), sample(uplift[1])],
-            friction_demand: sample(friction_demand),
-        }
+    pub fn channels(&self) -> Channels<Dual<R>> {
+        Channels::of(self.body, self.regime, &self.with_rates(self.forcing_rate()), self.support_heights)
     }
 
     /// The channels without rates that need dual numbers.
     ///
     /// Zeros stand for H and the friction demand, and on the rigid base for the rates of the reactions.
     #[inline(always)]
-    pub fn cheap_channels(&self) -> Channels<R> {
+    pub fn cheap_channels(&self) -> Channels<Dual<R>> {
         Channels {
-            theta: Sample { value: self.instant.theta, rate: self.instant.theta_dot },
+            theta: Dual::new(self.instant.theta, self.instant.theta_dot),
             reaction: [self.reaction(Corner::Left), self.reaction(Corner::Right)],
-            horizontal: Sample::default(),
+            horizontal: Dual::default(),
             uplift: [self.uplift(Corner::Left), self.uplift(Corner::Right)],
-            friction_demand: Sample::default(),
+            friction_demand: Dual::default(),
         }
     }
 
     #[inline(always)]
-    fn reaction(&self, corner: Corner) -> Sample<R> {
+    fn reaction(&self, corner: Corner) -> Dual<R> {
         if !self.regime.touches(corner) {
-            return Sample::default();
+            return Dual::default();
         }
-        let Sample { value, rate } = lift_off::on_support(self.body, &self.instant, corner);
-        Sample { value: self.body.mass * value, rate: self.body.mass * rate }
+        lift_off::on_support(self.body, &self.instant, corner) * self.body.mass
     }
 
     #[inline(always)]
-    fn uplift(&self, corner: Corner) -> Sample<R> {
+    fn uplift(&self, corner: Corner) -> Dual<R> {
         if self.regime.touches(corner) {
-            return Sample::default();
+            return Dual::default();
         }
         landing::gap(&self.instant, self.support_heights, corner)
     }

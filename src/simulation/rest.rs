@@ -5,7 +5,7 @@ use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
 use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
-use crate::simulation::outputs::peak_quantities;
+use crate::simulation::outputs::Channels;
 use crate::simulation::state::RunState;
 use crate::simulation::step::{StepsInput, StepsOutcome};
 use crate::simulation::swings::longest_swing;
@@ -116,18 +116,18 @@ impl RunState {
         let Pose { time, state, footing, .. } = self.pose;
         // A corner that is pressed on by more than the round-off of its reaction has not lifted.
         let pressed = EventFunction::Reaction(Corner::Left).rounding(block);
-        let quantities_at = |time: f64| {
+        let channels_at = |time: f64| {
             instant_of(block, mode.foundation(), mode.regime(), state.0, footing, excitation.at(time), |x| {
                 let [left, right] = x.reaction;
-                (left > pressed && right > pressed).then(|| peak_quantities(block, mode.regime(), &x, [0.0; 2]))
+                (left > pressed && right > pressed).then(|| Channels::of(block, mode.regime(), &x, [0.0; 2]))
             })
         };
-        let (here, there) = (quantities_at(time), quantities_at(stop));
+        let (here, there) = (channels_at(time), channels_at(stop));
         let (Some(here), Some(there)) = (here, there) else { return Ok(false) };
         input.spend(budget, time, longest_swing(block.p, 0.0))?;
         self.peaks.raise_forces(|forces| {
-            forces.include_quantities(&here);
-            forces.include_quantities(&there);
+            forces.include_channels(&here);
+            forces.include_channels(&there);
         });
         self.counts.evaluations += 1;
         self.counts.steps += 1;

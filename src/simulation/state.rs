@@ -6,7 +6,7 @@ use crate::block::restraints::{self, States};
 use crate::block::{Block, Body, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::control::StepControl;
-use crate::numerics::dual::Dual64;
+use crate::numerics::dual::Dual;
 use crate::simulation::ending::Ending;
 use crate::simulation::energies::{Energies, EnergySums, powers};
 use crate::simulation::exchange::piece::ExchangePiece;
@@ -280,14 +280,14 @@ impl Simulation {
     }
 
     /// [`Simulation::observe`] with the exact rates of change along the motion in the dual parts.
-    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
+    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual> {
         let seen = self.inspect_after_jump(inputs, |now| now.observe_rates());
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
     /// [`Simulation::observe`] with exact derivatives in the dual parts. The components of the direction are the values of `direction` and
     /// `time`. State and regime are kept.
-    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual> {
         let time = if self.run.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(direction, time);
         let seen = self.inspect_after_jump(inputs, |now| now.observe_direction(direction, time));

@@ -3,8 +3,10 @@
 use crate::block::{Body, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, DenseStep, EVALUATIONS_OF_DENSE_OUTPUT};
-use crate::numerics::roots::{self, Sample};
-use crate::simulation::peaks::{Channel, Channels, Peaks};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots;
+use crate::simulation::outputs::Channels;
+use crate::simulation::peaks::{Channel, Peaks};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{EventFunction, extended_event_functions, quarter_turn, watched};
 use crate::system::instant::{Powers, State};
@@ -42,15 +44,15 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
 /// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
 #[inline(always)]
-fn rounding(mode: impl MotionMode, function: EventFunction, body: &Body, [start, end]: [Sample; 2]) -> f64 {
+fn rounding(mode: impl MotionMode, function: EventFunction, body: &Body, [start, end]: [Dual; 2]) -> f64 {
     let tilts = mode.foundation() == Foundation::Rigid && mode.regime().pivot().is_some();
-    let is_arc = start.value >= 0.0 && start.rate > 0.0 || start.value > 0.0 && end.value < 0.0;
+    let is_arc = start.re >= 0.0 && start.eps > 0.0 || start.re > 0.0 && end.re < 0.0;
     if tilts && is_arc && matches!(function, EventFunction::Gap(_)) { 0.0 } else { function.rounding(body) }
 }
 
 /// Whether a function with these samples at the ends may fall through zero. On supports their bounds decide.
 #[inline(always)]
-fn may_fall(mode: impl MotionMode, start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
+fn may_fall(mode: impl MotionMode, start: Dual, end: Dual, rounding: f64, duration: f64) -> bool {
     if mode.is_static() && mode.foundation() == Foundation::Viscoelastic {
         roots::may_fall_by_bounds(start, end, rounding, duration)
     } else {
@@ -125,7 +127,7 @@ pub(super) fn first_event<L: MotionMode, const N: usize>(
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
-            let rise_unseen = elapsed == 0.0 && !down && start.value >= -rounding;
+            let rise_unseen = elapsed == 0.0 && !down && start.re >= -rounding;
             first = Some(EventCrossing { elapsed, function, rise_unseen });
         }
     }
@@ -152,7 +154,7 @@ fn first_extended_event<L: MotionMode, const N: usize>(
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
-            first = Some(EventCrossing { elapsed, function, rise_unseen: elapsed == 0.0 && start.value >= -rounding });
+            first = Some(EventCrossing { elapsed, function, rise_unseen: elapsed == 0.0 && start.re >= -rounding });
         }
     }
     first
@@ -212,7 +214,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
 
     /// Value and rate of an event function `elapsed` seconds after the beginning of the step.
     #[inline]
-    fn sample(&mut self, function: EventFunction, elapsed: f64) -> Sample {
+    fn sample(&mut self, function: EventFunction, elapsed: f64) -> Dual {
         if function == EventFunction::QuarterTurn {
             let state = self.state(elapsed);
             return quarter_turn::remaining_angle([state[0], state[1]]);
@@ -222,11 +224,11 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
 
     /// A candidate of [`Channels::candidates`], with its channel, `elapsed` seconds after the beginning of the step.
     #[inline]
-    pub(super) fn candidate(&mut self, channel: Channel, number: usize, elapsed: f64) -> Sample {
+    pub(super) fn candidate(&mut self, channel: Channel, number: usize, elapsed: f64) -> Dual {
         let channels = match channel {
             Channel::Theta => {
                 let state = self.state(elapsed);
-                Channels { theta: Sample { value: state[0], rate: state[1] }, ..Channels::default() }
+                Channels { theta: Dual::new(state[0], state[1]), ..Channels::default() }
             }
             Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
                 self.at(elapsed).channels_called()

@@ -9,7 +9,6 @@ use crate::block::restraints::States;
 use crate::block::{Body, Contacts, Corner, Foot, Lever, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Real, Scalar};
 use crate::numerics::{Equations, Rate, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
@@ -39,7 +38,7 @@ pub struct Evaluation<'a, R: Scalar = f64> {
     /// Rate of the state, and the powers.
     pub rate: Rate<R>,
     /// Heights of free supports (m), and their rates (m/s). Zeros for touching corners.
-    pub support_heights: [Sample<R>; 2],
+    pub support_heights: [Dual<R>; 2],
     /// The held corner, if any.
     pub held: Option<Held<R>>,
 }
@@ -217,10 +216,10 @@ impl<'a, L: MotionMode, const N: usize, T: Elementary> Motion<'a, L, N, T> {
 
     /// Returns the heights of free supports (m), and their rates (m/s). Zeros for touching corners.
     #[inline(always)]
-    pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
+    pub fn support_heights(&self, time: T) -> [Dual<T>; 2] {
         Corner::each(|corner| {
             if self.mode.regime().touches(corner) {
-                Sample::default()
+                Dual::default()
             } else {
                 self.contacts.top(corner, self.body, time)
             }
@@ -327,7 +326,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
         ForcingAt { excitation, time, forcing }: ForcingAt<'a, R>,
         footing: Footing<R>,
         state: State<R>,
-        support_heights: [Sample<R>; 2],
+        support_heights: [Dual<R>; 2],
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (mode.foundation(), mode.regime());
         let forcing = mode.acting(forcing, forcing.restraints);

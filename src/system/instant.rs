@@ -6,7 +6,6 @@ use crate::block::restraints::States;
 use crate::block::{Body, Contacts, Corner, Kinematics, Regime, StandingSlide};
 use crate::numerics;
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Real, Scalar};
 
 /// The state `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s. The rotation θ is positive clockwise (the block tilts to the right), w positive up.
@@ -197,8 +196,8 @@ pub struct Held<T> {
 
 impl<R: Scalar> Held<R> {
     /// Returns a corner held on a support of this height and rate. The support creeps by `C ÿ = −K ẏ`.
-    pub fn on(body: &Body<R>, corner: Corner, Sample { value, rate }: Sample<R>, standing: StandingSlide) -> Held<R> {
-        Held { corner, top: [value, rate, creeping(body, rate)], standing }
+    pub fn on(body: &Body<R>, corner: Corner, support: Dual<R>, standing: StandingSlide) -> Held<R> {
+        Held { corner, top: [support.re, support.eps, creeping(body, support.eps)], standing }
     }
 
     /// Returns the held corner with its rates in the dual parts.

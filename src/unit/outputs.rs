@@ -4,8 +4,9 @@ use std::cell::OnceCell;
 
 use crate::block::restraints::{self, ObservedRestraint, TieState};
 use crate::excitation::Inputs;
+use crate::simulation::outputs::Channels;
 use crate::simulation::outputs::Observation;
-use crate::simulation::peaks::{Channel, Channels, Peaks};
+use crate::simulation::peaks::{Channel, Peaks};
 use crate::simulation::{self, Ending, Energies, InitialDerivatives, Simulation};
 use crate::unit::variables::Output;
 

@@ -5,7 +5,8 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::control::StepControl;
 use rocking_block::numerics::dop853::{self, DenseOutput, DenseStep};
-use rocking_block::numerics::roots::{PIECES, Sample, first_fall};
+use rocking_block::numerics::dual::Dual;
+use rocking_block::numerics::roots::{PIECES, first_fall};
 use rocking_block::numerics::short::{self, ShortStep};
 use rocking_block::numerics::{Rate, StageRates};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -283,7 +284,7 @@ fn the_error_of_a_short_step_covers_state_and_works() {
 /// A dip that is short relative to the interval is found where it begins.
 #[test]
 fn a_dip_late_in_a_long_interval_is_found() {
-    let dip = |t: f64| Sample { value: (t - 74.5) * (t - 75.5), rate: 2.0 * t - 150.0 };
+    let dip = |t: f64| Dual::new((t - 74.5) * (t - 75.5), 2.0 * t - 150.0);
     let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, PIECES, false, &mut { dip }).unwrap();
     assert!((root - 74.5).abs() < 1e-12, "{root}");
 }

@@ -159,7 +159,7 @@ fn dual_numbers_give_the_rates_of_everything() {
     type Field = (
         &'static str,
         fn(&Instant<f64>) -> f64,
-        fn(&Instant<rocking_block::numerics::dual::Dual64>) -> rocking_block::numerics::dual::Dual64,
+        fn(&Instant<rocking_block::numerics::dual::Dual>) -> rocking_block::numerics::dual::Dual,
     );
     let fields: [Field; 13] = [
         ("theta", |x| x.theta, |x| x.theta),
@@ -337,19 +337,19 @@ fn event_functions_have_their_rates() {
                 }
                 _ => now.instant.reaction[i],
             };
-            assert!((sample.value - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{function:?} {pose:?}");
-            check("function", at, sample.rate, 1e-3 * block.gravity, |now| function.sample(now).value);
+            assert!((sample.re - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{function:?} {pose:?}");
+            check("function", at, sample.eps, 1e-3 * block.gravity, |now| function.sample(now).re);
         }
         let turn = EventFunction::QuarterTurn.sample(&now);
-        assert_eq!(turn.value, std::f64::consts::FRAC_PI_2 - now.instant.theta.abs());
+        assert_eq!(turn.re, std::f64::consts::FRAC_PI_2 - now.instant.theta.abs());
         if now.instant.theta != 0.0 {
-            check("quarter turn", at, turn.rate, 1e-3, |now| EventFunction::QuarterTurn.sample(now).value);
+            check("quarter turn", at, turn.eps, 1e-3, |now| EventFunction::QuarterTurn.sample(now).re);
         }
         let standing = pose.contacts.regime() != Regime::Separated;
         if standing && !pose.footing.grips() && !(block.foundation == Foundation::Rigid && now.regime.pivot().is_none())
         {
             let slide = EventFunction::GripPressure.sample(&now);
-            check("slide", at, slide.rate, 1e-2 * block.gravity, |now| EventFunction::GripPressure.sample(now).value);
+            check("slide", at, slide.eps, 1e-2 * block.gravity, |now| EventFunction::GripPressure.sample(now).re);
         }
     }
 }
@@ -383,7 +383,7 @@ fn the_pressure_if_gripped_is_that_after_the_impulse() {
         let least = least.fold(f64::INFINITY, f64::min);
         let found = pressure_if_gripped(&block, now.regime, &x);
         assert!((found - least).abs() < 1e-12 * (block.gravity + least.abs()), "{found} and {least}, {pose:?}");
-        assert_eq!(EventFunction::GripPressure.sample(&now).value, -found);
+        assert_eq!(EventFunction::GripPressure.sample(&now).re, -found);
     }
 }
 
@@ -426,11 +426,11 @@ fn gaps_open_with_the_predicted_acceleration() {
         }
         let h = 1e-4 / fastest(&block);
         let gap = |elapsed: f64| EventFunction::Gap(leaving).sample(&after(&block, &gone, &excitation, elapsed));
-        assert!(gap(0.0).value.abs() < 1e-15 && gap(0.0).rate.abs() < 1e-13, "{:?}", gap(0.0));
+        assert!(gap(0.0).re.abs() < 1e-15 && gap(0.0).eps.abs() < 1e-13, "{:?}", gap(0.0));
         // No gap exists before the release, hence a difference of three points after it.
-        let opens = (4.0 * gap(h).rate - gap(2.0 * h).rate - 3.0 * gap(0.0).rate) / (2.0 * h);
+        let opens = (4.0 * gap(h).eps - gap(2.0 * h).eps - 3.0 * gap(0.0).eps) / (2.0 * h);
         assert!((said - opens).abs() < 1e-6 * (1.0 + opens.abs()), "{leaving:?}: {said}, by difference {opens}");
-        assert_eq!(EventFunction::Held(leaving).sample(&now).value, -said);
+        assert_eq!(EventFunction::Held(leaving).sample(&now).re, -said);
     }
 }
 

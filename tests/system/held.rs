@@ -355,10 +355,10 @@ fn a_block_with_a_held_corner_moves_as_a_convex_combination_of_two_regimes() {
     // R is below L, or above it and pressed on.
     for (right, theta_dot, slide) in [(-0.7, 0.2, StandingSlide::Opposes), (-0.2, 0.2, StandingSlide::Follows)] {
         let (left, right) = (creep.top(Corner::Left, &block, 0.0), right * free);
-        let theta = libm::asin((left.value - right) / (2.0 * b));
+        let theta = libm::asin((left.re - right) / (2.0 * b));
         let (sin, cos) = theta.sin_cos();
         let across = b * cos * theta_dot;
-        let state = State::from([theta, theta_dot, 0.5 * (left.value + right), left.rate - across]);
+        let state = State::from([theta, theta_dot, 0.5 * (left.re + right), left.eps - across]);
         // R slides to the other side more slowly than both velocities differ, or to the side of the middle.
         let [speed, against] = match slide {
             StandingSlide::Opposes => [-0.5 * b * sin * theta_dot, -1.0],
@@ -376,7 +376,7 @@ fn a_block_with_a_held_corner_moves_as_a_convex_combination_of_two_regimes() {
                 instant(&block, Regime::TiltingRight, on_right, slides(against), forcing),
             ]
         };
-        let opens = |x: Instant<f64>| x.corner_ddot[0] + block.creep_rate * left.rate;
+        let opens = |x: Instant<f64>| x.corner_ddot[0] + block.creep_rate * left.eps;
         for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
             let excitation = |m_y: f64| {
                 let inputs = Inputs { m_y: Ramp::held(m_y), a_gx: Ramp::held(0.7), ..Inputs::default() };

@@ -240,8 +240,8 @@ fn event_functions_have_the_rates_of_their_values() {
                 let value = |time: f64| function.value(&block, &states, &place(time));
                 let found = function.sample(&block, &states, || place(0.0), || rates);
                 let case = format!("{function:?} of {state:?}");
-                near(found.value, value(0.0), &case);
-                near(found.rate, (value(H) - value(-H)) / (2.0 * H), &format!("rate of {case}"));
+                near(found.re, value(0.0), &case);
+                near(found.eps, (value(H) - value(-H)) / (2.0 * H), &format!("rate of {case}"));
                 let restraints::RestraintFunction::Tie(_, kind) = function;
                 seen.insert(format!("{kind:?}"));
             }

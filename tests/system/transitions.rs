@@ -39,15 +39,15 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
     let theta = -0.2;
     let creep = Creep { depth: 0.5 * block.static_deflection(), since: -0.1 };
     let top = creep.top(Corner::Left, &block, 0.0);
-    assert!(top.rate > 0.1, "{top:?}");
+    assert!(top.eps > 0.1, "{top:?}");
     // Rise of L minus rise of the centre of mass, from rest.
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
     for (faster, with_its_support) in [(1e-6, true), (-1e-6, false), (-1e-3, false)] {
         // Without rotation and horizontal motion the grip has no effect.
-        let rate = top.rate + faster;
+        let rate = top.eps + faster;
         let pose = Pose {
             time: 0.0,
-            state: State::from([theta, 0.0, top.value - corner, rate]),
+            state: State::from([theta, 0.0, top.re - corner, rate]),
             contacts: {
                 let mut contacts = Contacts::touching([false; 2], 0.0);
                 contacts.set(Corner::Left, Contact::Lifted(creep));
@@ -61,9 +61,9 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
         assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
         assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 0));
         let [_, _, height, found] = after.state.0;
-        assert_eq!(height, top.value);
+        assert_eq!(height, top.re);
         if with_its_support {
-            assert_eq!(found, top.rate, "faster by {faster} m/s");
+            assert_eq!(found, top.eps, "faster by {faster} m/s");
         } else {
             assert!((found - rate).abs() < 1e-12, "{found} m/s, expected {rate}");
         }
@@ -78,13 +78,13 @@ fn a_corner_that_lands_without_rebound_stands_still() {
     let slow = 1e-6;
     let creep = Creep { depth: slow / block.creep_rate, since: 0.0 };
     let top = creep.top(Corner::Left, &block, 0.0);
-    assert!((top.rate - slow).abs() < 1e-15, "{top:?}");
+    assert!((top.eps - slow).abs() < 1e-15, "{top:?}");
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
     let mut contacts = Contacts::touching([false; 2], 0.0);
     contacts.set(Corner::Left, Contact::Lifted(creep));
     let pose = Pose {
         time: 0.0,
-        state: State::from([theta, 0.0, top.value - corner, -0.5]),
+        state: State::from([theta, 0.0, top.re - corner, -0.5]),
         contacts,
         footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
         restraints: States::NONE,
@@ -92,7 +92,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
     let Transition { pose: after, counts, .. } =
         transition(&system(block), &pose, 0.0, EventFunction::Gap(Corner::Left));
     assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 1));
-    assert_eq!(after.state.0[2..], [top.value, 0.0]);
+    assert_eq!(after.state.0[2..], [top.re, 0.0]);
 }
 
 /// A block sliding on R on the rigid base lands on L, which grips: R leaves the base.
@@ -144,7 +144,7 @@ fn supports_are_where_the_corners_have_just_left_them() {
     let pose = system(block).beginning(&initial, 0.0, &excitation);
     assert_eq!(pose.contacts.regime(), Regime::Separated);
     for corner in Corner::BOTH {
-        let found = pose.contacts.top(corner, &block, 0.0).value;
+        let found = pose.contacts.top(corner, &block, 0.0).re;
         assert!(found < 0.5 * block.static_deflection(), "{corner:?}: {found} m");
     }
 }

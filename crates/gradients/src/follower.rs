@@ -265,7 +265,7 @@ impl Follower {
     }
 
     fn observed(&self, now: &Evaluation<Number>) -> Observation<Number> {
-        let heights = now.support_heights.map(|top| top.value);
+        let heights = now.support_heights.map(|top| top.re);
         observe(&self.system.block, now.regime, &now.instant, heights, now.forcing)
     }
 

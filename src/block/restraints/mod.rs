@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
 pub use tie::{LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties};
@@ -371,7 +370,7 @@ impl RestraintFunction {
         states: &States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
-    ) -> Sample<T>
+    ) -> Dual<T>
     where
         Dual<T>: CombinesWith<T>,
     {

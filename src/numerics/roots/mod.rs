@@ -1,34 +1,13 @@
 //! A function of time with its rate, and its values at both ends of a step → the first time at which it falls through
 //! zero, and the greatest value in between.
 //!
+//! A sample of the function is a dual number: its value, and its derivative with respect to time.
+//!
 //! The searches are compiled once for all functions, which they call by pointers: a call takes far less than the dense output that it
 //! evaluates.
 
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{self, Real, Runs};
-
-/// Value of a function and its rate of change at one time.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Sample<R = f64> {
-    /// Value.
-    pub value: R,
-    /// Its derivative with respect to time.
-    pub rate: R,
-}
-
-impl<R: Default> Default for Sample<R> {
-    #[inline(always)]
-    fn default() -> Sample<R> {
-        Sample { value: R::default(), rate: R::default() }
-    }
-}
-
-impl<R: std::ops::Neg<Output = R>> Sample<R> {
-    /// Returns the sample of the function with the opposite sign.
-    #[inline(always)]
-    pub fn negated(self) -> Sample<R> {
-        Sample { value: -self.value, rate: -self.rate }
-    }
-}
 
 /// Number of pieces of the longest step where it may hide a root. A step is shorter than a third of the shortest period of the motion, so
 /// that a piece is shorter than 1/24 of it and close to a cubic.
@@ -52,15 +31,15 @@ const HALVINGS_OF_A_STEP: u32 = 6;
 const INTERPOLATIONS: u32 = 8;
 
 /// A time and the sample of a function there.
-type TimedSample = (f64, Sample);
+type TimedSample = (f64, Dual);
 
 /// A function of time with its rate.
-pub type Function<'a> = dyn FnMut(f64) -> Sample + 'a;
+pub type Function<'a> = dyn FnMut(f64) -> Dual + 'a;
 
 /// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_exceed`]. It is not below at the start.
 #[inline]
-fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
-    end.value < floor || may_exceed(-floor, start.negated(), end.negated(), duration)
+fn may_be_below(floor: f64, start: Dual, end: Dual, duration: f64) -> bool {
+    end.re < floor || may_exceed(-floor, -start, -end, duration)
 }
 
 /// Whether a function may exceed `most` inside `duration`, in each run. It does not at the ends.
@@ -68,23 +47,23 @@ fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
 /// The intersection of the end tangents bounds a function whose curvature keeps its sign. The control polygon bounds the cubic with these
 /// ends, whatever its curvature.
 #[inline(always)]
-fn may_exceed<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -> T::Runs {
+fn may_exceed<T: Real>(most: T, start: Dual<T>, end: Dual<T>, duration: T) -> T::Runs {
     let (zero, third) = (T::from(0.0), duration * (1.0 / 3.0));
-    let polygon = scalar::greatest(start.value + third * start.rate, end.value - third * end.rate);
+    let polygon = scalar::greatest(start.re + third * start.eps, end.re - third * end.eps);
     let exceeds = T::Runs::less(most, polygon);
-    let turns = T::Runs::less(zero, start.rate).and(T::Runs::less(end.rate, zero));
+    let turns = T::Runs::less(zero, start.eps).and(T::Runs::less(end.eps, zero));
     if !turns.any() {
         return exceeds;
     }
     // The end tangents intersect here.
-    let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
-    exceeds.or(turns.and(T::Runs::less(most, start.value + start.rate * meeting)))
+    let meeting = (end.re - start.re - end.eps * duration) / (start.eps - end.eps);
+    exceeds.or(turns.and(T::Runs::less(most, start.re + start.eps * meeting)))
 }
 
 /// Whether a function may exceed `most` and its values at both ends inside `duration`, in each run, by tangents and control polygon.
 #[inline(always)]
-pub fn may_rise_inside<T: Real>(most: T, start: Sample<T>, end: Sample<T>, duration: T) -> T::Runs {
-    may_exceed(scalar::greatest(most, scalar::greatest(start.value, end.value)), start, end, duration)
+pub fn may_rise_inside<T: Real>(most: T, start: Dual<T>, end: Dual<T>, duration: T) -> T::Runs {
+    may_exceed(scalar::greatest(most, scalar::greatest(start.re, end.re)), start, end, duration)
 }
 
 /// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
@@ -94,35 +73,35 @@ pub fn may_rise_inside<T: Real>(most: T, start: Sample<T>, end: Sample<T>, durat
 /// dip is sought where the rate changes sign. All `pieces` are searched in turn; if the ends of longer intervals bound the function as well
 /// (`bounded`), only those that may hold the first fall. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
-    start: Sample,
-    end: Sample,
+    start: Dual,
+    end: Dual,
     rounding: f64,
     duration: f64,
     pieces: u32,
     bounded: bool,
     function: &mut Function,
 ) -> Option<f64> {
-    if start.value < -rounding {
+    if start.re < -rounding {
         return Some(0.0);
     }
     let (piece, last) = (duration / f64::from(pieces), (duration, end));
     // A function that leaves zero with a rate of zero may dip by errors of the step.
-    let rises = start.rate * duration > rounding;
-    let (mut left, mut muted, mut passed) = ((0.0, start), start.value <= rounding, 0);
+    let rises = start.eps * duration > rounding;
+    let (mut left, mut muted, mut passed) = ((0.0, start), start.re <= rounding, 0);
     while (muted || !bounded) && passed < pieces {
         passed += 1;
         let time = duration * f64::from(passed) / f64::from(pieces);
         let right = if passed == pieces { last } else { (time, function(time)) };
         let floor = if muted { -rounding } else { 0.0 };
         let found = if muted && !rises {
-            (right.1.value < floor).then_some([left, right])
+            (right.1.re < floor).then_some([left, right])
         } else {
             first_below(floor, [left, right], piece, HALVINGS, function)
         };
         if let Some([above, below]) = found {
             return Some(if muted { fall_after_zero(left.0, below, function) } else { fall([above, below], function) });
         }
-        muted &= right.1.value <= rounding;
+        muted &= right.1.re <= rounding;
         left = right;
     }
     if passed == pieces {
@@ -144,23 +123,23 @@ fn first_below(
 ) -> Option<[TimedSample; 2]> {
     let [(low, at_low), (high, at_high)] = [left, right];
     let is_piece = high - low <= piece;
-    if at_high.value < floor {
+    if at_high.re < floor {
         if is_piece || descends(at_low, at_high, high - low) {
             return Some([left, right]);
         }
     } else if !may_be_below(floor, at_low, at_high, high - low) {
         return None;
     }
-    if is_piece && at_low.rate < 0.0 && at_high.rate > 0.0 {
-        let bottom = sign_change(low, high, -at_low.rate, -at_high.rate, |t| -function(t).rate);
+    if is_piece && at_low.eps < 0.0 && at_high.eps > 0.0 {
+        let bottom = sign_change(low, high, -at_low.eps, -at_high.eps, |t| -function(t).eps);
         let sample = function(bottom);
-        return (sample.value < floor).then_some([left, (bottom, sample)]);
+        return (sample.re < floor).then_some([left, (bottom, sample)]);
     }
     // The curvature changes sign inside.
     let halvings = halvings.checked_sub(1)?;
     let half = 0.5 * (low + high);
     let middle = (half, function(half));
-    if middle.1.value < floor {
+    if middle.1.re < floor {
         return first_below(floor, [left, middle], piece, halvings, function);
     }
     first_below(floor, [left, middle], piece, halvings, function)
@@ -168,17 +147,17 @@ fn first_below(
 }
 
 /// Whether the control polygon of a cubic with these ends descends, and so the cubic.
-fn descends(start: Sample, end: Sample, duration: f64) -> bool {
+fn descends(start: Dual, end: Dual, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
-    start.rate <= 0.0 && end.rate <= 0.0 && start.value + third * start.rate >= end.value - third * end.rate
+    start.eps <= 0.0 && end.eps <= 0.0 && start.re + third * start.eps >= end.re - third * end.eps
 }
 
 /// Whether a function that begins at zero first leaves the band of its round-off downwards.
-pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, function: &mut Function) -> bool {
+pub fn leaves_downwards(start: Dual, rounding: f64, duration: f64, function: &mut Function) -> bool {
     // The time at which its rate would take it to −2 `rounding`.
-    let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
+    let mut time = if start.re.abs() <= rounding { -2.0 * rounding / start.eps } else { 0.0 };
     while time > 0.0 && time < duration {
-        let value = function(time).value;
+        let value = function(time).re;
         if value.abs() > rounding {
             return value < 0.0;
         }
@@ -198,19 +177,19 @@ fn fall_after_zero(low: f64, below: TimedSample, function: &mut Function) -> f64
     for _ in 0..HALVINGS {
         let time = 0.5 * (low + end.0);
         let middle = (time, function(time));
-        if middle.1.value > 0.0 {
+        if middle.1.re > 0.0 {
             found = fall([middle, end], function);
             break;
         }
         end = middle;
     }
-    let rate = function(found).rate;
-    if rate <= 0.0 || below.1.rate >= 0.0 {
+    let rate = function(found).eps;
+    if rate <= 0.0 || below.1.eps >= 0.0 {
         return found;
     }
-    let top = sign_change(found, below.0, rate, below.1.rate, |time| function(time).rate);
+    let top = sign_change(found, below.0, rate, below.1.eps, |time| function(time).eps);
     let at_top = function(top);
-    if at_top.value > 0.0 { fall([(top, at_top), below], function) } else { top }
+    if at_top.re > 0.0 { fall([(top, at_top), below], function) } else { top }
 }
 
 /// Finds the [`sign_change`] of a function with known rates in a third of the evaluations. Needs a value ≥ 0 at `left` and < 0 at `right`.
@@ -225,30 +204,30 @@ fn fall([mut left, mut right]: [TimedSample; 2], function: &mut Function) -> f64
         if right.0 - left.0 <= 2.0 * half_width {
             break;
         }
-        let is_nearer_left = left.1.value < -right.1.value;
+        let is_nearer_left = left.1.re < -right.1.re;
         let point = interpolated_fall(left, right) + if is_nearer_left { shift } else { -shift };
         let point = between(left.0, point, right.0);
         let sample = function(point);
-        if sample.value.abs() <= 2.0 * half_width * -sample.rate {
+        if sample.re.abs() <= 2.0 * half_width * -sample.eps {
             return point;
         }
-        let is_left = sample.value >= 0.0;
+        let is_left = sample.re >= 0.0;
         *if is_left { &mut left } else { &mut right } = (point, sample);
         // Round-off of the function may exceed the width.
         shift = if is_left == is_nearer_left { 4.0 * shift } else { half_width };
     }
-    sign_change_within(2.0 * half_width, left.0, right.0, left.1.value, right.1.value, &mut |t| function(t).value)
+    sign_change_within(2.0 * half_width, left.0, right.0, left.1.re, right.1.re, &mut |t| function(t).re)
 }
 
 /// Returns the time at value zero on the cubic t(value) with these ends. NaN unless the function falls at both.
 fn interpolated_fall((low, left): TimedSample, (high, right): TimedSample) -> f64 {
-    if !(left.rate < 0.0 && right.rate < 0.0) {
+    if !(left.eps < 0.0 && right.eps < 0.0) {
         return f64::NAN;
     }
-    let fall = left.value - right.value;
-    let x = left.value / fall;
+    let fall = left.re - right.re;
+    let x = left.re / fall;
     let y = 1.0 - x;
-    low + x * (x * (3.0 - 2.0 * x) * (high - low) + y * fall * (x / right.rate - y / left.rate))
+    low + x * (x * (3.0 - 2.0 * x) * (high - low) + y * fall * (x / right.eps - y / left.eps))
 }
 
 /// Returns `point` if it lies between two others, or else their middle.
@@ -258,42 +237,42 @@ fn between(low: f64, point: f64, high: f64) -> f64 {
 
 /// Whether a function may fall through zero. False only if values and rates at both ends exclude it.
 #[inline]
-pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
-    if start.value > rounding {
+pub fn may_fall(start: Dual, end: Dual, rounding: f64, duration: f64) -> bool {
+    if start.re > rounding {
         may_be_below(0.0, start, end, duration)
     } else {
         // An event has just happened or is about to: search, unless the function stays at zero.
-        start.value < -rounding || end.value.abs() > rounding
+        start.re < -rounding || end.re.abs() > rounding
     }
 }
 
 /// Whether the bounds of a function let it fall through zero, in each run. One that begins at zero has to fall below its `rounding`.
 #[inline(always)]
-pub fn may_fall_by_bounds<T: Real>(start: Sample<T>, end: Sample<T>, rounding: T, duration: T) -> T::Runs {
-    let depth = T::select_less(rounding, start.value, T::from(0.0), rounding);
-    let (start, end) = (start.negated(), end.negated());
-    let greater_end = scalar::greatest(start.value, end.value);
+pub fn may_fall_by_bounds<T: Real>(start: Dual<T>, end: Dual<T>, rounding: T, duration: T) -> T::Runs {
+    let depth = T::select_less(rounding, start.re, T::from(0.0), rounding);
+    let (start, end) = (-start, -end);
+    let greater_end = scalar::greatest(start.re, end.re);
     T::Runs::less(depth, greater_end).or(may_exceed(depth, start, end, duration))
 }
 
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`. Its samples at both ends are given.
 #[inline]
-pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, function: &mut Function) -> f64 {
+pub fn greatest(most: f64, start: Dual, end: Dual, duration: f64, function: &mut Function) -> f64 {
     if may_rise_inside(most, start, end, duration) {
         // The error of the value is the square of that of the time, with the rise to the maximum added its cube.
         highest(most, [(0.0, start), (duration, end)], 1e-6 * duration, HALVINGS_OF_A_STEP, function)
     } else {
-        most.max(start.value).max(end.value)
+        most.max(start.re).max(end.re)
     }
 }
 
 fn highest(most: f64, [left, right]: [TimedSample; 2], width: f64, halvings: u32, function: &mut Function) -> f64 {
     let inside = may_rise_inside(most, left.1, right.1, right.0 - left.0);
-    let most = most.max(left.1.value).max(right.1.value);
+    let most = most.max(left.1.re).max(right.1.re);
     if !inside {
         return most;
     }
-    if left.1.rate > 0.0 && right.1.rate < 0.0 {
+    if left.1.eps > 0.0 && right.1.eps < 0.0 {
         return top(most, [left, right], width, function);
     }
     // The curvature changes sign inside.
@@ -314,28 +293,28 @@ fn top(mut most: f64, [mut left, mut right]: [TimedSample; 2], width: f64, funct
     for evaluations in 1..=INTERPOLATIONS {
         let time = between(left.0, next, right.0);
         let sample = function(time);
-        most = most.max(sample.value);
-        *if sample.rate >= 0.0 { &mut left } else { &mut right } = (time, sample);
+        most = most.max(sample.re);
+        *if sample.eps >= 0.0 { &mut left } else { &mut right } = (time, sample);
         let [first, second] = nearest;
         let other = if (time - first.0).abs() < (time - second.0).abs() { first } else { second };
         nearest = [other, (time, sample)];
-        let distance = sample.rate * (time - other.0) / (other.1.rate - sample.rate);
+        let distance = sample.eps * (time - other.0) / (other.1.eps - sample.eps);
         if distance.abs() <= width {
-            return most.max(sample.value + 0.5 * sample.rate * distance);
+            return most.max(sample.re + 0.5 * sample.eps * distance);
         }
         if !may_rise_inside(most, left.1, right.1, right.0 - left.0) {
             return most;
         }
         next = if evaluations == 1 { top_of_cubic(nearest) } else { time + distance };
     }
-    let time = sign_change_within(width, left.0, right.0, left.1.rate, right.1.rate, &mut |t| function(t).rate);
-    most.max(function(time).value)
+    let time = sign_change_within(width, left.0, right.0, left.1.eps, right.1.eps, &mut |t| function(t).eps);
+    most.max(function(time).re)
 }
 
 /// Returns the time of the maximum of a cubic with these samples; NaN without one.
 fn top_of_cubic([(first, a), (second, b)]: [TimedSample; 2]) -> f64 {
     let duration = second - first;
-    let (start, end, rise) = (duration * a.rate, duration * b.rate, 3.0 * (b.value - a.value));
+    let (start, end, rise) = (duration * a.eps, duration * b.eps, 3.0 * (b.re - a.re));
     // The derivative is `start + 2 linear x + square x²`, and its slope there is negative.
     let (linear, square) = (rise - 2.0 * start - end, 3.0 * (start + end) - 2.0 * rise);
     first + duration * start / ((linear * linear - square * start).sqrt() - linear)

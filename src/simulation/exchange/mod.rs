@@ -10,8 +10,7 @@ pub(super) mod piece;
 use crate::block::{Block, Body, Foundation};
 use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
-use crate::numerics::dual::Dual64;
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 use crate::simulation::energies::{WORKS, powers};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::state::RunState;
@@ -198,7 +197,7 @@ impl Simulation {
         let (block, excitation) = (&self.setup.system.block, self.excitation(inputs));
         let there = self.run.now(block, &excitation);
         let channels = there.channels_called();
-        if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
+        if !channels.candidates().iter().all(|(_, sample)| sample.re.is_finite() && sample.eps.is_finite()) {
             return;
         }
         let last = self.run.piece.and_then(|piece| piece.last);
@@ -227,7 +226,7 @@ impl Simulation {
         states: &ContinuousStates,
         inputs: &Inputs,
         time: f64,
-    ) -> (Observation<Dual64>, Energies) {
+    ) -> (Observation<Dual>, Energies) {
         let (block, excitation) = (self.block(), self.excitation(at));
         let mut states = *states;
         if self.is_frozen() {
@@ -237,7 +236,7 @@ impl Simulation {
         let direction = self.direction(inputs, time);
         let now = self.run.now(block, &excitation);
         let x = &now.instant;
-        let dual = |value: f64, i: usize| Dual64::new(value, states[i]);
+        let dual = |value: f64, i: usize| Dual::new(value, states[i]);
         let motion = [dual(x.theta, 0), dual(x.theta_dot, 1), dual(x.v, 2), dual(x.v_dot, 3)];
         let [w, mut w_dot] = foot_height(block, now.regime, motion);
         if self.is_frozen() {
@@ -245,7 +244,7 @@ impl Simulation {
             w_dot = w_dot.re.into();
         }
         let footing = match now.footing {
-            grips @ Footing::Grips { .. } => grips.map(Dual64::from),
+            grips @ Footing::Grips { .. } => grips.map(Dual::from),
             Footing::Free { u, u_dot } => Footing::Free { u: dual(u, 4), u_dot: dual(u_dot, 5) },
             Footing::Slides { u, u_dot, direction } => {
                 Footing::Slides { u: dual(u, 4), u_dot: dual(u_dot, 5), direction }
@@ -255,7 +254,7 @@ impl Simulation {
         let x = now.instant_along([motion[0], motion[1], w, w_dot], footing, forcing, time);
         let held_since = self.run.ending.map_or(self.run.pose.time, |(_, ended)| ended);
         let support_heights = Motion::from_pose(block, &self.run.pose, &excitation).support_heights(held_since);
-        let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
+        let support_heights = support_heights.map(|top| Dual::new(top.re, time * top.eps));
         let seen = observe(block, now.regime, &x, support_heights, forcing);
         let (kinetic, potential) = energy(block, now.regime, &now.forcing, &x);
         let [kinetic, potential] = [kinetic, potential].map(|energy| energy.eps * block.mass);
@@ -274,11 +273,11 @@ impl Simulation {
                 (EventFunction::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.body.r0,
                 _ => 2.0 * function.rounding(now.body),
             };
-            let Sample { value, rate } = function.sample(now);
-            let rateless = rate.abs() <= NO_RATE * function.rounding(now.body) * now.body.p;
+            let sample = function.sample(now);
+            let rateless = sample.eps.abs() <= NO_RATE * function.rounding(now.body) * now.body.p;
             let jumps = (function, now.body.foundation) == (EventFunction::GripPressure, Foundation::Rigid);
             let follows = function.follows_from_state(now.body.foundation) && !jumps;
-            if value < 0.0 && rateless && follows { rounding - value } else { rounding }
+            if sample.re < 0.0 && rateless && follows { rounding - sample.re } else { rounding }
         })
     }
 }
@@ -323,8 +322,8 @@ pub fn nominals(block: &Block) -> ContinuousStates {
 fn indicator_of(function: EventFunction, now: &Evaluation, offset: f64) -> f64 {
     let size = function.rounding(now.body) / ROUNDING;
     let sample = function.sample(now);
-    let value = sample.value + offset;
+    let value = sample.re + offset;
     // Elsewhere the rate depends on those of the inputs, which are not known.
     let has_rate = function.follows_from_state(now.body.foundation);
-    (if has_rate { value.max(sample.rate / now.body.p) } else { value }) / size
+    (if has_rate { value.max(sample.eps / now.body.p) } else { value }) / size
 }

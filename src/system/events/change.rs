@@ -4,7 +4,7 @@ use std::ops::{Add, AddAssign};
 
 use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::Excitation;
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::Elementary;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
@@ -160,14 +160,14 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
     }
 
     /// Returns the height of the support under a lifted corner (m), and its rate (m/s).
-    pub(super) fn support(&self, corner: Corner) -> Sample<T> {
+    pub(super) fn support(&self, corner: Corner) -> Dual<T> {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
     }
 
     /// Puts `corner` on its support, at the height of the support.
     pub(super) fn set_down(&mut self, corner: Corner, placement: &mut Placement<T>) {
         self.landed = true;
-        placement.corners[corner.index()].0 = self.support(corner).value;
+        placement.corners[corner.index()].0 = self.support(corner).re;
         self.pose.contacts.set(corner, Contact::Bearing);
     }
 

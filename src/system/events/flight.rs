@@ -32,7 +32,7 @@ where
     pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<TransitionCounts, [T; 2]> {
         let (mut landed, mut both) = (*self, Placement::of(&now.instant));
         let rates = Corner::BOTH.map(|corner| {
-            let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
+            let (rate, support) = (both.corners[corner.index()].1, self.support(corner).eps);
             landed.set_down(corner, &mut both);
             self.rate_after_landing(rate, support)
         });
@@ -49,14 +49,14 @@ where
     /// Whether, in flight, the gap under this corner is closed to round-off and closing.
     pub(super) fn is_level(&self, corner: Corner, now: &Evaluation<T>) -> bool {
         let gap = landing::gap(&now.instant, now.support_heights, corner);
-        let closed = gap.value.value() <= landing::rounding(&self.system.block) && gap.rate.value() < 0.0;
+        let closed = gap.re.value() <= landing::rounding(&self.system.block) && gap.eps.value() < 0.0;
         now.regime == Regime::Separated && closed
     }
 
     fn land_alone(&mut self, corner: Corner, mut placement: Placement<T>) -> TransitionCounts {
         let block = &self.system.block;
         let (i, before, regime) = (corner.index(), placement.velocities, self.regime());
-        let support = self.support(corner).rate;
+        let support = self.support(corner).eps;
         self.set_down(corner, &mut placement);
         let rate = placement.corners[i].1;
         let mut counts = TransitionCounts::impacts(u32::from(rate.value() < 0.0));

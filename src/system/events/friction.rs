@@ -2,7 +2,6 @@
 
 use crate::block::{Body, Corner, Foot, Foundation, Regime, StandingSlide};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
@@ -16,12 +15,11 @@ use crate::system::instant::{Footing, Instant};
 ///
 /// It is `μ N ± H` per mass, with + for a `push` from L.
 #[inline(never)]
-pub(super) fn margin<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
+pub(super) fn margin<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Dual<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    let Dual { re, eps } = distance(at.body, &at.rates(), push);
-    Sample { value: re, rate: eps }
+    distance(at.body, &at.rates(), push)
 }
 
 /// Returns the [`margin`] at an instant.
@@ -47,10 +45,10 @@ pub(super) fn footing_on<T: Elementary>(at: &Evaluation<T>, regime: Regime) -> F
 
 /// Returns the speed of a sliding foot (m/s).
 #[inline(never)]
-pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
-    let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
+pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Dual<T> {
+    let Footing::Slides { direction, .. } = at.footing else { return Dual::default() };
     let rate = at.foot_acceleration();
-    Sample { value: at.instant.slip_rate * direction, rate: rate * direction }
+    Dual::new(at.instant.slip_rate * direction, rate * direction)
 }
 
 /// Returns the round-off of [`margin`] at zero (m/s²). On the rigid base no dashpot amplifies the round-off of rates.
@@ -94,9 +92,9 @@ where
         let now = self.now();
         let rounding = margin_rounding(block);
         for push in Corner::BOTH {
-            let Sample { value, rate } = margin(&now, push);
-            let (value, rate) = (value.value(), rate.value());
-            if value < -rounding || (value <= rounding && rate < 0.0) {
+            let margin = margin(&now, push);
+            let (margin, rate) = (margin.re.value(), margin.eps.value());
+            if margin < -rounding || (margin <= rounding && rate < 0.0) {
                 // H pushes the block to a side, and the foot slides to the other one.
                 self.slide(placement, push.sign());
                 break;

@@ -6,7 +6,6 @@
 
 use crate::block::{Body, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, least};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
@@ -15,12 +14,11 @@ use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
 /// Returns the distance of a sliding foot from being pressed on if it gripped (m/s²).
-pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
+pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Dual<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    let Dual { re, eps } = distance(at.body, at.regime, &at.rates());
-    Sample { value: re, rate: eps }
+    distance(at.body, at.regime, &at.rates())
 }
 
 /// Returns the value of [`slide`] at an instant.

@@ -5,7 +5,6 @@
 
 use crate::block::{Contact, Corner, Foot, Lever, Regime, StandingSlide};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
@@ -18,20 +17,20 @@ use crate::system::instant::{Footing, Held, Instant};
 /// Returns the acceleration (m/s²) that would press a released corner on.
 ///
 /// Its rate is unknown and set to zero, so that only a sign change between samples is found, which suffices for a monotone function.
-pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
-    Sample { value: -gap_opening(at, corner, at.instant.corner_dot[corner.index()]), rate: T::from(0.0) }
+pub(super) fn pressed_on<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Dual<T> {
+    Dual::new(-gap_opening(at, corner, at.instant.corner_dot[corner.index()]), T::from(0.0))
 }
 
 /// Returns the acceleration (m/s²) with which full contact would lift a held corner. Its rate is set to zero.
-pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sample<T> {
+pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Dual<T> {
     let i = corner.index();
     let x = instant(at.body, Regime::FullContact, at.state.0, at.footing, at.forcing);
-    Sample { value: x.corner_ddot[i] - at.instant.corner_ddot[i], rate: T::from(0.0) }
+    Dual::new(x.corner_ddot[i] - at.instant.corner_ddot[i], T::from(0.0))
 }
 
 /// Returns the speed of the standing corner while the other one is held (m/s). It is positive in its present direction.
-pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
-    let (Some(held), Footing::Slides { direction, .. }) = (&at.held, at.footing) else { return Sample::default() };
+pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Dual<T> {
+    let (Some(held), Footing::Slides { direction, .. }) = (&at.held, at.footing) else { return Dual::default() };
     let (x, (sin, cos)) = (&at.instant, at.instant.theta.sin_cos());
     let Lever { x: across, q } = at.body.lever(Foot::Corner(held.corner.other()), sin, cos);
     let direction = match held.standing {
@@ -39,7 +38,7 @@ pub(super) fn standing_slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
         StandingSlide::Opposes => -direction,
     };
     let acceleration = x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot;
-    Sample { value: (x.u_dot - q * x.theta_dot) * direction, rate: acceleration * direction }
+    Dual::new((x.u_dot - q * x.theta_dot) * direction, acceleration * direction)
 }
 
 impl<T: Elementary> PoseUpdate<'_, T>
@@ -51,7 +50,7 @@ where
         let creep = self.creep_from(corner, height);
         self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Follows));
         let Footing::Slides { .. } = self.pose.footing else { return TransitionCounts::NONE };
-        if standing_slide(&self.now()).value.value() < -friction::speed_rounding(&self.system.block) {
+        if standing_slide(&self.now()).re.value() < -friction::speed_rounding(&self.system.block) {
             self.pose.contacts.set(corner, Contact::Held(creep, StandingSlide::Opposes));
         }
         TransitionCounts::EVALUATION

@@ -3,7 +3,6 @@
 use crate::block::{Body, Corner, Foot, Foundation};
 use crate::numerics::Scalar;
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{PoseUpdate, ROUNDING, TransitionCounts};
@@ -13,9 +12,9 @@ use crate::system::instant::Instant;
 
 /// Returns the gap `v_I − y_I` between a lifted corner and its support (m). It follows from the heights and rates of the `supports`.
 #[inline(always)]
-pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) -> Sample<R> {
+pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Dual<R>; 2], corner: Corner) -> Dual<R> {
     let i = corner.index();
-    Sample { value: x.corner[i] - supports[i].value, rate: x.corner_dot[i] - supports[i].rate }
+    Dual::new(x.corner[i], x.corner_dot[i]) - supports[i]
 }
 
 /// Returns the size of the terms of a gap (m).
@@ -68,7 +67,7 @@ where
         let (block, mut counts) = (&self.system.block, TransitionCounts::NONE);
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
-        let support = self.support(corner).rate;
+        let support = self.support(corner).eps;
         self.set_down(corner, &mut placement);
         let i = corner.index();
         let rate = placement.corners[i].1;

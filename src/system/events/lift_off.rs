@@ -4,7 +4,6 @@
 
 use crate::block::{Body, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
@@ -16,7 +15,7 @@ use crate::system::instant::{Footing, Instant};
 
 /// Returns the reaction N_I/M of a touching corner (m/s²).
 #[inline(always)]
-pub(super) fn reaction<T: Elementary>(foundation: Foundation, at: &Evaluation<T>, corner: Corner) -> Sample<T>
+pub(super) fn reaction<T: Elementary>(foundation: Foundation, at: &Evaluation<T>, corner: Corner) -> Dual<T>
 where
     Dual<T>: CombinesWith<T>,
 {
@@ -25,7 +24,7 @@ where
         // The reaction follows from the accelerations, so that its rate needs all equations.
         Foundation::Rigid => {
             let i = corner.index();
-            Sample { value: at.instant.reaction[i], rate: at.rates().reaction[i].eps }
+            Dual::new(at.instant.reaction[i], at.rates().reaction[i].eps)
         }
     }
 }
@@ -38,12 +37,12 @@ pub(super) fn rounding<T: Elementary>(body: &Body<T>) -> f64 {
 
 /// Returns the reaction N_I/M of a support (m/s²).
 #[inline(always)]
-pub fn on_support<R: Scalar>(body: &Body<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
+pub fn on_support<R: Scalar>(body: &Body<R>, x: &Instant<R>, corner: Corner) -> Dual<R>
 where
     Dual<R>: CombinesWith<R>,
 {
     let i = corner.index();
-    Sample { value: x.reaction[i], rate: support::reaction_rate(body, x.corner_dot[i], x.corner_ddot[i]) }
+    Dual::new(x.reaction[i], support::reaction_rate(body, x.corner_dot[i], x.corner_ddot[i]))
 }
 
 /// Returns the opening acceleration (m/s²) of the gap of a touching corner that leaves now. Only this corner leaves its support.

@@ -36,7 +36,6 @@ use serde::{Deserialize, Serialize};
 use crate::block::restraints;
 use crate::block::{Body, Corner, Foundation, Kinematics, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
@@ -129,7 +128,7 @@ pub const INDICATORS: usize = 4 + 2 + restraints::INDICATORS;
 impl EventFunction {
     /// Returns value and rate at an instant.
     #[inline(always)]
-    pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Sample<T>
+    pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Dual<T>
     where
         Dual<T>: CombinesWith<T>,
     {
@@ -138,7 +137,7 @@ impl EventFunction {
 
     /// Returns value and rate at an instant. `foundation` is that of the block, and may be a constant.
     #[inline(always)]
-    pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Sample<T>
+    pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Dual<T>
     where
         Dual<T>: CombinesWith<T>,
     {
@@ -160,17 +159,17 @@ impl EventFunction {
     pub fn value<T: Elementary>(self, at: &Evaluation<T>) -> T {
         match self {
             EventFunction::Reaction(corner) => at.instant.reaction[corner.index()],
-            EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
-            EventFunction::Held(corner) => held::pressed_on(at, corner).value,
-            EventFunction::Unloaded(corner) => held::unloading(at, corner).value,
+            EventFunction::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).re,
+            EventFunction::Held(corner) => held::pressed_on(at, corner).re,
+            EventFunction::Unloaded(corner) => held::unloading(at, corner).re,
             EventFunction::GripPressure => grip::distance(at.body, at.regime, &at.instant),
             EventFunction::Friction(push) => friction::distance(at.body, &at.instant, push),
-            EventFunction::Speed => friction::speed(at).value,
-            EventFunction::StandingSlide => held::standing_slide(at).value,
+            EventFunction::Speed => friction::speed(at).re,
+            EventFunction::StandingSlide => held::standing_slide(at).re,
             EventFunction::Restraint(function) => {
                 function.value(at.body, &at.forcing.restraints, &Kinematics::of(&at.instant))
             }
-            EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]).value,
+            EventFunction::QuarterTurn => quarter_turn::remaining_angle([at.instant.theta, at.instant.theta_dot]).re,
         }
     }
 

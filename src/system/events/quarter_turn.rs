@@ -3,17 +3,14 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::numerics::Scalar;
-use crate::numerics::roots::Sample;
+use crate::numerics::dual::Dual;
 
 /// Size of the function (rad).
 pub(crate) const SIZE: f64 = FRAC_PI_2;
 
 /// Returns the remaining angle to a quarter turn, `π/2 − |θ|` (rad), and its rate (rad/s).
 #[inline(always)]
-pub fn remaining_angle<R: Scalar>([theta, theta_dot]: [R; 2]) -> Sample<R> {
+pub fn remaining_angle<R: Scalar>([theta, theta_dot]: [R; 2]) -> Dual<R> {
     let (side, zero) = (theta.value(), R::Real::default());
-    Sample {
-        value: -R::select_less(side, zero, -theta, theta) + FRAC_PI_2,
-        rate: R::select_less(side, zero, theta_dot, -theta_dot),
-    }
+    Dual::new(-R::select_less(side, zero, -theta, theta) + FRAC_PI_2, R::select_less(side, zero, theta_dot, -theta_dot))
 }

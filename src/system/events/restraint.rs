@@ -4,7 +4,6 @@ use crate::block::Kinematics;
 use crate::block::restraints::{self, RestraintFunction};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
@@ -14,7 +13,7 @@ use crate::system::instant::Pose;
 
 /// Returns value and rate of an event function at an instant.
 #[inline(never)]
-pub(super) fn sample<T: Elementary>(function: RestraintFunction, at: &Evaluation<T>) -> Sample<T>
+pub(super) fn sample<T: Elementary>(function: RestraintFunction, at: &Evaluation<T>) -> Dual<T>
 where
     Dual<T>: CombinesWith<T>,
 {
@@ -31,8 +30,8 @@ where
     }
 
     /// Returns the pull of the restraint with this number (N) and its rate (N/s).
-    pub fn pull(&self, number: usize) -> Sample<T> {
-        self.forcing.restraints.pull_of(number).map_or_else(Sample::default, |function| sample(function, self))
+    pub fn pull(&self, number: usize) -> Dual<T> {
+        self.forcing.restraints.pull_of(number).map_or_else(Dual::default, |function| sample(function, self))
     }
 }
 

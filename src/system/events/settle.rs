@@ -123,7 +123,7 @@ where
         trial.place(&after);
         let counts = trial.apply_friction(&mut after) + trial.place_foot(&after) + TransitionCounts::EVALUATION;
         let now = trial.now();
-        let support = self.support(pivot.other()).rate;
+        let support = self.support(pivot.other()).eps;
         let rate = (after.corners[i].1 - support).value();
         let opens = if rate.abs() > friction::speed_rounding(block) {
             rate > 0.0
@@ -201,7 +201,7 @@ where
         if self.block.foundation == Foundation::Viscoelastic {
             return None;
         }
-        let falls = |corner: Corner| lift_off::reaction(Foundation::Rigid, now, corner).rate.value() < 0.0;
+        let falls = |corner: Corner| lift_off::reaction(Foundation::Rigid, now, corner).eps.value() < 0.0;
         Corner::BOTH
             .into_iter()
             .filter(|&corner| now.regime.touches(corner))

@@ -1,7 +1,6 @@
 //! Derivatives in time: of inputs over the next step, of outputs at the present time.
 
 use crate::block::restraints;
-use crate::simulation::peaks;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
@@ -55,7 +54,7 @@ impl Unit {
             observed: observed.map(|x| x.re),
             rates: observed.map(|x| x.eps),
             energies: simulation.energy_rates(&inputs),
-            channels: peaks::channels(&observed),
+            channels: observed.channels(),
             slip: simulation.slip(),
             peaks: simulation.peaks(),
             yield_forces: std::array::from_fn(|number| restraints::yield_force(simulation.block(), number)),

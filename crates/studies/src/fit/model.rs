@@ -1,7 +1,7 @@
 //! A run, times → a measured quantity at these times, with its derivatives.
 
 use rocking_block::excitation::Inputs;
-use rocking_block::numerics::dual::Dual64;
+use rocking_block::numerics::dual::Dual;
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_gradients::{Follower, Number, Parameters, Sample, Varied, advance_with_samples};
@@ -75,7 +75,7 @@ pub fn course(
             add_rows(&mut rows, followers, simulation, inputs, &row);
             derivatives = rows.iter().map(|rows| finite(column(&rows[0]))).collect();
             if with_rate && !is_held {
-                let observation = simulation.observe_rates(inputs).map(|number: Dual64| number.eps);
+                let observation = simulation.observe_rates(inputs).map(|number: Dual| number.eps);
                 rate = finite(quantity.value(observation, row.observation.slip_rate));
             }
         }

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use rocking_block::numerics::roots::{Sample, greatest};
+use rocking_block::numerics::dual::Dual;
+use rocking_block::numerics::roots::greatest;
 use rocking_records::Record;
 
 /// Damping ratio of all oscillators (1).
@@ -69,11 +70,13 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
             let at =
                 |t: f64| [OscillatorStep::new(omega, DAMPING, t).advance(before, a, slope), [a + slope * t, slope]];
             let ends = [[before, [a, slope]], [state, [a + slope * step.duration, slope]]];
-            peaks.displacement = higher(peaks.displacement, ends, step.duration, |[[u, u_dot], _]| [u, u_dot], at);
+            peaks.displacement =
+                higher(peaks.displacement, ends, step.duration, |[[u, u_dot], _]| Dual::new(u, u_dot), at);
             if !VELOCITY {
                 continue;
             }
-            let rates = |[[u, u_dot], [a, _]]: [[f64; 2]; 2]| [u_dot, -a - omega * (2.0 * DAMPING * u_dot + omega * u)];
+            let rates =
+                |[[u, u_dot], [a, _]]: Moment| Dual::new(u_dot, -a - omega * (2.0 * DAMPING * u_dot + omega * u));
             peaks.velocity = higher(peaks.velocity, ends, step.duration, rates, at);
         }
     };
@@ -94,14 +97,11 @@ fn higher(
     peak: f64,
     [start, end]: [Moment; 2],
     duration: f64,
-    value_at: impl Fn(Moment) -> [f64; 2],
+    value_at: impl Fn(Moment) -> Dual,
     at: impl Fn(f64) -> Moment,
 ) -> f64 {
     [1.0, -1.0].into_iter().fold(peak, |peak, sign| {
-        let sample = |moment: Moment| {
-            let [value, rate] = value_at(moment);
-            Sample { value: sign * value, rate: sign * rate }
-        };
+        let sample = |moment: Moment| value_at(moment) * sign;
         let (start, end) = (sample(start), sample(end));
         greatest(peak, start, end, duration, &mut |t| sample(at(t)))
     })

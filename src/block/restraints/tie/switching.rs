@@ -10,7 +10,6 @@ use super::pull::{elastic, plastic, stretch, taut_tension, yielding_at_rest};
 use super::{Link, LinkKind, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection};
 use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 
 /// An event function of a tie.
@@ -126,40 +125,28 @@ impl TieFunction {
         link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
         rates: impl Fn() -> Kinematics<Dual<T>>,
-    ) -> Sample<T>
+    ) -> Dual<T>
     where
         Dual<T>: CombinesWith<T>,
     {
         let Link { tie, .. } = link;
         let stretch_with_rate = || {
             let stretch = stretch(body, tie, &kinematics());
-            Sample { value: elastic(link, stretch.length), rate: stretch.rate }
+            Dual::new(elastic(link, stretch.length), stretch.rate)
         };
-        let tension = || {
-            let Dual { re, eps } = taut_tension(link, &stretch(body, tie, &rates()));
-            Sample { value: re, rate: eps }
-        };
+        let tension = || taut_tension(link, &stretch(body, tie, &rates()));
         match self {
-            TieFunction::Shortness => stretch_with_rate().negated(),
+            TieFunction::Shortness => -stretch_with_rate(),
             TieFunction::Stretch => stretch_with_rate(),
             TieFunction::Tension => tension(),
-            TieFunction::Limpness => tension().negated(),
-            TieFunction::Strength => {
-                let Sample { value, rate } = tension();
-                Sample { value: tie.strength - value, rate: -rate }
-            }
-            TieFunction::Thrust => {
-                let Sample { value, rate } = tension();
-                Sample { value: tie.strength + value, rate }
-            }
+            TieFunction::Limpness => -tension(),
+            TieFunction::Strength => -tension() + tie.strength,
+            TieFunction::Thrust => tension() + tie.strength,
             TieFunction::Yield(direction) => {
                 let stretch = stretch(body, tie, &kinematics());
-                Sample { value: margin(link, stretch.length, direction), rate: -stretch.rate * direction.sign() }
+                Dual::new(margin(link, stretch.length, direction), -stretch.rate * direction.sign())
             }
-            TieFunction::Unload(direction) => {
-                let Dual { re, eps } = stretch(body, tie, &rates()).rate;
-                Sample { value: re * direction.sign(), rate: eps * direction.sign() }
-            }
+            TieFunction::Unload(direction) => stretch(body, tie, &rates()).rate * direction.sign(),
         }
     }
 

@@ -7,14 +7,16 @@ use crate::block::{Body, Corner, Foundation, RECOVERED, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::{self, DenseStep};
+use crate::numerics::dual::Dual;
 use crate::numerics::numbers::Numbers;
-use crate::numerics::roots::{Sample, may_fall_by_bounds};
+use crate::numerics::roots::may_fall_by_bounds;
 use crate::numerics::short;
 use crate::numerics::wide::{Array, Four, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
 use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, Stance};
-use crate::simulation::peaks::{Channels, Peaks};
+use crate::simulation::outputs::Channels;
+use crate::simulation::peaks::Peaks;
 use crate::system::evaluation::{self, Evaluation, ForcingAt};
 use crate::system::events::{ROUNDING, landing, lift_off, quarter_turn};
 use crate::system::instant::Footing;
@@ -121,7 +123,7 @@ impl<'m, V: Simd, L: MotionMode> GroupMotion<'m, V, L> {
         &self,
         forcing_at: ForcingAt<'m, Wide<V>>,
         state: [Wide<V>; 4],
-        support_heights: [Sample<Wide<V>>; 2],
+        support_heights: [Dual<Wide<V>>; 2],
     ) -> Evaluation<'m, Wide<V>> {
         let Group { body, footing, .. } = self.group;
         Evaluation::of(self.mode, body, forcing_at, *footing, Numbers(state), support_heights)
@@ -226,7 +228,11 @@ fn within_error<V: Simd>(squared: Wide<V>, size: Wide<V>, fraction: Wide<V>) -> 
 
 /// Some channels in some lanes, others elsewhere.
 #[inline(always)]
-fn in_lanes<V: Simd>(lanes: Lanes<V>, some: Channels<Wide<V>>, others: Channels<Wide<V>>) -> Channels<Wide<V>> {
+fn in_lanes<V: Simd>(
+    lanes: Lanes<V>,
+    some: Channels<Dual<Wide<V>>>,
+    others: Channels<Dual<Wide<V>>>,
+) -> Channels<Dual<Wide<V>>> {
     Channels {
         theta: pick(lanes, some.theta, others.theta),
         reaction: [
@@ -240,8 +246,8 @@ fn in_lanes<V: Simd>(lanes: Lanes<V>, some: Channels<Wide<V>>, others: Channels<
 }
 
 #[inline(always)]
-fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>) -> Sample<Wide<V>> {
-    Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
+fn pick<V: Simd>(lanes: Lanes<V>, some: Dual<Wide<V>>, other: Dual<Wide<V>>) -> Dual<Wide<V>> {
+    Dual::new(some.re.in_lanes(lanes, other.re), some.eps.in_lanes(lanes, other.eps))
 }
 
 impl<L: MotionMode> StepTask<'_, L> {
@@ -258,13 +264,8 @@ impl<L: MotionMode> StepTask<'_, L> {
 
     /// Heights of the supports that nothing touches, and their rates; zeros for the others. As `Creep::top` finds them.
     #[inline(always)]
-    fn support_heights<V: Simd>(
-        &self,
-        time: Wide<V>,
-        lifted: &LiftedSupports<V>,
-        rate: Wide<V>,
-    ) -> [Sample<Wide<V>>; 2] {
-        let mut heights = [Sample::default(); 2];
+    fn support_heights<V: Simd>(&self, time: Wide<V>, lifted: &LiftedSupports<V>, rate: Wide<V>) -> [Dual<Wide<V>>; 2] {
+        let mut heights = [Dual::default(); 2];
         if let Some(standing) = self.mode.regime().pivot() {
             let LiftedSupports { depth, since, free_height } = *lifted;
             let elapsed = time - since;
@@ -273,7 +274,7 @@ impl<L: MotionMode> StepTask<'_, L> {
             let recovered = Wide::from(RECOVERED).less(exponent);
             let (depth, exponent) = (zero.in_lanes(recovered, depth), zero.in_lanes(recovered, exponent));
             let sunk = if zero.less(depth.abs()).any() { depth * (-exponent).exp() } else { zero };
-            heights[standing.other().index()] = Sample { value: free_height - sunk, rate: rate * sunk };
+            heights[standing.other().index()] = Dual::new(free_height - sunk, rate * sunk);
         }
         heights
     }
