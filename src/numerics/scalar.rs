@@ -57,8 +57,6 @@ pub trait Scalar:
 
 /// Some of the runs in lanes, or whether it is a single run.
 pub trait Runs<R>: Copy {
-    /// The runs in which one number is less than another.
-    fn less(one: R, other: R) -> Self;
     /// The runs in both.
     fn and(self, other: Self) -> Self;
     /// The runs in either.
@@ -78,6 +76,9 @@ pub trait Real: Scalar<Real = Self> {
 
     /// Returns the absolute value.
     fn abs(self) -> Self;
+
+    /// Returns the runs in which this number is less than another.
+    fn less(self, other: Self) -> Self::Runs;
 }
 
 /// Returns the lesser of two numbers, or the first if they are equal.
@@ -162,11 +163,6 @@ impl Scalar for f64 {
 
 impl Runs<f64> for bool {
     #[inline(always)]
-    fn less(one: f64, other: f64) -> bool {
-        one < other
-    }
-
-    #[inline(always)]
     fn and(self, other: bool) -> bool {
         self && other
     }
@@ -198,6 +194,11 @@ impl Real for f64 {
     #[inline(always)]
     fn abs(self) -> f64 {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn less(self, other: f64) -> bool {
+        self < other
     }
 }
 

@@ -51,10 +51,11 @@ impl<R: Searched> ForcePeaks<R> {
     /// exceeds its peak.
     #[inline(always)]
     pub(super) fn are_above(&self, [least, most]: [R; 2], horizontal: R, [mass, gravity]: [R; 2]) -> R::Runs {
-        R::Runs::less(gravity * PRESSED, least)
-            .and(R::Runs::less(most * mass, self.reaction))
-            .and(R::Runs::less(horizontal * mass, self.horizontal))
-            .and(R::Runs::less(horizontal, self.friction_demand * least))
+        (gravity * PRESSED)
+            .less(least)
+            .and((most * mass).less(self.reaction))
+            .and((horizontal * mass).less(self.horizontal))
+            .and(horizontal.less(self.friction_demand * least))
     }
 
     /// Includes N/M and H/M (m/s²) in some runs.
@@ -82,8 +83,7 @@ impl<R: Searched> ForcePeaks<R> {
         let mut exceeds = runs.except(runs);
         let mut exceeds_at_end = exceeds;
         for &[n, h] in coefficients {
-            exceeds_at_end =
-                R::Runs::less(most, n).or(R::Runs::less(peak_shear, h.abs())).or(R::Runs::less(demand * n, h.abs()));
+            exceeds_at_end = most.less(n).or(peak_shear.less(h.abs())).or((demand * n).less(h.abs()));
             exceeds = exceeds.or(exceeds_at_end);
         }
         let exceeds = exceeds.and(runs);

@@ -132,7 +132,7 @@ impl<T: Real> Peaks<T> {
     /// Whether a value may exceed its peak and both ends between two instants, in each run.
     #[inline(always)]
     pub fn may_rise_inside(&self, start: &Channels<Dual<T>>, end: &Channels<Dual<T>>, duration: T) -> T::Runs {
-        let mut may = T::Runs::less(duration, duration);
+        let mut may = duration.less(duration);
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             may = may.or(may_rise_inside(self.of(channel), start, end, duration));
@@ -147,10 +147,10 @@ impl<T: Real> Peaks<T> {
         let mass = now.body.mass;
         let [left, right] = now.instant.reaction;
         let shear = mass * now.instant.horizontal.abs();
-        let close = T::Runs::less(near * self.horizontal, shear)
-            .or(T::Runs::less(near * self.friction_demand * mass * (left + right), shear));
+        let close =
+            (near * self.horizontal).less(shear).or((near * self.friction_demand * mass * (left + right)).less(shear));
         match now.body.foundation {
-            Foundation::Rigid => close.or(T::Runs::less(near * self.reaction, mass * greatest(left, right))),
+            Foundation::Rigid => close.or((near * self.reaction).less(mass * greatest(left, right))),
             Foundation::Viscoelastic => close,
         }
     }

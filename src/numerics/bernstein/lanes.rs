@@ -3,7 +3,7 @@
 //! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
 use super::{Bernstein, DEGREE, Highest, MAX_NEWTON, Pair, ROUNDING, Row, Searched, WIDTH, slopes, value_and_slope};
-use crate::numerics::Real;
+use crate::numerics::scalar::{Real, Runs, greatest};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
 /// The changes of sign in a sequence.
@@ -35,8 +35,8 @@ fn signs<V: Simd>(numbers: &Row<Wide<V>>, count: usize) -> Signs<V> {
         let keeps = begins_above.and(above).or(begins_below.and(below));
         let leaves = begins_above.and(below).or(begins_below.and(above));
         let crosses = (here * next).less(zero).and(same).and(leaves);
-        (before, after) = (here.in_lanes(crosses, before), next.in_lanes(crosses, after));
-        index = Wide::from(k as f64).in_lanes(crosses, index);
+        (before, after) = (crosses.choose(here, before), crosses.choose(next, after));
+        index = crosses.choose(Wide::from(k as f64), index);
         changed = changed.and(leaves).or(crosses);
         same = same.and(keeps);
     }
@@ -51,7 +51,7 @@ fn signs<V: Simd>(numbers: &Row<Wide<V>>, count: usize) -> Signs<V> {
 /// The lanes in which inner coefficients exceed `most` and both ends, and the polynomial may.
 #[inline(always)]
 fn exceeding<V: Simd>(coefficients: &Row<Wide<V>>, most: Wide<V>) -> Lanes<V> {
-    let value = coefficients[0].max(coefficients[DEGREE]).max(most);
+    let value = greatest(greatest(coefficients[0], coefficients[DEGREE]), most);
     let mut exceeds = value.less(value);
     for &coefficient in &coefficients[1..DEGREE] {
         exceeds = exceeds.or(value.less(coefficient));
@@ -105,7 +105,7 @@ impl<V: Simd> Bernstein<Wide<V>> {
             }
             let [value, slope] = value_and_slope(&self.powers, self.degree, place);
             let (next, step) = newton([value, slope], zero.less(value), &mut low, &mut high, place);
-            place = next.in_lanes(active, place);
+            place = active.choose(next, place);
             active = active.and((place * ROUNDING).less(step));
         }
         (place, lanes)
@@ -116,7 +116,7 @@ impl<V: Simd> Bernstein<Wide<V>> {
     #[inline(always)]
     pub fn highest_in_lanes(&self, lanes: Lanes<V>, most: Wide<V>) -> Highest<Wide<V>> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
-        let value = coefficients[0].max(coefficients[DEGREE]).max(most);
+        let value = greatest(greatest(coefficients[0], coefficients[DEGREE]), most);
         let exceeds = exceeding(coefficients, most).and(lanes);
         let nothing = lanes.except(exceeds);
         if !exceeds.any() {
@@ -135,7 +135,7 @@ impl<V: Simd> Bernstein<Wide<V>> {
             }
             let [slope, curvature] = value_and_slope(&slopes, self.degree, place);
             let (next, step) = newton([slope, curvature], zero.less(slope), &mut low, &mut high, place);
-            place = next.in_lanes(active, place);
+            place = active.choose(next, place);
             active = active.and(Wide::from(WIDTH).less(step));
         }
         let [top, _] = value_and_slope(&self.powers, self.degree, place);
@@ -154,10 +154,10 @@ fn newton<V: Simd>(
     high: &mut Wide<V>,
     place: Wide<V>,
 ) -> (Wide<V>, Wide<V>) {
-    (*low, *high) = (place.in_lanes(above, *low), high.in_lanes(above, place));
+    (*low, *high) = (above.choose(place, *low), above.choose(*high, place));
     let next = place - value / slope;
     let outside = next.less(*low).or(high.less(next));
-    let next = ((*low + *high) * 0.5).in_lanes(outside, next);
+    let next = outside.choose((*low + *high) * 0.5, next);
     (next, (next - place).abs())
 }
 

@@ -50,14 +50,14 @@ fn may_be_below(floor: f64, start: Dual, end: Dual, duration: f64) -> bool {
 fn may_exceed<T: Real>(most: T, start: Dual<T>, end: Dual<T>, duration: T) -> T::Runs {
     let (zero, third) = (T::from(0.0), duration * (1.0 / 3.0));
     let polygon = scalar::greatest(start.re + third * start.eps, end.re - third * end.eps);
-    let exceeds = T::Runs::less(most, polygon);
-    let turns = T::Runs::less(zero, start.eps).and(T::Runs::less(end.eps, zero));
+    let exceeds = most.less(polygon);
+    let turns = zero.less(start.eps).and(end.eps.less(zero));
     if !turns.any() {
         return exceeds;
     }
     // The end tangents intersect here.
     let meeting = (end.re - start.re - end.eps * duration) / (start.eps - end.eps);
-    exceeds.or(turns.and(T::Runs::less(most, start.re + start.eps * meeting)))
+    exceeds.or(turns.and(most.less(start.re + start.eps * meeting)))
 }
 
 /// Whether a function may exceed `most` and its values at both ends inside `duration`, in each run, by tangents and control polygon.
@@ -252,7 +252,7 @@ pub fn may_fall_by_bounds<T: Real>(start: Dual<T>, end: Dual<T>, rounding: T, du
     let depth = T::select_less(rounding, start.re, T::from(0.0), rounding);
     let (start, end) = (-start, -end);
     let greater_end = scalar::greatest(start.re, end.re);
-    T::Runs::less(depth, greater_end).or(may_exceed(depth, start, end, duration))
+    depth.less(greater_end).or(may_exceed(depth, start, end, duration))
 }
 
 /// Returns the greatest of `most` and the values of `function` in `[0, duration]`. Its samples at both ends are given.

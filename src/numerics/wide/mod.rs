@@ -183,45 +183,9 @@ impl<V: Simd> Wide<V> {
     pub fn of_lane(self, lane: usize) -> f64 {
         self.0.store()[lane]
     }
-
-    /// The lanes in which `self` is less than `other`.
-    #[inline(always)]
-    pub fn less(self, other: Wide<V>) -> Lanes<V> {
-        Lanes(self.0.less(other.0))
-    }
-
-    /// `self` in these lanes, `other` elsewhere.
-    #[inline(always)]
-    pub fn in_lanes(self, lanes: Lanes<V>, other: Wide<V>) -> Wide<V> {
-        Wide(self.0.select(lanes.0, other.0))
-    }
-
-    /// The greater number in each lane.
-    #[inline(always)]
-    pub fn max(self, other: Wide<V>) -> Wide<V> {
-        other.in_lanes(self.less(other), self)
-    }
 }
 
 impl<V: Simd> Lanes<V> {
-    /// The lanes in both sets.
-    #[inline(always)]
-    pub fn and(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes(V::both(self.0, other.0))
-    }
-
-    /// The lanes in either set.
-    #[inline(always)]
-    pub fn or(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes(V::either(self.0, other.0))
-    }
-
-    /// These lanes without the others.
-    #[inline(always)]
-    pub fn except(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes(V::except(self.0, other.0))
-    }
-
     /// A bit per lane, the first lane in the least significant one.
     #[inline(always)]
     pub fn bits(self) -> u32 {
@@ -232,12 +196,6 @@ impl<V: Simd> Lanes<V> {
     #[inline(always)]
     pub fn all(self) -> bool {
         self.bits() == (1 << V::LANES) - 1
-    }
-
-    /// Whether any lane is set.
-    #[inline(always)]
-    pub fn any(self) -> bool {
-        self.bits() != 0
     }
 }
 

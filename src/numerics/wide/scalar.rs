@@ -39,39 +39,34 @@ impl<V: Simd> Scalar for Wide<V> {
 
     #[inline(always)]
     fn select_less(a: Wide<V>, b: Wide<V>, yes: Wide<V>, no: Wide<V>) -> Wide<V> {
-        yes.in_lanes(a.less(b), no)
+        a.less(b).choose(yes, no)
     }
 }
 
 impl<V: Simd> Runs<Wide<V>> for Lanes<V> {
     #[inline(always)]
-    fn less(one: Wide<V>, other: Wide<V>) -> Lanes<V> {
-        one.less(other)
-    }
-
-    #[inline(always)]
     fn and(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes::and(self, other)
+        Lanes(V::both(self.0, other.0))
     }
 
     #[inline(always)]
     fn or(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes::or(self, other)
+        Lanes(V::either(self.0, other.0))
     }
 
     #[inline(always)]
     fn except(self, other: Lanes<V>) -> Lanes<V> {
-        Lanes::except(self, other)
+        Lanes(V::except(self.0, other.0))
     }
 
     #[inline(always)]
     fn any(self) -> bool {
-        Lanes::any(self)
+        self.bits() != 0
     }
 
     #[inline(always)]
     fn choose(self, one: Wide<V>, other: Wide<V>) -> Wide<V> {
-        one.in_lanes(self, other)
+        Wide(one.0.select(self.0, other.0))
     }
 }
 
@@ -81,6 +76,11 @@ impl<V: Simd> Real for Wide<V> {
     #[inline(always)]
     fn abs(self) -> Wide<V> {
         Wide(self.0.abs())
+    }
+
+    #[inline(always)]
+    fn less(self, other: Wide<V>) -> Lanes<V> {
+        Lanes(self.0.less(other.0))
     }
 }
 
@@ -96,7 +96,7 @@ const QUARTER_PI: f64 = f64::from_bits((0x3fe9_21fb + 1) << 32);
 fn near_zero<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     let z = x * x;
     let sin = x + z * x * (z * sine_polynomial(z) + S[0]);
-    (sin.in_lanes(Wide::default().less(z), x), cosine(z, z * cosine_polynomial(z)))
+    (Wide::default().less(z).choose(sin, x), cosine(z, z * cosine_polynomial(z)))
 }
 
 const S: [f64; 6] = [
@@ -153,7 +153,7 @@ fn reduced<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     const LARGE: f64 = 1e6;
 
     let (zero, near) = (Wide::default(), x.abs().less(Wide::from(QUARTER_PI)));
-    let multiple = zero.in_lanes(near, nearest_whole(x * std::f64::consts::FRAC_2_PI));
+    let multiple = near.choose(zero, nearest_whole(x * std::f64::consts::FRAC_2_PI));
     let (r, w) = (x - multiple * HALF_PI[0], multiple * HALF_PI[1]);
     let y = r - w;
     let tail = (r - y) - w;
@@ -162,15 +162,15 @@ fn reduced<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
 
     let z = y * y;
     let (v, r) = (z * y, sine_polynomial(z));
-    let sin = (y + v * (z * r + S[0])).in_lanes(near, y - ((z * (tail * 0.5 - v * r) - tail) - v * S[0]));
+    let sin = near.choose(y + v * (z * r + S[0]), y - ((z * (tail * 0.5 - v * r) - tail) - v * S[0]));
     let cos = cosine(z, z * cosine_polynomial(z) - y * tail);
     // −2 or 2, −1, 0, or 1 quarters of a turn beyond full turns.
     let quarters = multiple - nearest_whole(multiple * 0.25) * 4.0;
     let half = Wide::from(0.5);
     let (odd, opposite) = ((quarters.abs() - 1.0).abs().less(half), Wide::from(1.5).less(quarters.abs()));
-    let (sin, cos) = (cos.in_lanes(odd, sin), sin.in_lanes(odd, cos));
-    let sin = (-sin).in_lanes(opposite.or(quarters.less(-half)), sin);
-    let cos = (-cos).in_lanes(opposite.or(half.less(quarters)), cos);
+    let (sin, cos) = (odd.choose(cos, sin), odd.choose(sin, cos));
+    let sin = opposite.or(quarters.less(-half)).choose(-sin, sin);
+    let cos = opposite.or(half.less(quarters)).choose(-cos, cos);
     if in_one_round.all() {
         return (sin, cos);
     }
@@ -221,18 +221,18 @@ fn exp_in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
     let zero = Wide::default();
     let (half, one) = (Wide::from(0.5), Wide::from(1.0));
     let negative = x.less(zero);
-    let y = x * std::f64::consts::LOG2_E + (-half).in_lanes(negative, half);
+    let y = x * std::f64::consts::LOG2_E + negative.choose(-half, half);
     let nearest = nearest_whole(y);
-    let toward_zero = nearest - (-one).in_lanes(negative, one);
-    let k = toward_zero.in_lanes(y.abs().less(nearest.abs()), nearest);
-    let k = k.in_lanes(Wide::from(HALF_LN_2).less(x.abs()), zero);
+    let toward_zero = nearest - negative.choose(-one, one);
+    let k = y.abs().less(nearest.abs()).choose(toward_zero, nearest);
+    let k = Wide::from(HALF_LN_2).less(x.abs()).choose(k, zero);
     let power = k.power_of_two();
     let (hi, lo) = (x - k * LN_2[0], k * LN_2[1]);
     let r = hi - lo;
     let z = r * r;
     let c = r - z * (z * (z * (z * (z * P[4] + P[3]) + P[2]) + P[1]) + P[0]);
     let y = r * c / (Wide::from(2.0) - c) - lo + hi + 1.0;
-    (x + 1.0).in_lanes(x.abs().less(Wide::from(TINY)), y * power)
+    x.abs().less(Wide::from(TINY)).choose(x + 1.0, y * power)
 }
 
 /// Replaces the exponentials in the lanes `far` out of range by those of `libm`.

@@ -3,6 +3,7 @@
 //! They do not depend on the motion, so that no stage waits for a sine, and the code for them is not copied into the steps of each regime.
 
 use crate::excitation::{Form, Wave};
+use crate::numerics::scalar::{Real, Runs};
 use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{dop853, short};
 use crate::simulation::lanes::Lane;
@@ -83,5 +84,5 @@ impl Task for OfForm<'_> {
 /// Stores the numbers of some lanes.
 #[inline(always)]
 fn put<V: Simd>(place: &mut Array, numbers: Wide<V>, lanes: Lanes<V>) {
-    *place = numbers.in_lanes(lanes, Wide::load(place)).store();
+    *place = lanes.choose(numbers, Wide::load(place)).store();
 }

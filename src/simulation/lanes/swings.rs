@@ -3,8 +3,8 @@
 
 use crate::block::Body;
 use crate::excitation::Excitation;
-use crate::numerics::Real;
 use crate::numerics::control::is_resolved;
+use crate::numerics::scalar::{Real, Runs};
 use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{ForcePeaks, PRESSED, visible};
@@ -127,7 +127,7 @@ impl Task for GroupSwing<'_> {
             [self.each(|lane| lane.simulation.run.pose.state[0]), self.each(|lane| lane.simulation.run.pose.state[1])];
         let remaining = stop - time;
         let most: Wide<V> = self.each(|lane| lane.swing.longest);
-        let longest = remaining.in_lanes(remaining.less(most), most);
+        let longest = remaining.less(most).choose(remaining, most);
         let mut swings = Swings::under(&excitation, time);
         swings.make(&pivoting, start, longest, self.each(|lane| lane.swing.allowed));
         let bounds = swings.series.bounds(&pivoting);
@@ -136,7 +136,7 @@ impl Task for GroupSwing<'_> {
         let Ends { lands, fraction, is_decided } = Ends::of(&swings, &bounds, pivoting.away);
         let size = swings.series.size;
         let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
-        let end_time = (time + fraction * size).in_lanes(ends_before, stop);
+        let end_time = ends_before.choose(time + fraction * size, stop);
         let advances = time.less(end_time);
         let [theta, theta_dot] = swings.series.at(fraction);
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
@@ -211,7 +211,7 @@ impl<V: Simd> Ends<V> {
         if others.any() {
             let (stays, comes_down, after) = swings.first_landing(others, away);
             is_decided = is_decided.or(stays).or(comes_down);
-            (lands, fraction) = (lands.or(comes_down), after.in_lanes(comes_down, fraction));
+            (lands, fraction) = (lands.or(comes_down), comes_down.choose(after, fraction));
         }
         let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
         if turned.any() {
@@ -238,13 +238,13 @@ fn highest_rotation<V: Simd>(
     }
     let turns_back = may_turn.and(bounds.turns_back);
     let (place, has_peak) = swings.series.top(turns_back, away, fraction, peak);
-    let highest = swings.series.theta_at(place)[0].abs().in_lanes(has_peak, Wide::default());
+    let highest = has_peak.choose(swings.series.theta_at(place)[0].abs(), Wide::default());
     let others = may_turn.except(turns_back);
     if !others.any() {
         return (highest, lanes);
     }
     let (top, known) = swings.highest(others, away, fraction, peak);
-    (top.in_lanes(others, highest), lanes.except(others.except(known)))
+    (others.choose(top, highest), lanes.except(others.except(known)))
 }
 
 impl Lane {

@@ -34,7 +34,7 @@ impl<T: Real> Swing<T> {
         for _ in 0..MAX_NEWTON {
             let [theta, slope] = self.theta_at(fraction);
             let next = fraction - theta / slope;
-            let moves = T::Runs::less(next, fraction * STILL).and(runs);
+            let moves = next.less(fraction * STILL).and(runs);
             if !moves.any() {
                 break;
             }
@@ -50,7 +50,7 @@ impl<T: Real> Swing<T> {
     pub fn top(&self, runs: T::Runs, away: T, fraction: T, most: T) -> (T, T::Runs) {
         let (zero, first) = (T::from(0.0), self.theta[1]);
         let [_, last] = self.theta_at(fraction);
-        let mut active = runs.and(T::Runs::less(zero, first * away)).and(T::Runs::less(last * away, zero));
+        let mut active = runs.and(zero.less(first * away)).and((last * away).less(zero));
         let mut found = runs.except(runs);
         let (mut low, mut high, mut place) = (zero, fraction, fraction * (first / (first - last)));
         for _ in 0..MAX_NEWTON {
@@ -58,14 +58,14 @@ impl<T: Real> Swing<T> {
                 break;
             }
             let [theta, slope, half_curvature] = self.curve_at(place);
-            let rises = T::Runs::less(zero, slope * away);
+            let rises = zero.less(slope * away);
             let end = rises.choose(high, low);
-            active = active.and(T::Runs::less(most, theta * away + slope * away * (end - place)));
+            active = active.and(most.less(theta * away + slope * away * (end - place)));
             (low, high) = (rises.choose(place, low), rises.choose(high, place));
             let next = place - slope / (half_curvature * 2.0);
-            let outside = T::Runs::less(next, low).or(T::Runs::less(high, next));
+            let outside = next.less(low).or(high.less(next));
             let next = outside.choose((low + high) * 0.5, next);
-            let moves = T::Runs::less(T::from(TOP_WIDTH), (next - place).abs());
+            let moves = T::from(TOP_WIDTH).less((next - place).abs());
             place = active.choose(next, place);
             found = found.or(active.except(moves));
             active = active.and(moves);

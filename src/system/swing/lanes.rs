@@ -7,8 +7,8 @@ use std::f64::consts::FRAC_PI_2;
 use super::events::{LANDING_ROUNDING, MIN_LANDING};
 use super::{MIN, NUMBER, ORDER, Pivoting, RECIPROCAL, Series, Swing, shortening};
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::Real;
 use crate::numerics::bernstein::{Bernstein, DEGREE, Highest};
+use crate::numerics::scalar::{Real, Runs};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 
 /// A swing in each lane.
@@ -74,14 +74,14 @@ impl<V: Simd> Swings<V> {
                     const N: usize = $n;
                     let theta = series.turning(N - 2, weight) * scale * (RECIPROCAL[N - 1] * RECIPROCAL[N]);
                     // A lane that is done gets no further terms.
-                    series.theta[N] = zero.in_lanes(done, theta);
+                    series.theta[N] = done.choose(zero, theta);
                     slope[N] = series.theta[N] * NUMBER[N];
                     let [x, q] = series.lever_terms(N, &slope);
-                    (series.x[N], series.q[N]) = (zero.in_lanes(done, x), zero.in_lanes(done, q));
+                    (series.x[N], series.q[N]) = (done.choose(zero, x), done.choose(zero, q));
                     series.order = N;
-                    *orders = orders.in_lanes(done, Wide::from(N as f64));
+                    *orders = done.choose(*orders, Wide::from(N as f64));
                     if N >= MIN {
-                        rest = rest.in_lanes(done, series.tail(N, slope[N].abs() + slope[N - 1].abs(), scale));
+                        rest = done.choose(rest, series.tail(N, slope[N].abs() + slope[N - 1].abs(), scale));
                         done = done.or(rest.less(allowed));
                         if done.all() {
                             return;
@@ -91,7 +91,7 @@ impl<V: Simd> Swings<V> {
             };
         }
         terms!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
-        series.scale(Wide::from(1.0).in_lanes(done, shortening(allowed / rest)));
+        series.scale(done.choose(Wide::from(1.0), shortening(allowed / rest)));
     }
 
     /// The lanes without and with a landing, and the fractions of the landings. See [`Swing::first_landing`].
@@ -104,8 +104,8 @@ impl<V: Simd> Swings<V> {
         let mut rotation = [zero; DEGREE + 1];
         for k in 0..order.min(ORDER) + 1 {
             // Zeros at the beginning are divided out.
-            let from_rest = term(theta, k + 2).in_lanes(turns, term(theta, k + 3));
-            rotation[k] = theta[k].in_lanes(stands_off, term(theta, k + 1).in_lanes(rises, from_rest)) * away;
+            let from_rest = turns.choose(term(theta, k + 2), term(theta, k + 3));
+            rotation[k] = stands_off.choose(theta[k], rises.choose(term(theta, k + 1), from_rest)) * away;
         }
         let moves = stands_off.or(rises);
         let rotation = Bernstein::of(rotation, order);
@@ -140,7 +140,7 @@ impl<V: Simd> Swings<V> {
         }
         let Highest { place, exceeds, known } = Bernstein::of(rotation, order).highest_in_lanes(lanes, most);
         let [theta, _] = self.series.theta_at(place * fraction);
-        (theta.abs().in_lanes(exceeds, Wide::default()), known)
+        (exceeds.choose(theta.abs(), Wide::default()), known)
     }
 
     /// See [`Swing::work`].

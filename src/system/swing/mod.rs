@@ -282,7 +282,7 @@ impl<T: Real> Swing<T> {
     #[inline(always)]
     fn linear_work(&self, [value, rate]: [T; 2], series: &Series<T>, fraction: T) -> T {
         let zero = T::from(0.0);
-        if !T::Runs::less(zero, value.abs()).or(T::Runs::less(zero, rate.abs())).any() {
+        if !zero.less(value.abs()).or(zero.less(rate.abs())).any() {
             return zero;
         }
         let [way, moment] = way_and_moment(series, self.order.min(ORDER), fraction);
@@ -313,18 +313,18 @@ impl<T: Real> Swing<T> {
         let (first, last) = (theta[0] * away, last * away);
         // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
         let turn = theta[2] * (away * 2.0);
-        let (turns_back, turns_away) = (T::Runs::less(bend + turn, zero), T::Runs::less(bend, turn));
-        let turns = turns_back.or(turns_away.except(T::Runs::less(theta[1] * away, zero)));
-        let leaves = T::Runs::less(zero, T::select_less(zero, first.abs(), first, theta[1] * away));
+        let (turns_back, turns_away) = ((bend + turn).less(zero), bend.less(turn));
+        let turns = turns_back.or(turns_away.except((theta[1] * away).less(zero)));
+        let leaves = zero.less(T::select_less(zero, first.abs(), first, theta[1] * away));
         reaction = reaction + (q[3] * (per_second * 6.0) + forcing.z[1]).abs();
         horizontal = horizontal + (x[3] * (per_second * 6.0) + forcing.x[1]).abs();
         let first_reaction = block.gravity + forcing.z[0] + q[2] * (per_second * 2.0);
         let first_horizontal = x[2] * (per_second * 2.0) + forcing.x[0];
         Bounds {
-            is_certain: T::Runs::less(spread, first).or(leaves.and(turns)),
+            is_certain: spread.less(first).or(leaves.and(turns)),
             last,
             turns_back,
-            is_greatest_at_end: T::Runs::less(steepest, theta[1].abs()).or(turns_away),
+            is_greatest_at_end: steepest.less(theta[1].abs()).or(turns_away),
             theta: first.abs() + spread,
             reaction: [first_reaction - reaction, first_reaction + reaction],
             horizontal: first_horizontal.abs() + horizontal,

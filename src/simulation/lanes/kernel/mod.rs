@@ -10,9 +10,10 @@ use crate::numerics::dop853::{self, DenseStep};
 use crate::numerics::dual::Dual;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::may_fall_by_bounds;
+use crate::numerics::scalar::{Real, Runs, Scalar};
 use crate::numerics::short;
 use crate::numerics::wide::{Array, Four, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wide};
-use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
+use crate::numerics::{Rate, StageRates, Stages, State};
 use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, Stance};
 use crate::simulation::outputs::Channels;
@@ -247,7 +248,7 @@ fn in_lanes<V: Simd>(
 
 #[inline(always)]
 fn pick<V: Simd>(lanes: Lanes<V>, some: Dual<Wide<V>>, other: Dual<Wide<V>>) -> Dual<Wide<V>> {
-    Dual::new(some.re.in_lanes(lanes, other.re), some.eps.in_lanes(lanes, other.eps))
+    Dual::new(lanes.choose(some.re, other.re), lanes.choose(some.eps, other.eps))
 }
 
 impl<L: MotionMode> StepTask<'_, L> {
@@ -270,9 +271,9 @@ impl<L: MotionMode> StepTask<'_, L> {
             let LiftedSupports { depth, since, free_height } = *lifted;
             let elapsed = time - since;
             let (zero, exponent) =
-                (Wide::default(), rate * elapsed.in_lanes(Wide::default().less(elapsed), Wide::default()));
+                (Wide::default(), rate * Wide::default().less(elapsed).choose(elapsed, Wide::default()));
             let recovered = Wide::from(RECOVERED).less(exponent);
-            let (depth, exponent) = (zero.in_lanes(recovered, depth), zero.in_lanes(recovered, exponent));
+            let (depth, exponent) = (recovered.choose(zero, depth), recovered.choose(zero, exponent));
             let sunk = if zero.less(depth.abs()).any() { depth * (-exponent).exp() } else { zero };
             heights[standing.other().index()] = Dual::new(free_height - sunk, rate * sunk);
         }
