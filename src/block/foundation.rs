@@ -29,7 +29,7 @@ pub enum Supports<V, T = f64> {
 }
 
 /// Both supports in the paper's ratios.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ratios<T = f64> {
     /// Stiffness ratio η = ω_v/p (1).
     pub eta: T,
@@ -38,7 +38,7 @@ pub struct Ratios<T = f64> {
 }
 
 /// One support.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Springs<T = f64> {
     /// Stiffness K (N/m).
     pub stiffness: T,
@@ -53,6 +53,18 @@ pub enum KelvinVoigt<T = f64> {
     Ratios(Ratios<T>),
     /// In SI units.
     Springs(Springs<T>),
+}
+
+impl<T> KelvinVoigt<T> {
+    /// Returns the same kind of parameters with `of` each number.
+    pub fn map<U>(self, of: impl Fn(T) -> U) -> KelvinVoigt<U> {
+        match self {
+            KelvinVoigt::Ratios(Ratios { eta, xi_v }) => KelvinVoigt::Ratios(Ratios { eta: of(eta), xi_v: of(xi_v) }),
+            KelvinVoigt::Springs(Springs { stiffness, damping }) => {
+                KelvinVoigt::Springs(Springs { stiffness: of(stiffness), damping: of(damping) })
+            }
+        }
+    }
 }
 
 impl<T: Scalar> Springs<T> {

@@ -19,7 +19,7 @@ pub mod restraints;
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::scalar::Elementary;
-use parameters::not_negative;
+use parameters::Valid;
 
 pub use body::Body;
 pub use contact::{Contact, Contacts, Regime, StandingSlide};
@@ -84,7 +84,7 @@ impl Block {
     /// # Errors
     /// An invalid ratio, with the valid ones.
     pub fn with_damping_ratio(mut self, xi_v: f64) -> Result<Block, BlockError> {
-        not_negative("xi_v", xi_v)?;
+        Valid::NotNegative.check("xi_v", xi_v)?;
         if self.foundation == Foundation::Rigid {
             return Ok(self);
         }

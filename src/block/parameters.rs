@@ -1,5 +1,7 @@
 //! The parameters of a block, each part in one of two parameterizations, and the errors of invalid ones.
 
+use std::f64::consts::FRAC_PI_2;
+
 use serde::{Deserialize, Serialize};
 
 use crate::block::{KelvinVoigt, Ratios, Springs, Supports};
@@ -36,31 +38,83 @@ pub struct BlockParameters<T = f64> {
     pub common: Common<T>,
 }
 
-impl BlockParameters {
-    pub(super) fn check(&self) -> Result<(), BlockError> {
-        check_common(&self.common)?;
-        match self.outline {
-            Outline::Slenderness { alpha, p } => {
-                open_range("alpha", alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
-                positive("p", p)?;
-            }
+/// The valid values of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Valid {
+    /// Finite numbers above 0.
+    Positive,
+    /// Finite numbers from 0 on.
+    NotNegative,
+    /// From 0 to 1.
+    Fraction,
+    /// Angles (rad) between 0 and π/2, exclusive.
+    AcuteAngle,
+    /// Those that suit the other numbers.
+    Depends,
+}
+
+impl<T> BlockParameters<T> {
+    /// Returns the numbers with their names and valid values, to read or to set them.
+    pub fn numbers_mut(&mut self) -> impl Iterator<Item = (&'static str, Valid, &mut T)> {
+        use Valid::{AcuteAngle, Depends, Fraction, NotNegative, Positive};
+        let BlockParameters { outline, supports, common } = self;
+        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = common;
+        let common = [
+            ("mass", Positive, mass),
+            ("gamma", Positive, gamma),
+            ("g", Positive, gravity),
+            ("friction", NotNegative, friction),
+            ("epsilon", Fraction, epsilon),
+            ("eccentricity", Depends, eccentricity),
+        ];
+        let outline = match outline {
+            Outline::Slenderness { alpha, p } => [Some(("alpha", AcuteAngle, alpha)), Some(("p", Positive, p)), None],
             Outline::Sizes { width, height, inertia } => {
-                positive("width", width)?;
-                positive("height", height)?;
-                inertia.map_or(Ok(()), |inertia| positive("inertia", inertia))?;
+                let inertia = inertia.as_mut().map(|inertia| ("inertia", Positive, inertia));
+                [Some(("width", Positive, width)), Some(("height", Positive, height)), inertia]
             }
-        }
-        match self.supports {
+        };
+        let supports = match supports {
             Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios { eta, xi_v })) => {
-                positive("eta", eta)?;
-                not_negative("xi_v", xi_v)
+                [Some(("eta", Positive, eta)), Some(("xi_v", NotNegative, xi_v))]
             }
             Supports::Viscoelastic(KelvinVoigt::Springs(Springs { stiffness, damping })) => {
-                positive("K", stiffness)?;
-                not_negative("C", damping)
+                [Some(("K", Positive, stiffness)), Some(("C", NotNegative, damping))]
             }
-            Supports::Rigid { restitution_factor } => not_negative("restitution_factor", restitution_factor),
+            Supports::Rigid { restitution_factor } => {
+                [Some(("restitution_factor", NotNegative, restitution_factor)), None]
+            }
+        };
+        common.into_iter().chain(outline.into_iter().flatten()).chain(supports.into_iter().flatten())
+    }
+
+    /// Returns parameters of the same kind with `of` each number.
+    pub fn map<U>(self, of: impl Fn(T) -> U) -> BlockParameters<U> {
+        let BlockParameters { outline, supports, common } = self;
+        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = common;
+        BlockParameters {
+            outline: match outline {
+                Outline::Slenderness { alpha, p } => Outline::Slenderness { alpha: of(alpha), p: of(p) },
+                Outline::Sizes { width, height, inertia } => {
+                    Outline::Sizes { width: of(width), height: of(height), inertia: inertia.map(&of) }
+                }
+            },
+            supports: supports.map(|supports| supports.map(&of), &of),
+            common: Common {
+                mass: of(mass),
+                gamma: of(gamma),
+                epsilon: of(epsilon),
+                gravity: of(gravity),
+                eccentricity: of(eccentricity),
+                friction: of(friction),
+            },
         }
+    }
+}
+
+impl BlockParameters {
+    pub(super) fn check(mut self) -> Result<(), BlockError> {
+        self.numbers_mut().try_for_each(|(name, valid, &mut value)| valid.check(name, value))
     }
 }
 
@@ -166,29 +220,15 @@ impl BlockError {
     }
 }
 
-fn check_common(common: &Common) -> Result<(), BlockError> {
-    positive("mass", common.mass)?;
-    positive("gamma", common.gamma)?;
-    positive("g", common.gravity)?;
-    not_negative("friction", common.friction)?;
-    if !(0.0..=1.0).contains(&common.epsilon) {
-        return Err(BlockError::OutOfRange { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });
+impl Valid {
+    pub(in crate::block) fn check(self, name: &'static str, value: f64) -> Result<(), BlockError> {
+        let (is_valid, expected) = match self {
+            Valid::Positive => (value > 0.0 && value < f64::INFINITY, "a finite number > 0"),
+            Valid::NotNegative => ((0.0..f64::INFINITY).contains(&value), "a finite number >= 0"),
+            Valid::Fraction => ((0.0..=1.0).contains(&value), "0 <= epsilon <= 1"),
+            Valid::AcuteAngle => (value > 0.0 && value < FRAC_PI_2, "0 < alpha < pi/2 rad"),
+            Valid::Depends => return Ok(()),
+        };
+        if is_valid { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
     }
-    Ok(())
-}
-
-fn positive(name: &'static str, value: f64) -> Result<(), BlockError> {
-    open_range(name, value, 0.0, f64::INFINITY, "a finite number > 0")
-}
-
-pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), BlockError> {
-    if (0.0..f64::INFINITY).contains(&value) {
-        Ok(())
-    } else {
-        Err(BlockError::OutOfRange { name, value, expected: "a finite number >= 0" })
-    }
-}
-
-fn open_range(name: &'static str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), BlockError> {
-    if value > low && value < high { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
 }

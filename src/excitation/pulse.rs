@@ -144,15 +144,15 @@ impl<T: Elementary> Pulse<T> {
         }
     }
 
-    /// Returns the pulse without derivatives.
-    pub fn value(&self) -> Pulse {
+    /// Returns a pulse of this shape with `of` each number.
+    pub fn map<U>(&self, of: impl Fn(T) -> U) -> Pulse<U> {
         Pulse {
             shape: self.shape,
-            amplitude: self.amplitude.value(),
-            period: self.period.value(),
-            start: self.start.value(),
-            phase: self.phase.value(),
-            cycles: self.cycles.value(),
+            amplitude: of(self.amplitude),
+            period: of(self.period),
+            start: of(self.start),
+            phase: of(self.phase),
+            cycles: of(self.cycles),
         }
     }
 

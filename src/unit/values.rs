@@ -124,38 +124,25 @@ impl Values {
     }
 
     fn parameters_on<T: Elementary>(&self, foundation: Foundation, of: impl Fn(Variable) -> T) -> BlockParameters<T> {
-        let common = Common {
-            mass: of(Variable::Mass),
-            gamma: of(Variable::Gamma),
-            epsilon: of(Variable::Epsilon),
-            gravity: of(Variable::G),
-            eccentricity: of(Variable::Eccentricity),
-            friction: of(Variable::Friction),
-        };
         let is_physical = self.is_physical();
         let outline = if is_physical {
-            let height = if self.has_center_height() {
-                of(Variable::PhysicalCenterHeight) * 2.0
-            } else {
-                of(Variable::PhysicalHeight)
-            };
-            let inertia = self.has_inertia().then(|| of(Variable::PhysicalInertia));
-            Outline::Sizes { width: of(Variable::PhysicalWidth), height, inertia }
+            Outline::Sizes { width: 0.0, height: 0.0, inertia: self.has_inertia().then_some(0.0) }
         } else {
-            Outline::Slenderness { alpha: of(Variable::DimensionlessAlpha), p: of(Variable::DimensionlessP) }
+            Outline::Slenderness { alpha: 0.0, p: 0.0 }
         };
         let supports = match foundation {
-            Foundation::Viscoelastic if is_physical => Supports::Viscoelastic(KelvinVoigt::Springs(Springs {
-                stiffness: of(Variable::PhysicalK),
-                damping: of(Variable::PhysicalC),
-            })),
-            Foundation::Viscoelastic => Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios {
-                eta: of(Variable::DimensionlessEta),
-                xi_v: of(Variable::DimensionlessXiV),
-            })),
-            Foundation::Rigid => Supports::Rigid { restitution_factor: of(Variable::RestitutionFactor) },
+            Foundation::Viscoelastic if is_physical => Supports::Viscoelastic(KelvinVoigt::Springs(Springs::default())),
+            Foundation::Viscoelastic => Supports::Viscoelastic(KelvinVoigt::Ratios(Ratios::default())),
+            Foundation::Rigid => Supports::HOUSNER,
         };
-        BlockParameters { outline, supports, common }
+        let mut parameters = BlockParameters { outline, supports, common: Common::default() }.map(T::from);
+        for (name, _, number) in parameters.numbers_mut() {
+            *number = match name {
+                "height" if self.has_center_height() => of(Variable::PhysicalCenterHeight) * 2.0,
+                name => of(Variable::of_number(name)),
+            };
+        }
+        parameters
     }
 
     /// Returns the chosen item of an enumeration.
@@ -225,21 +212,14 @@ impl Values {
     /// Returns the missing setting that a parameter needs to be read, if any.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
+        let name = parameter.variable().name();
+        if physical && name.starts_with("dimensionless.") {
+            return Some("parameterization = Dimensionless");
+        }
+        if !physical && name.starts_with("physical.") {
+            return Some("parameterization = Physical");
+        }
         match parameter {
-            Parameter::DimensionlessAlpha
-            | Parameter::DimensionlessP
-            | Parameter::DimensionlessEta
-            | Parameter::DimensionlessXiV => physical.then_some("parameterization = Dimensionless"),
-            Parameter::PhysicalWidth
-            | Parameter::PhysicalHeight
-            | Parameter::PhysicalCenterHeight
-            | Parameter::PhysicalInertia
-            | Parameter::PhysicalK
-            | Parameter::PhysicalC
-                if !physical =>
-            {
-                Some("parameterization = Physical")
-            }
             Parameter::PhysicalHeight => self.has_center_height().then_some("physical.center_height = 0"),
             Parameter::Gamma => (physical && self.has_inertia()).then_some("physical.inertia = 0"),
             Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
@@ -260,7 +240,11 @@ impl Values {
                 self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
             }
             Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
-            Parameter::PhysicalWidth
+            Parameter::DimensionlessAlpha
+            | Parameter::DimensionlessP
+            | Parameter::DimensionlessEta
+            | Parameter::DimensionlessXiV
+            | Parameter::PhysicalWidth
             | Parameter::PhysicalCenterHeight
             | Parameter::PhysicalInertia
             | Parameter::PhysicalK

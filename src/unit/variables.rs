@@ -148,6 +148,12 @@ impl Metadata {
         VARIABLES.get((reference as usize).wrapping_sub(1))
     }
 
+    /// Returns its name, without the group where the name alone is clear: `alpha`, `K`, `dt`.
+    pub fn short_name(&self) -> &'static str {
+        let groups = ["dimensionless.", "physical.", "record."];
+        groups.iter().find_map(|group| self.name.strip_prefix(group)).unwrap_or(self.name)
+    }
+
     /// Returns the value reference of the variable.
     pub fn reference(&self) -> u32 {
         self.variable as u32 + 1
@@ -179,6 +185,14 @@ impl Metadata {
         }
         let choices: Vec<String> = self.items.iter().map(|(value, name)| format!("{value} {name}")).collect();
         Err(format!("{} = {value}; expected one of {}", self.name, choices.join(", ")))
+    }
+}
+
+impl Variable {
+    /// Returns the variable of a [number of the block](crate::block::BlockParameters::numbers_mut).
+    pub(super) fn of_number(name: &str) -> Variable {
+        let found = VARIABLES.iter().find(|metadata| metadata.short_name() == name);
+        found.unwrap_or_else(|| unreachable!("{name} is in modelDescription.xml")).variable
     }
 }
 

@@ -1,9 +1,7 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
 use rocking_block::block::restraints::{LinkKind, Tie, Ties, tie};
-use rocking_block::block::{
-    Block, BlockError, BlockParameters, Body, Common, Foundation, KelvinVoigt, Outline, Ratios, Springs, Supports,
-};
+use rocking_block::block::{Block, BlockError, BlockParameters, Outline};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
@@ -29,10 +27,7 @@ pub struct Parameters<T = f64> {
 /// Returns the names and units of the real parameters of the FMU. The group is left out where the name alone is clear.
 fn known() -> impl Iterator<Item = (&'static str, &'static str)> {
     let of_users = |known: &&Metadata| known.causality == Causality::Parameter && known.kind == Kind::Real;
-    VARIABLES.iter().filter(of_users).map(|known| {
-        let short = ["dimensionless.", "physical.", "record."].iter().find_map(|group| known.name.strip_prefix(group));
-        (short.unwrap_or(known.name), known.unit.unwrap_or("1"))
-    })
+    VARIABLES.iter().filter(of_users).map(|known| (known.short_name(), known.unit.unwrap_or("1")))
 }
 
 /// Returns the unit of a parameter; `1` for one without a unit.
@@ -66,7 +61,7 @@ impl Parameters {
 impl<T: Elementary> Parameters<T> {
     /// Returns the parameter with this name, or `None` if the run does not read it.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
-        let Parameters { block: BlockParameters { outline, supports, common }, ties, initial, pulse, scale } = self;
+        let Parameters { block, ties, initial, pulse, scale } = self;
         if let Some((tie, key)) = name.split_once('.')
             && let Some(i) = tie::names(ties).iter().position(|known| known == tie)
         {
@@ -80,32 +75,17 @@ impl<T: Elementary> Parameters<T> {
             };
             return is_read.then_some(number);
         }
-        match (name, outline) {
-            ("alpha", Outline::Slenderness { alpha, .. }) => return Some(alpha),
-            ("p", Outline::Slenderness { p, .. }) => return Some(p),
-            ("width", Outline::Sizes { width, .. }) => return Some(width),
-            ("height", Outline::Sizes { height, .. }) => return Some(height),
-            ("inertia", Outline::Sizes { inertia, .. }) => return inertia.as_mut(),
-            ("gamma", Outline::Sizes { inertia: Some(_), .. }) => return None,
-            _ => {}
-        }
-        match (name, supports) {
-            ("eta", Supports::Viscoelastic(KelvinVoigt::Ratios(ratios))) => return Some(&mut ratios.eta),
-            ("xi_v", Supports::Viscoelastic(KelvinVoigt::Ratios(ratios))) => return Some(&mut ratios.xi_v),
-            ("K", Supports::Viscoelastic(KelvinVoigt::Springs(springs))) => return Some(&mut springs.stiffness),
-            ("C", Supports::Viscoelastic(KelvinVoigt::Springs(springs))) => return Some(&mut springs.damping),
-            ("restitution_factor", Supports::Rigid { restitution_factor }) => return Some(restitution_factor),
-            _ => {}
+        let follows = match block.outline {
+            Outline::Sizes { inertia: Some(_), .. } => name == "gamma",
+            Outline::Sizes { inertia: None, .. } | Outline::Slenderness { .. } => false,
+        };
+        if let Some((_, _, number)) = block.numbers_mut().find(|(known, ..)| *known == name) {
+            // A friction of 0 means no limit.
+            let is_read = !follows && (name != "friction" || number.value() > 0.0);
+            return is_read.then_some(number);
         }
         let (acts, gabor) = (pulse.shape != PulseShape::None, pulse.shape == PulseShape::Gabor);
         match name {
-            "mass" => Some(&mut common.mass),
-            "gamma" => Some(&mut common.gamma),
-            "epsilon" => Some(&mut common.epsilon),
-            "g" => Some(&mut common.gravity),
-            "eccentricity" => Some(&mut common.eccentricity),
-            // 0 means no limit.
-            "friction" if common.friction.value() > 0.0 => Some(&mut common.friction),
             "initial.theta" => Some(&mut initial.theta),
             "initial.theta_dot" => Some(&mut initial.theta_dot),
             "initial.v" => initial.vertical.as_mut().map(|(v, _)| v),
@@ -121,44 +101,15 @@ impl<T: Elementary> Parameters<T> {
     }
 
     fn map<U: Elementary>(&self, of: impl Fn(T) -> U) -> Parameters<U> {
-        let BlockParameters { outline, supports, common } = self.block;
-        let Common { mass, gamma, epsilon, gravity, eccentricity, friction } = common;
-        let outline = match outline {
-            Outline::Slenderness { alpha, p } => Outline::Slenderness { alpha: of(alpha), p: of(p) },
-            Outline::Sizes { width, height, inertia } => {
-                Outline::Sizes { width: of(width), height: of(height), inertia: inertia.map(&of) }
-            }
-        };
-        let of_supports = |supports| match supports {
-            KelvinVoigt::Ratios(Ratios { eta, xi_v }) => KelvinVoigt::Ratios(Ratios { eta: of(eta), xi_v: of(xi_v) }),
-            KelvinVoigt::Springs(Springs { stiffness, damping }) => {
-                KelvinVoigt::Springs(Springs { stiffness: of(stiffness), damping: of(damping) })
-            }
-        };
-        let common = Common {
-            mass: of(mass),
-            gamma: of(gamma),
-            epsilon: of(epsilon),
-            gravity: of(gravity),
-            eccentricity: of(eccentricity),
-            friction: of(friction),
-        };
         Parameters {
-            block: BlockParameters { outline, supports: supports.map(of_supports, &of), common },
+            block: self.block.map(&of),
             ties: self.ties.iter().map(|tie| tie.map(&of)).collect(),
             initial: Initial {
                 theta: of(self.initial.theta),
                 theta_dot: of(self.initial.theta_dot),
                 vertical: self.initial.vertical.map(|(v, v_dot)| (of(v), of(v_dot))),
             },
-            pulse: Pulse {
-                shape: self.pulse.shape,
-                amplitude: of(self.pulse.amplitude),
-                period: of(self.pulse.period),
-                start: of(self.pulse.start),
-                phase: of(self.pulse.phase),
-                cycles: of(self.pulse.cycles),
-            },
+            pulse: self.pulse.map(&of),
             scale: self.scale.map(&of),
         }
     }
@@ -185,11 +136,12 @@ impl Varied {
             *varied.number(name)?.eps.get_mut(i)? = 1.0;
         }
         let Parameters { block: parameters, ties, initial, pulse, scale } = varied;
-        let mut derived = Block::unchecked(&parameters);
+        let mut varied = Block::unchecked(&parameters);
+        // The check of the block takes an e of almost 1 as 1.
+        varied.restitution_factor.re = block.restitution_factor;
+        varied.body.restraints.ties = Ties::of(&ties);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
-        derived.body.restraints.ties = Ties::of(&ties);
-        let block = with_values(derived, block);
-        Some(Varied { block, initial, pulse, ground })
+        Some(Varied { block: varied, initial, pulse, ground })
     }
 
     /// Returns the excitation under these inputs, with the pulse if it `acts`.
@@ -218,40 +170,5 @@ impl Varied {
         } else {
             (time == pulse.end()).then_some((end.eps, true))
         }
-    }
-}
-
-/// Returns these derivatives at exactly the values of a block.
-fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
-    let at = |number: Number, re: f64| Number { re, ..number };
-    let (stiffness, damping) = (at(from.stiffness, block.stiffness), at(from.damping, block.damping));
-    let body = Body {
-        mass: at(from.mass, block.mass),
-        i0: at(from.i0, block.i0),
-        gravity: at(from.gravity, block.gravity),
-        r0: at(from.r0, block.r0),
-        b: at(from.b, block.b),
-        h: at(from.h, block.h),
-        eccentricity: at(from.eccentricity, block.eccentricity),
-        weight_fraction: std::array::from_fn(|i| at(from.weight_fraction[i], block.weight_fraction[i])),
-        p: at(from.p, block.p),
-        foundation: block.foundation,
-        omega_v: at(from.omega_v, block.omega_v),
-        xi_v: at(from.xi_v, block.xi_v),
-        creep_rate: match block.foundation {
-            Foundation::Viscoelastic => Springs { stiffness, damping }.creep_rate(),
-            Foundation::Rigid => from.creep_rate,
-        },
-        friction: at(from.friction, block.friction),
-        restraints: from.restraints,
-    };
-    Block {
-        body,
-        alpha: at(from.alpha, block.alpha),
-        gamma: at(from.gamma, block.gamma),
-        epsilon: at(from.epsilon, block.epsilon),
-        restitution_factor: at(from.restitution_factor, block.restitution_factor),
-        stiffness,
-        damping,
     }
 }

@@ -311,7 +311,7 @@ fn acting_pulse(pulse: Pulse<DirectionalDual>, time: DirectionalDual) -> Option<
     let acts = if pulse.ends_at_zero() {
         [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps[0] >= 0.0))
     } else {
-        pulse.value().acts_at(time.re)
+        pulse.map(|x| x.re).acts_at(time.re)
     };
     acts.then_some(pulse)
 }

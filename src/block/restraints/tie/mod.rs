@@ -12,7 +12,7 @@ pub mod switching;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::parameters::not_negative;
+use crate::block::parameters::Valid;
 use crate::block::{Block, BlockError, Body};
 use crate::numerics::scalar::{Elementary, Scalar};
 
@@ -306,7 +306,7 @@ impl Tie {
             (named("strength of a tie", "strength of a damper"), strength),
             (named("yield force of a tie", "yield force of a damper"), yield_force),
         ] {
-            not_negative(name, value)?;
+            Valid::NotNegative.check(name, value)?;
         }
         let out_of_range = |name, value, expected| Err(BlockError::OutOfRange { name, value, expected });
         for (name, value) in
