@@ -100,7 +100,7 @@ impl Block {
     #[staticmethod]
     #[pyo3(name = "_names")]
     fn names() -> Vec<&'static str> {
-        BlockSpec::DEFAULT.numbers().map(|(name, _)| name).into()
+        BlockSpec::default().numbers().map(|(name, _)| name).into()
     }
 
     /// Returns the names of those that a foundation does not have.

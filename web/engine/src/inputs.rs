@@ -235,7 +235,7 @@ fn tie(fields: &mut Fields, kind: LinkKind, number: usize) -> Tie {
 
 /// The field of a parameter at fault.
 pub fn block_error(error: &BlockError, shape: &str) -> FieldError {
-    let is_known = BlockSpec::DEFAULT.numbers().iter().any(|(known, _)| *known == error.name());
+    let is_known = BlockSpec::default().numbers().iter().any(|(known, _)| *known == error.name());
     let field = match error.name() {
         "omega_v" | "delta_s" => "stiffness".into(),
         "alpha" | "p" if shape == "size" => "width".into(),

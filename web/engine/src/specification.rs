@@ -22,7 +22,7 @@ pub fn specification() -> Value {
     let properties = of_structs.iter().filter_map(Value::as_object).flatten();
     let units: Map<String, Value> =
         properties.map(|(name, schema)| (field(name), limits::unit(schema).unwrap_or("1").into())).collect();
-    let of_block = BlockSpec::DEFAULT.numbers().map(|(name, value)| (field(name), value));
+    let of_block = BlockSpec::defaults().numbers().map(|(name, value)| (field(name), value));
     let defaults = of_block.into_iter().chain([("tolerance".into(), Some(Settings::default().tolerance))]);
     // JSON has no infinite number, the default of friction.
     let defaults: Map<String, Value> =

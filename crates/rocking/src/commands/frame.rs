@@ -63,7 +63,7 @@ struct FrameOptions {
     #[arg(long, value_name = "KG")]
     beam_mass: f64,
     /// Factor on the restitution e of the frame; their product is at most 1
-    #[arg(long, value_name = "FACTOR", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.restitution_factor))]
+    #[arg(long, value_name = "FACTOR", default_value_t = BlockSpec::defaults().restitution_factor.unwrap_or_default())]
     restitution_factor: f64,
     /// Gravitational acceleration, also for records in g [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]

@@ -58,7 +58,7 @@ pub struct SpectrumCommand {
 #[command(next_help_heading = "Blocks")]
 struct BlockOptions {
     /// Slenderness angle alpha [rad]; or --width and --height, only for their ratio, since p sets the size
-    #[arg(long, value_name = "RAD", default_value_t = BlockSpec::DEFAULT.number(|spec| spec.alpha))]
+    #[arg(long, value_name = "RAD", default_value_t = BlockSpec::defaults().alpha.unwrap_or_default())]
     alpha: f64,
     #[command(flatten)]
     size: SizeOptions,

@@ -1,9 +1,13 @@
 //! Parameters of a block, some of them given → a checked block.
 
+use std::sync::LazyLock;
+
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{
-    Block, BlockError, BlockParameters, Common, Foundation, KelvinVoigt, Outline, Ratios, Springs, Supports,
+    Block, BlockParameters, Common, Foundation, KelvinVoigt, Outline, Ratios, Springs, Supports,
 };
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::Variable;
 use schemars::JsonSchema;
 
 use crate::spec::SpecError;
@@ -131,75 +135,51 @@ impl HoldSpec {
     pub fn links(&self) -> Vec<Tie> {
         [&self.ties[..], &self.dampers].concat()
     }
-
-    /// Returns these parameters with this eccentricity (m) and friction (1).
-    ///
-    /// # Errors
-    /// A friction of zero or below.
-    pub fn common(&self, common: Common) -> Result<Common, BlockError> {
-        let friction = friction::of_user(self.friction.unwrap_or(f64::INFINITY))?;
-        Ok(Common { eccentricity: self.eccentricity.unwrap_or(0.0), friction, ..common })
-    }
 }
 
 impl BlockSpec {
-    /// What a parameter is if it is not given, and does not follow from others.
-    pub const DEFAULT: BlockSpec = BlockSpec {
-        alpha: Some(0.25),
-        p: Some(1.0),
-        eta: Some(40.0),
-        xi_v: Some(0.1),
-        width: None,
-        height: None,
-        center_height: None,
-        inertia: None,
-        stiffness: None,
-        damping: None,
-        mass: Some(1000.0),
-        gamma: Some(3.0),
-        epsilon: Some(0.0),
-        g: Some(9.81),
-        foundation: Some(Foundation::Viscoelastic),
-        restitution_factor: Some(1.0),
-        hold: HoldSpec {
-            eccentricity: Some(0.0),
-            friction: Some(f64::INFINITY),
-            ties: Vec::new(),
-            dampers: Vec::new(),
-        },
-    };
+    /// Returns what parameters are if they are not given and do not follow from others: the start values of the FMU.
+    pub fn defaults() -> &'static BlockSpec {
+        static DEFAULTS: LazyLock<BlockSpec> = LazyLock::new(|| {
+            let mut values = Values::default();
+            let spec = BlockSpec { foundation: Some(Foundation::Viscoelastic), ..BlockSpec::default() };
+            [Foundation::Rigid, Foundation::Viscoelastic].into_iter().fold(spec, |spec, foundation| {
+                values[Variable::Foundation] = f64::from(foundation as i32);
+                spec.with(values.block_parameters(|variable| values[variable]))
+            })
+        });
+        &DEFAULTS
+    }
 
     /// Returns the parameters of a block, by its slenderness and its frequency parameter.
     pub fn of(block: &Block) -> BlockSpec {
-        let (ratios, hold) = (block.ratios(), HoldSpec::default().with_links(block.ties()));
-        BlockSpec {
-            alpha: Some(block.alpha),
-            p: Some(block.p),
-            eta: ratios.viscoelastic().map(|ratios| ratios.eta),
-            xi_v: ratios.viscoelastic().map(|ratios| ratios.xi_v),
-            mass: Some(block.mass),
-            gamma: Some(block.gamma),
-            epsilon: Some(block.epsilon),
-            g: Some(block.gravity),
-            foundation: Some(block.foundation),
-            restitution_factor: ratios.restitution_factor(),
-            hold: HoldSpec {
-                eccentricity: Some(block.eccentricity),
-                friction: Some(friction::to_user(block.friction)),
-                ..hold
-            },
-            ..BlockSpec::default()
+        let outline = Outline::Slenderness { alpha: block.alpha, p: block.p };
+        let supports = block.ratios().with(KelvinVoigt::Ratios);
+        let hold = HoldSpec::default().with_links(block.ties());
+        let spec = BlockSpec { foundation: Some(block.foundation), hold, ..BlockSpec::default() };
+        spec.with(BlockParameters { outline, supports, common: block.common() })
+    }
+
+    /// Returns the same with the numbers of these parameters.
+    fn with(mut self, mut parameters: BlockParameters) -> BlockSpec {
+        for (name, _, &mut number) in parameters.numbers_mut() {
+            if let Some(field) = self.number_mut(name) {
+                *field = Some(if name == "friction" { friction::to_user(number) } else { number });
+            }
         }
+        self
     }
 
     /// Returns the numbers to state for this block. They are those that are no defaults or needed beside others.
     pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let (needs_mass, needs_eta) = (self.needs_mass().is_some(), self.width.is_some());
-        self.numbers().into_iter().zip(BlockSpec::DEFAULT.numbers()).filter_map(move |((name, value), (_, default))| {
-            let is_needed = (name == "mass" && needs_mass) || (name == "eta" && needs_eta);
-            let is_said = value != default || is_needed;
-            value.filter(|_| is_said).map(|value| (name, value))
-        })
+        self.numbers().into_iter().zip(BlockSpec::defaults().numbers()).filter_map(
+            move |((name, value), (_, default))| {
+                let is_needed = (name == "mass" && needs_mass) || (name == "eta" && needs_eta);
+                let is_said = value != default || is_needed;
+                value.filter(|_| is_said).map(|value| (name, value))
+            },
+        )
     }
 
     /// The first given parameter whose effect depends on the mass, and why.
@@ -264,12 +244,14 @@ impl BlockSpec {
 
     /// The gravitational acceleration (m/s²).
     pub fn gravity(&self) -> f64 {
-        self.number(|spec| spec.g)
+        self.number("g").unwrap_or_default()
     }
 
-    /// Returns a number that has a default.
-    pub fn number(&self, field: fn(&BlockSpec) -> Option<f64>) -> f64 {
-        field(self).or(field(&BlockSpec::DEFAULT)).unwrap_or(f64::NAN)
+    /// Returns a number, or its default if it has one.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        let of =
+            |spec: &BlockSpec| spec.numbers().into_iter().find_map(|(known, number)| number.filter(|_| known == name));
+        of(self).or_else(|| of(BlockSpec::defaults()))
     }
 
     /// Returns the height of the body (m). It is unknown if only that of its centre of mass is given.
@@ -295,15 +277,8 @@ impl BlockSpec {
     /// The first parameter that would not be read, or that needs another one.
     pub fn parameters(&self) -> Result<BlockParameters, SpecError> {
         self.refuse_without_effect()?;
-        let common = self.hold.common(Common {
-            mass: self.number(|spec| spec.mass),
-            gamma: self.number(|spec| spec.gamma),
-            epsilon: self.number(|spec| spec.epsilon),
-            gravity: self.gravity(),
-            ..Common::default()
-        })?;
         let outline = match self.width {
-            None => Outline::Slenderness { alpha: self.number(|spec| spec.alpha), p: self.number(|spec| spec.p) },
+            None => Outline::Slenderness { alpha: 0.0, p: 0.0 },
             Some(width) => {
                 let height = self.center_height.map(|height| 2.0 * height).or(self.height);
                 let missing = "`height`; expected both, or `center_height`";
@@ -313,15 +288,13 @@ impl BlockSpec {
         };
         let viscoelastic = match (self.stiffness, self.damping) {
             (Some(stiffness), Some(damping)) => KelvinVoigt::Springs(Springs { stiffness, damping }),
-            (None, None) => {
-                KelvinVoigt::Ratios(Ratios { eta: self.number(|spec| spec.eta), xi_v: self.number(|spec| spec.xi_v) })
-            }
+            (None, None) => KelvinVoigt::Ratios(Ratios::default()),
             (Some(_), None) => return Err(SpecError::Lacks { parameter: "K", missing: "`C`; expected both" }),
             (None, Some(_)) => return Err(SpecError::Lacks { parameter: "C", missing: "`K`; expected both" }),
         };
         let has_supports = self.eta.is_some() || self.stiffness.is_some();
         let supports = match self.foundation() {
-            Foundation::Rigid => Supports::Rigid { restitution_factor: self.number(|spec| spec.restitution_factor) },
+            Foundation::Rigid => Supports::HOUSNER,
             // Defaults fit no real block.
             Foundation::Viscoelastic if self.width.is_some() && !has_supports => {
                 let missing = "`eta`, or `K` and `C`; expected the supports, or `foundation = rigid`";
@@ -329,7 +302,16 @@ impl BlockSpec {
             }
             Foundation::Viscoelastic => Supports::Viscoelastic(viscoelastic),
         };
-        Ok(BlockParameters { outline, supports, common })
+        let mut parameters = BlockParameters { outline, supports, common: Common::default() };
+        for (name, _, number) in parameters.numbers_mut() {
+            match (name, self.number(name)) {
+                ("friction", Some(friction)) => *number = friction::of_user(friction)?,
+                (_, Some(given)) => *number = given,
+                // The height of the body follows from that of the centre of mass.
+                (_, None) => {}
+            }
+        }
+        Ok(parameters)
     }
 
     /// Refuses parameters that would not be read.
@@ -388,9 +370,10 @@ pub fn foundations() -> impl clap::builder::TypedValueParser<Value = Foundation>
 
 #[cfg(test)]
 mod tests {
+    use rocking_block::block::BlockError;
+
     use super::*;
     use crate::spec::limits;
-    use rocking_block::unit::values::Values;
 
     fn refused(spec: BlockSpec) -> String {
         spec.block().unwrap_err().spelled(|name| format!("<{name}>"))
@@ -399,24 +382,15 @@ mod tests {
     /// A number that a user must say is said even where it is that of the default.
     #[test]
     fn mass_and_eta_are_said_where_they_are_needed() {
-        let default = BlockSpec::DEFAULT;
+        let default = BlockSpec::defaults();
         assert_eq!(default.said().count(), 0);
         let springs = BlockSpec { width: Some(1.0), stiffness: Some(1e7), mass: Some(1000.0), ..BlockSpec::default() };
         assert_eq!(springs.said().collect::<Vec<_>>(), [("width", 1.0), ("K", 1e7), ("mass", 1000.0)]);
         let sized = BlockSpec { width: Some(1.0), height: Some(3.0), eta: default.eta, ..BlockSpec::default() };
         assert_eq!(sized.said().collect::<Vec<_>>(), [("eta", 40.0), ("width", 1.0), ("height", 3.0)]);
-        let tied = BlockSpec { hold: HoldSpec { ties: vec![Tie::default()], ..HoldSpec::default() }, ..default };
+        let tied =
+            BlockSpec { hold: HoldSpec { ties: vec![Tie::default()], ..HoldSpec::default() }, ..default.clone() };
         assert_eq!(tied.said().collect::<Vec<_>>(), [("mass", 1000.0)]);
-    }
-
-    /// What a user leaves out has the start value of the FMU.
-    #[test]
-    fn defaults_are_those_of_the_fmu() {
-        let rigid = BlockSpec { foundation: Some(Foundation::Rigid), ..BlockSpec::default() };
-        let mut values = Values::default();
-        assert_eq!(BlockSpec::default().block().unwrap(), values.block().unwrap());
-        values[rocking_block::unit::variables::Variable::Foundation] = 2.0;
-        assert_eq!(rigid.block().unwrap(), values.block().unwrap());
     }
 
     #[test]
@@ -468,7 +442,7 @@ mod tests {
         let sized = BlockSpec { height: Some(3.0), ..supports };
         let rigid = BlockSpec { foundation: Some(Foundation::Rigid), ..BlockSpec::default() };
         let all = [measured, sized, BlockSpec::default(), rigid];
-        for (name, _) in BlockSpec::DEFAULT.numbers() {
+        for (name, _) in BlockSpec::default().numbers() {
             let reads = |spec: &&BlockSpec| spec.without_effect().iter().all(|(unread, _)| *unread != name);
             let of_name = all.iter().find(reads).unwrap();
             for value in [-1.0, 0.0, 0.3, 0.9, 1.0, 1.5, std::f64::consts::FRAC_PI_2] {

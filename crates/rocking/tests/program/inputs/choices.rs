@@ -179,7 +179,7 @@ fn the_help_of_blocks_and_pulses_names_their_defaults() {
     let of_pulse = [("period", period), ("start", start), ("phase", phase), ("cycles", cycles)];
     let of_pulse = of_pulse.map(|(name, default)| (name, Some(default)));
     let text = |value: f64| if value == f64::INFINITY { "none".into() } else { value.to_string() };
-    let of_block = BlockSpec::DEFAULT.numbers();
+    let of_block = BlockSpec::defaults().numbers();
     let of_simulate = help(&["simulate"]);
     for (name, default) in of_block.into_iter().chain(of_pulse) {
         assert_eq!(found(&of_simulate, name), Some(default.map(text)), "{name}");
