@@ -84,7 +84,8 @@ impl Block {
     /// # Errors
     /// An invalid ratio, with the valid ones.
     pub fn with_damping_ratio(mut self, xi_v: f64) -> Result<Block, BlockError> {
-        Valid::NotNegative.check("xi_v", xi_v)?;
+        let refused = |expected| BlockError::OutOfRange { name: "xi_v".into(), value: xi_v, expected };
+        Valid::NotNegative.check(xi_v).map_err(refused)?;
         if self.foundation == Foundation::Rigid {
             return Ok(self);
         }
@@ -108,14 +109,14 @@ impl Block {
         for (name, value) in of_block.into_iter().chain(of_supports.into_iter().filter(|_| on_supports)) {
             if !(value.is_normal() && value > 0.0) {
                 return Err(BlockError::OutOfRange {
-                    name,
+                    name: name.into(),
                     value,
                     expected: "a positive number within the range of f64",
                 });
             }
         }
         if !self.damping.is_finite() || !self.xi_v.is_finite() {
-            return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
+            return Err(BlockError::OutOfRange { name: "C".into(), value: self.damping, expected: "a finite damping" });
         }
         let eccentricity = self.eccentricity;
         let inside = self.weight_fraction.iter().all(|&fraction| fraction > 0.0);

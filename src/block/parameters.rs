@@ -1,5 +1,6 @@
 //! The parameters of a block, each part in one of two parameterizations, and the errors of invalid ones.
 
+use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
 use serde::{Deserialize, Serialize};
@@ -114,7 +115,9 @@ impl<T> BlockParameters<T> {
 
 impl BlockParameters {
     pub(super) fn check(mut self) -> Result<(), BlockError> {
-        self.numbers_mut().try_for_each(|(name, valid, &mut value)| valid.check(name, value))
+        self.numbers_mut().try_for_each(|(name, valid, &mut value)| {
+            valid.check(value).map_err(|expected| BlockError::OutOfRange { name: name.into(), value, expected })
+        })
     }
 }
 
@@ -168,7 +171,7 @@ pub enum BlockError {
     #[error("{name} = {value} is not valid; expected {expected}")]
     OutOfRange {
         /// The parameter's name.
-        name: &'static str,
+        name: Cow<'static, str>,
         /// Its value.
         value: f64,
         /// The valid values.
@@ -210,7 +213,7 @@ pub enum BlockError {
 
 impl BlockError {
     /// Name of the parameter at fault.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> &str {
         match self {
             BlockError::OutOfRange { name, .. } => name,
             BlockError::Restitution { .. } => "restitution_factor",
@@ -221,7 +224,8 @@ impl BlockError {
 }
 
 impl Valid {
-    pub(in crate::block) fn check(self, name: &'static str, value: f64) -> Result<(), BlockError> {
+    /// Refuses other values, with the valid ones.
+    pub(in crate::block) fn check(self, value: f64) -> Result<(), &'static str> {
         let (is_valid, expected) = match self {
             Valid::Positive => (value > 0.0 && value < f64::INFINITY, "a finite number > 0"),
             Valid::NotNegative => ((0.0..f64::INFINITY).contains(&value), "a finite number >= 0"),
@@ -229,6 +233,6 @@ impl Valid {
             Valid::AcuteAngle => (value > 0.0 && value < FRAC_PI_2, "0 < alpha < pi/2 rad"),
             Valid::Depends => return Ok(()),
         };
-        if is_valid { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
+        if is_valid { Ok(()) } else { Err(expected) }
     }
 }

@@ -63,6 +63,13 @@ impl<R> Dual<R> {
     }
 }
 
+impl Dual {
+    /// Returns the absolute value with its derivative.
+    pub fn abs(self) -> Dual {
+        if self.re < 0.0 { -self } else { self }
+    }
+}
+
 impl<R: Default> Default for Dual<R> {
     #[inline(always)]
     fn default() -> Dual<R> {

@@ -57,10 +57,9 @@ impl Start {
         let support_heights = goes_on.support_heights.map(|top| top.re);
         let seen = observe(block, goes_on.regime, &goes_on.instant, support_heights, goes_on.forcing);
         let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
-        let of_size = |x: Dual| if x.re < 0.0 { -x.eps } else { x.eps };
         let peaks = Peaks {
-            pull: seen.restraints.map(|restraint| of_size(restraint.pull)),
-            plastic: seen.restraints.map(|restraint| of_size(restraint.plastic)),
+            pull: seen.restraints.map(|restraint| restraint.pull.abs().eps),
+            plastic: seen.restraints.map(|restraint| restraint.plastic.abs().eps),
             ..seen.channels().peak_sensitivity()
         };
         let seen = if is_frozen { seen.without_motion() } else { seen };

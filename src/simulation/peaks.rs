@@ -247,14 +247,10 @@ impl Peaks {
         }
     }
 
-    /// The rate of a value that equals its peak and grows, otherwise zero.
+    /// The [`rate_of_peak`] of a channel.
     pub fn rate(&self, channel: Channel, now: &Channels) -> f64 {
-        // The value at the step's last instant and the observed one are the same number up to rounding.
-        const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
         let of_it = now.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
-        of_it
-            .filter(|sample| sample.re >= AT_PEAK * self.of(channel))
-            .fold(0.0, |rate, sample| greater(rate, sample.eps))
+        of_it.fold(0.0, |rate, sample| greater(rate, rate_of_peak(self.of(channel), sample)))
     }
 }
 
@@ -280,6 +276,13 @@ impl Channels {
             ..Peaks::default()
         }
     }
+}
+
+/// The rate of a value that equals its `peak` and grows, otherwise zero.
+pub fn rate_of_peak(peak: f64, value: Dual) -> f64 {
+    // The value at the step's last instant and the observed one are the same number up to rounding.
+    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
+    if value.re >= AT_PEAK * peak && value.eps > 0.0 { value.eps } else { 0.0 }
 }
 
 /// The greater value; of 0 and −0 the first one. `f64::max` may return either, depending on processor and compiler.

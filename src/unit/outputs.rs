@@ -2,11 +2,11 @@
 
 use std::cell::OnceCell;
 
-use crate::block::restraints::{self, ObservedRestraint, TieState};
+use crate::block::restraints::{self, TieState};
 use crate::excitation::Inputs;
-use crate::simulation::outputs::Channels;
+use crate::numerics::dual::Dual;
 use crate::simulation::outputs::Observation;
-use crate::simulation::peaks::{Channel, Peaks};
+use crate::simulation::peaks::{Channel, Peaks, rate_of_peak};
 use crate::simulation::{self, Ending, Energies, InitialDerivatives, Simulation};
 use crate::unit::variables::Output;
 
@@ -160,14 +160,12 @@ pub struct ObservationCache {
 
 /// Values and rates of change at the present time.
 pub struct OutputRates {
-    /// The observed quantities.
-    pub observed: Observation<f64>,
-    /// Their rates.
+    /// The observed quantities with their rates.
+    pub observed: Observation<Dual>,
+    /// Their rates alone.
     pub rates: Observation<f64>,
     /// Rates of the energies.
     pub energies: Energies,
-    /// Values and rates of the quantities with peaks.
-    pub channels: Channels,
     /// The slip of the foot.
     pub slip: simulation::Slip,
     /// The largest values since the start.
@@ -197,23 +195,20 @@ impl Source {
 
     /// Returns the rate of change.
     pub fn rate(&self, now: &OutputRates) -> f64 {
-        let OutputRates { observed, rates, energies, channels, slip, peaks, yield_forces } = now;
+        let OutputRates { observed, rates, energies, slip, peaks, yield_forces } = now;
         match self {
             Source::Observed(of) => of(rates),
             Source::Energy(of) => of(energies),
-            Source::Peak(channel) => peaks.rate(*channel, channels),
-            Source::Slip(_, of) => of(observed.slip_rate),
-            Source::PeakSlip => {
-                let outward = if slip.now < 0.0 { -observed.slip_rate } else { observed.slip_rate };
-                // From its initial position the foot slips outward in either direction.
-                let outward = if slip.now == 0.0 { observed.slip_rate.abs() } else { outward };
-                rate_of_peak(peaks.slip, slip.now.abs(), outward)
+            Source::Peak(channel) => peaks.rate(*channel, &observed.channels()),
+            Source::Slip(_, of) => of(observed.slip_rate.re),
+            // From its initial position the foot slips outward in either direction.
+            Source::PeakSlip if slip.now == 0.0 => {
+                rate_of_peak(peaks.slip, Dual::new(0.0, observed.slip_rate.re.abs()))
             }
-            Source::PeakPull(number) => {
-                restraint_peak_rate(now, peaks.pull[*number], *number, |restraint| restraint.pull)
-            }
+            Source::PeakSlip => rate_of_peak(peaks.slip, Dual::new(slip.now, observed.slip_rate.re).abs()),
+            Source::PeakPull(number) => rate_of_peak(peaks.pull[*number], observed.restraints[*number].pull.abs()),
             Source::PeakPlastic(number) => {
-                restraint_peak_rate(now, peaks.plastic[*number], *number, |restraint| restraint.plastic)
+                rate_of_peak(peaks.plastic[*number], observed.restraints[*number].plastic.abs())
             }
             Source::PlasticWork(number) => rates.restraints[*number].plastic.abs() * yield_forces[*number],
             Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
@@ -256,17 +251,4 @@ impl Source {
             | Source::Discrete(_) => 0.0,
         }
     }
-}
-
-/// Returns the rate of the peak of a quantity's absolute value.
-fn restraint_peak_rate(now: &OutputRates, peak: f64, number: usize, of: impl Fn(&ObservedRestraint) -> f64) -> f64 {
-    let [value, rate] = [&now.observed, &now.rates].map(|observed| of(&observed.restraints[number]));
-    rate_of_peak(peak, value.abs(), if value < 0.0 { -rate } else { rate })
-}
-
-/// Returns the rate of a value that equals its peak and rises, otherwise zero.
-fn rate_of_peak(peak: f64, value: f64, rate: f64) -> f64 {
-    // The value at the end of the step and the observed one differ by round-off.
-    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
-    if value >= AT_PEAK * peak && rate > 0.0 { rate } else { 0.0 }
 }

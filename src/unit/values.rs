@@ -84,7 +84,7 @@ impl Values {
         for (tie, (name, _)) in ties.iter().zip(*LINKS) {
             // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
-                name,
+                name: name.into(),
                 value: tie.length(),
                 expected: "a distance of its ends (m) above 0",
             })?;

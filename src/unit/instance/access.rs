@@ -2,7 +2,7 @@
 
 use crate::unit::derived::{DerivedSource, derived};
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
+use crate::unit::instance::{Unit, no_block};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
 use crate::unit::values::Values;
@@ -129,9 +129,7 @@ impl Unit {
                 }
                 let (_, acting) = self.preview()?;
                 let Unit { simulation, observed, .. } = self;
-                let simulation = simulation
-                    .as_ref()
-                    .ok_or_else(|| Fault::new("found no block; expected the call after initialization"))?;
+                let simulation = simulation.as_ref().ok_or_else(no_block)?;
                 Ok(source(output).value(observed, simulation, &acting))
             }
         }

@@ -4,7 +4,7 @@ use crate::excitation::Inputs;
 use crate::simulation::exchange::{ContinuousStates, INDICATORS, STATES, nominals};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
-use crate::unit::instance::{Interface, Unit, with_ground};
+use crate::unit::instance::{Interface, Unit, no_block, with_ground};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{ObservationCache, state};
 use crate::unit::variables::Output;
@@ -36,9 +36,7 @@ impl Unit {
     /// Values that make no block or record, or events that leave no regime that lasts.
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
         self.preview()?;
-        let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
-            return Err(Fault::new("found no block; expected the call after initialization"));
-        };
+        let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else { return Err(no_block()) };
         let time = simulation.time();
         let (acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
         self.acting = Some(acting);

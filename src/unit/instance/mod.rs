@@ -81,6 +81,10 @@ fn clock_slack(step: f64, time: f64) -> f64 {
     (CLOCK_ROUNDING * step.max(time.abs())).min(MAX_SKIPPED * step)
 }
 
+fn no_block() -> Fault {
+    Fault::new("found no block; expected the call after initialization")
+}
+
 impl Unit {
     /// Makes a new instance with start values.
     pub fn new(interface: Interface) -> Unit {
@@ -237,9 +241,7 @@ impl Unit {
     /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
     fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
         let Unit { experiment, simulation, left, .. } = self;
-        let Some(simulation) = simulation else {
-            return Err(Fault::new("found no block; expected the call after initialization"));
-        };
+        let simulation = simulation.as_mut().ok_or_else(no_block)?;
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
             return Err(Fault::new(format!("communicationStepSize = {step:?} at t = {present:?} s; expected > 0 s")));
@@ -279,9 +281,7 @@ impl Unit {
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
     ) -> Result<(Progress, bool), Fault> {
         let Unit { phase, simulation, inputs, acting, ground, observed, .. } = self;
-        let (Some(simulation), Some(ground)) = (simulation, ground) else {
-            return Err(Fault::new("found no block; expected the call after initialization"));
-        };
+        let (Some(simulation), Some(ground)) = (simulation, ground) else { return Err(no_block()) };
         (*acting, *observed) = (None, ObservationCache::default());
         let mut piece = (!ground.is_empty()).then(|| ground.piece_at(simulation.time()));
         let (progress, stopped) = loop {
@@ -340,9 +340,7 @@ impl Unit {
     pub fn apply_pending_event(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let acting = self.acting();
         let Unit { phase, simulation, observed, .. } = self;
-        let Some(simulation) = simulation else {
-            return Err(Fault::new("found no block; expected the call after initialization"));
-        };
+        let simulation = simulation.as_mut().ok_or_else(no_block)?;
         *observed = ObservationCache::default();
         simulation.apply_pending_event(&acting, observer).map_err(|error| {
             *phase = Phase::Error;
@@ -435,10 +433,7 @@ impl Unit {
             self.simulation = Some(simulation);
         }
         let acting = self.acting();
-        let simulation = self
-            .simulation
-            .as_ref()
-            .ok_or_else(|| Fault::new("found no block; expected the call after initialization"))?;
+        let simulation = self.simulation.as_ref().ok_or_else(no_block)?;
         Ok((simulation, acting))
     }
 

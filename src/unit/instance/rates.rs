@@ -51,10 +51,9 @@ impl Unit {
         let (simulation, inputs) = self.preview()?;
         let observed = simulation.observe_rates(&inputs);
         let now = OutputRates {
-            observed: observed.map(|x| x.re),
+            observed,
             rates: observed.map(|x| x.eps),
             energies: simulation.energy_rates(&inputs),
-            channels: observed.channels(),
             slip: simulation.slip(),
             peaks: simulation.peaks(),
             yield_forces: std::array::from_fn(|number| restraints::yield_force(simulation.block(), number)),

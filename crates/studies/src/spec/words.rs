@@ -66,7 +66,7 @@ pub mod friction {
         match friction {
             f64::INFINITY => Ok(0.0),
             friction if friction > 0.0 => Ok(friction),
-            value => Err(BlockError::OutOfRange { name: "friction", value, expected: EXPECTED }),
+            value => Err(BlockError::OutOfRange { name: "friction".into(), value, expected: EXPECTED }),
         }
     }
 

@@ -292,37 +292,22 @@ impl Tie {
     /// # Errors
     /// The first impossible parameter, with its value and the valid ones.
     pub fn check(&self) -> Result<(), BlockError> {
-        let Tie { block, ground, stiffness, pretension, slack, damping, strength, yield_force, hardening, kind } =
-            *self;
-        let named = |of_tie, of_damper| match kind {
-            LinkKind::Tie => of_tie,
-            LinkKind::Damper => of_damper,
-        };
-        for (name, value) in [
-            (named("stiffness of a tie", "stiffness of a damper"), stiffness),
-            ("pretension of a tie", pretension),
-            ("slack of a tie", slack),
-            (named("damping of a tie", "damping of a damper"), damping),
-            (named("strength of a tie", "strength of a damper"), strength),
-            (named("yield force of a tie", "yield force of a damper"), yield_force),
-        ] {
-            Valid::NotNegative.check(name, value)?;
-        }
-        let out_of_range = |name, value, expected| Err(BlockError::OutOfRange { name, value, expected });
-        for (name, value) in
-            [("block_x", block[0]), ("block_z", block[1]), ("ground_x", ground[0]), ("ground_z", ground[1])]
-        {
-            if !value.is_finite() {
-                return out_of_range(name, value, "a finite number");
+        let of_kind = |name: &str| format!("{} of a {}", name.replace('_', " "), self.kind.word()).into();
+        let refused = |name, value, expected| Err(BlockError::OutOfRange { name, value, expected });
+        for (LinkNumber { name, quantity, .. }, &mut value) in NUMBERS.into_iter().zip({ *self }.numbers()) {
+            match quantity {
+                Quantity::Coordinate if !value.is_finite() => return refused(name.into(), value, "a finite number"),
+                Quantity::Ratio if !(0.0..1.0).contains(&value) => {
+                    return refused(of_kind(name), value, "a ratio of stiffnesses from 0 to below 1");
+                }
+                Quantity::Coordinate | Quantity::Ratio => {}
+                Quantity::Length | Quantity::Force | Quantity::Stiffness | Quantity::Damping => {
+                    Valid::NotNegative.check(value).or_else(|expected| refused(of_kind(name), value, expected))?;
+                }
             }
         }
-        if !(0.0..1.0).contains(&hardening) {
-            let name = named("hardening of a tie", "hardening of a damper");
-            return out_of_range(name, hardening, "a ratio of stiffnesses from 0 to below 1");
-        }
-        if stiffness > 0.0 && self.length() <= 0.0 {
-            let name = named("length of a tie", "length of a damper");
-            return out_of_range(name, self.length(), "a distance of its ends above 0");
+        if self.stiffness > 0.0 && self.length() <= 0.0 {
+            return refused(of_kind("length"), self.length(), "a distance of its ends above 0");
         }
         Ok(())
     }
@@ -335,7 +320,7 @@ impl Block {
     /// More than [`MAX_TIES`], or the first impossible parameter of one.
     pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > MAX_TIES {
-            return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
+            return Err(BlockError::OutOfRange { name: "ties".into(), value: ties.len() as f64, expected: EXPECTED });
         }
         ties.iter().try_for_each(Tie::check)?;
         self.body.restraints.ties = Ties::of(ties);
