@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
+    Assessment, DESCRIBED, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -336,7 +336,7 @@ pub fn surface(blocks: &str, found: &Surface, headings: [&str; 2], limit: Limit)
 #[derive(Default)]
 pub struct Blocks {
     file: Option<String>,
-    /// Ranges of the slenderness, of η and of ξ_v.
+    /// Ranges of [`DESCRIBED`].
     spans: [Option<[f64; 2]>; 3],
     foundations: Option<Vec<String>>,
 }
@@ -345,7 +345,7 @@ impl Blocks {
     /// Takes rows of a table.
     pub fn take(&mut self, table: &SweepTable) {
         self.file = table.file.rsplit(['/', '\\']).next().map(String::from);
-        for (span, name) in self.spans.iter_mut().zip(["alpha", "eta", "xi_v"]) {
+        for (span, name) in self.spans.iter_mut().zip(DESCRIBED) {
             let names = [name.to_string(), format!("dimensionless.{name}")];
             let numbers = names.iter().find_map(|name| table.numbers(name).ok()).unwrap_or_default();
             *span = statistics::range(numbers.into_iter().flatten().chain(span.iter().flatten().copied()));

@@ -55,7 +55,7 @@ pub struct RowCounts {
 }
 
 /// The ground motions of a table, by the names of their records.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Motions {
     numbers: HashMap<[String; 2], usize>,
     /// Place of the first row of each.
