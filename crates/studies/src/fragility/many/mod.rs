@@ -13,7 +13,7 @@ use crate::fragility::likelihood::Link;
 use crate::fragility::nodes::{MAX_GROWTH, Node, Reducer, observations, reduced};
 use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
-use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
+use crate::fragility::regression::{CurveFit, Sums, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
 use crate::fragility::separation::{Ends, Hulls, check_classes, check_overlap};
 use crate::statistics::sampling;
@@ -194,7 +194,7 @@ impl ManyRows {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
         let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
-        let sums_of = |row: &EqualRows| SurfaceRows::sums_of_row(row, coefficients, term, |term| term.information);
+        let sums_of = |row: &EqualRows| Sums::of_row(row, coefficients, term, |term| term.information);
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
         self.sorted.batches(&mut |rows| {
@@ -322,7 +322,7 @@ impl ManyRows {
         self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction, row.count))))?;
         hulls.check()?;
         let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction)?;
-        fit_of(&SurfaceRows(&self.sorted), link, self.count as f64, sum / self.count as f64)
+        fit_of(&self.sorted, link, self.count as f64, sum / self.count as f64)
     }
 
     /// The area under the receiver operating characteristic, the Brier score, and some rows.
