@@ -15,11 +15,11 @@ pub fn of_blocks(blocks: impl IntoIterator<Item = Block>) -> Vec<String> {
     first_of_each(blocks, [&Block::soft_supports, &size, &damping])
 }
 
+/// A kind of remark.
+type Kind<'a, T> = &'a dyn Fn(&T) -> Option<String>;
+
 /// Returns the first remark of each kind on some items.
-fn first_of_each<T, const N: usize>(
-    items: impl IntoIterator<Item = T>,
-    kinds: [&dyn Fn(&T) -> Option<String>; N],
-) -> Vec<String> {
+fn first_of_each<T, const N: usize>(items: impl IntoIterator<Item = T>, kinds: [Kind<T>; N]) -> Vec<String> {
     let mut found = [const { None }; N];
     for item in items {
         for (found, kind) in found.iter_mut().zip(kinds).filter(|(found, _)| found.is_none()) {
