@@ -147,7 +147,8 @@ impl Fragility {
 
     #[getter]
     fn standard_errors(&self) -> (f64, f64) {
-        (self.0.standard_errors[0], self.0.standard_errors[1])
+        let errors = self.0.standard_errors();
+        (errors[0], errors[1])
     }
 
     #[getter]
@@ -163,7 +164,7 @@ impl Fragility {
     /// Deviance, degrees of freedom and p-value; none for fewer than three groups of rows.
     #[getter]
     fn goodness(&self) -> Option<(f64, usize, f64)> {
-        self.0.goodness.map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p))
+        self.0.goodness().map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p))
     }
 
     #[getter]
@@ -216,8 +217,8 @@ fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
     Ok(measures)
 }
 
-fn ends(interval: Interval, least: f64, greatest: f64) -> Ends {
-    (interval.low.unwrap_or(least), interval.high.unwrap_or(greatest))
+fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
+    (low.unwrap_or(least), high.unwrap_or(greatest))
 }
 
 /// A component of an export. It has an identifier, the measure of its curves, the factor on the measure of the record, limits with their

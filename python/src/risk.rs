@@ -134,7 +134,7 @@ impl AnnualRate {
 
     #[getter]
     fn rate_ci(&self) -> Option<(f64, f64)> {
-        self.interval.map(|Interval { low, high }| (low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)))
+        self.interval.map(|[low, high]| (low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)))
     }
 
     #[getter]

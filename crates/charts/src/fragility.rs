@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
+    Assessment, DESCRIBED, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -45,7 +45,7 @@ pub fn curve(
     let side = x.end / 120.0;
     let curve = at.iter().map(|&measure| (measure, found.fit.probability(&[measure]))).collect();
     let band = at.iter().zip(found.band(&at));
-    let band = band.map(|(&measure, interval)| (measure, interval.low.unwrap_or(0.0), interval.high.unwrap_or(1.0)));
+    let band = band.map(|(&measure, [low, high])| (measure, low.unwrap_or(0.0), high.unwrap_or(1.0)));
     // Ticks of rows with the same measure stand side by side.
     let tick = |(number, row): (usize, &Observation)| {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -98,7 +98,7 @@ pub fn curve(
 /// Names the groups of rows outside the band by more than half a row. The test of the fit follows.
 fn misfit(found: &Assessment, unit: &str) -> String {
     let measures: Vec<f64> = found.groups.iter().map(|group| group.measure).collect();
-    let bands = found.band(&measures).into_iter().map(|band| [band.low.unwrap_or(0.0), band.high.unwrap_or(1.0)]);
+    let bands = found.band(&measures).into_iter().map(|[low, high]| [low.unwrap_or(0.0), high.unwrap_or(1.0)]);
     let outside = found.groups.iter().zip(bands).filter(|(group, [low, high])| {
         let half = 0.5 / group.rows as f64;
         group.fraction + half < *low || group.fraction - half > *high
@@ -106,7 +106,7 @@ fn misfit(found: &Assessment, unit: &str) -> String {
     let outside: Vec<String> = outside.map(|(group, _)| significant(group.measure, 3)).collect();
     let places = if outside.is_empty() { String::new() } else { format!(", at {}{unit}", outside.join(", ")) };
     let groups = format!("groups outside the band: {} of {}{places}", outside.len(), found.groups.len());
-    match found.goodness {
+    match found.goodness() {
         Some(Goodness { deviance, degrees_of_freedom, p }) => format!(
             "{groups}; deviance {} (df = {degrees_of_freedom}), p = {}",
             significant(deviance, 3),
@@ -336,7 +336,7 @@ pub fn surface(blocks: &str, found: &Surface, headings: [&str; 2], limit: Limit)
 #[derive(Default)]
 pub struct Blocks {
     file: Option<String>,
-    /// Ranges of the slenderness, of η and of ξ_v.
+    /// Ranges of [`DESCRIBED`].
     spans: [Option<[f64; 2]>; 3],
     foundations: Option<Vec<String>>,
 }
@@ -345,7 +345,7 @@ impl Blocks {
     /// Takes rows of a table.
     pub fn take(&mut self, table: &SweepTable) {
         self.file = table.file.rsplit(['/', '\\']).next().map(String::from);
-        for (span, name) in self.spans.iter_mut().zip(["alpha", "eta", "xi_v"]) {
+        for (span, name) in self.spans.iter_mut().zip(DESCRIBED) {
             let names = [name.to_string(), format!("dimensionless.{name}")];
             let numbers = names.iter().find_map(|name| table.numbers(name).ok()).unwrap_or_default();
             *span = statistics::range(numbers.into_iter().flatten().chain(span.iter().flatten().copied()));

@@ -99,7 +99,7 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
 }
 
 fn areas(at: &[f64], band: &[Interval]) -> Vec<Vec<(f64, f64, f64)>> {
-    let point = |(&m, ends): (&f64, &Interval)| (m, ends.low.unwrap_or(0.0), ends.high.unwrap_or(1.0));
+    let point = |(&m, [low, high]): (&f64, &Interval)| (m, low.unwrap_or(0.0), high.unwrap_or(1.0));
     vec![at.iter().zip(band).map(point).collect()]
 }
 

@@ -12,11 +12,18 @@ const MAX_AMPLITUDE: f64 = 20.0;
 
 /// Returns the first remark of each kind on blocks. Kinds are supports too soft to keep them upright, sizes, and damping.
 pub fn of_blocks(blocks: impl IntoIterator<Item = Block>) -> Vec<String> {
-    let kinds: [fn(&Block) -> Option<String>; 3] = [Block::soft_supports, size, damping];
-    let mut found = [const { None }; 3];
-    for block in blocks {
+    first_of_each(blocks, [&Block::soft_supports, &size, &damping])
+}
+
+/// A kind of remark.
+type Kind<'a, T> = &'a dyn Fn(&T) -> Option<String>;
+
+/// Returns the first remark of each kind on some items.
+fn first_of_each<T, const N: usize>(items: impl IntoIterator<Item = T>, kinds: [Kind<T>; N]) -> Vec<String> {
+    let mut found = [const { None }; N];
+    for item in items {
         for (found, kind) in found.iter_mut().zip(kinds).filter(|(found, _)| found.is_none()) {
-            *found = kind(&block);
+            *found = kind(&item);
         }
         if found.iter().all(Option::is_some) {
             break;
@@ -56,18 +63,8 @@ fn damping(block: &Block) -> Option<String> {
 
 /// Returns the first remark of each kind on pulses with their gravity (m/s²). Kinds are amplitudes, and those of [`of_end`].
 pub fn of_pulses(pulses: impl IntoIterator<Item = (Pulse, f64)>, has_record: bool) -> Vec<String> {
-    let mut found = [const { None }; 2];
-    for (pulse, gravity) in pulses.into_iter().filter(|(pulse, _)| pulse.shape != PulseShape::None) {
-        found = match found {
-            [size, early] => {
-                [size.or_else(|| amplitude(&pulse, gravity)), early.or_else(|| of_end(&pulse, has_record))]
-            }
-        };
-        if found.iter().all(Option::is_some) {
-            break;
-        }
-    }
-    found.into_iter().flatten().collect()
+    let pulses = pulses.into_iter().filter(|(pulse, _)| pulse.shape != PulseShape::None);
+    first_of_each(pulses, [&|(pulse, gravity)| amplitude(pulse, *gravity), &|(pulse, _)| of_end(pulse, has_record)])
 }
 
 fn amplitude(pulse: &Pulse, gravity: f64) -> Option<String> {

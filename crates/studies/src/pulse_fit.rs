@@ -49,14 +49,6 @@ pub struct PulseFit {
     pub r_squared: f64,
 }
 
-/// The nonlinear unknowns of a fit.
-#[derive(Clone, Copy)]
-struct Point {
-    period: f64,
-    start: f64,
-    cycles: f64,
-}
-
 /// Velocities at evenly spaced times.
 struct Velocities {
     start: f64,
@@ -76,18 +68,18 @@ pub fn fit(record: &Record, shape: PulseShape) -> Option<PulseFit> {
     let duration = record.duration();
     let cycles: &[f64] = if shape == PulseShape::Gabor { &CYCLES } else { &CYCLES[..1] };
     let least = MIN_PERIOD.max(MIN_STEPS * record.time_step);
-    let mut candidates: Vec<(f64, Point)> = Vec::new();
+    let mut candidates: Vec<PulseFit> = Vec::new();
     for &cycles in cycles {
-        let unit = Pulse { shape, cycles, ..Pulse::NONE }.duration();
+        let unit = Pulse { shape, cycles, ..Pulse::NONE };
         let mut period = least;
-        while period * unit <= duration {
+        while period * unit.duration() <= duration {
             let coarse = velocities.resampled(period / STEPS_PER_PERIOD);
-            candidates.extend(coarse.best(shape, Point { period, start: 0.0, cycles }));
+            candidates.extend(coarse.best(Pulse { period, ..unit }));
             period *= RATIO;
         }
     }
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let refined = candidates.iter().take(CANDIDATES).map(|(_, point)| velocities.refined(shape, *point, least));
+    candidates.sort_by(|a, b| b.r_squared.total_cmp(&a.r_squared));
+    let refined = candidates.iter().take(CANDIDATES).map(|fit| velocities.refined(fit.pulse, least));
     refined.max_by(|a, b| a.r_squared.total_cmp(&b.r_squared)).filter(|fit| fit.r_squared > 0.0)
 }
 
@@ -122,56 +114,56 @@ impl Velocities {
     }
 
     /// The start with the greatest R² of a pulse of this period and these cycles. The pulse begins at a sample.
-    fn best(&self, shape: PulseShape, point: Point) -> Option<(f64, Point)> {
-        let count = (point.pulse(shape, 1.0, 0.0).duration() / self.step) as usize + 1;
-        let templates = templates(shape, point, (0..count).map(|i| i as f64 * self.step));
+    fn best(&self, pulse: Pulse) -> Option<PulseFit> {
+        let count = (pulse.duration() / self.step) as usize + 1;
+        let templates = templates(&pulse, (0..count).map(|i| i as f64 * self.step));
         let starts = self.values.windows(count).enumerate().map(|(i, window)| (solve(window, &templates).0, i));
         let (gain, i) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((gain / self.energy, Point { start: self.start + i as f64 * self.step, ..point }))
+        let pulse = Pulse { start: self.start + i as f64 * self.step, ..pulse };
+        Some(PulseFit { pulse, r_squared: gain / self.energy })
     }
 
-    /// R² and the pulse of a point.
-    fn at(&self, shape: PulseShape, point: Point) -> PulseFit {
-        let first = ((point.start - self.start) / self.step).ceil().max(0.0) as usize;
-        let last = first + (point.pulse(shape, 1.0, 0.0).duration() / self.step) as usize + 1;
+    /// Fits amplitude and phase of a pulse.
+    fn fitted(&self, pulse: Pulse) -> PulseFit {
+        let first = ((pulse.start - self.start) / self.step).ceil().max(0.0) as usize;
+        let last = first + (pulse.duration() / self.step) as usize + 1;
         let window = &self.values[first.min(self.values.len())..last.min(self.values.len())];
-        let time = |i: usize| self.start + (first + i) as f64 * self.step - point.start;
-        let (gain, [cos, sin]) = solve(window, &templates(shape, point, (0..window.len()).map(time)));
-        let pulse = match shape {
-            PulseShape::Gabor => point.pulse(shape, libm::hypot(cos, sin), libm::atan2(-sin, cos)),
-            _ => point.pulse(shape, cos, 0.0),
+        let time = |i: usize| self.start + (first + i) as f64 * self.step - pulse.start;
+        let (gain, [cos, sin]) = solve(window, &templates(&pulse, (0..window.len()).map(time)));
+        let (amplitude, phase) = match pulse.shape {
+            PulseShape::Gabor => (libm::hypot(cos, sin), libm::atan2(-sin, cos)),
+            _ => (cos, 0.0),
         };
-        PulseFit { pulse: Pulse { start: point.start, ..pulse }, r_squared: gain / self.energy }
+        PulseFit { pulse: Pulse { amplitude, phase, ..pulse }, r_squared: gain / self.energy }
     }
 
-    /// Improves a point by moves along each unknown. Steps are halved once none helps.
-    fn refined(&self, shape: PulseShape, mut point: Point, least: f64) -> PulseFit {
+    /// Improves a pulse by moves along its period, start and cycles. Steps are halved once none helps.
+    fn refined(&self, pulse: Pulse, least: f64) -> PulseFit {
         let end = self.start + (self.values.len() - 1) as f64 * self.step;
-        let mut best = self.at(shape, point);
+        let mut best = self.fitted(pulse);
         let mut size = 0.05;
         while size > RESOLUTION {
-            let Point { period, start, cycles } = point;
+            let pulse = best.pulse;
+            let Pulse { shape, period, start, cycles, .. } = pulse;
             let moves = [-size, size].into_iter().flat_map(|size| {
-                let longer = period * (1.0 + size);
-                let grown = Point { period: longer, ..point }.pulse(shape, 1.0, 0.0).duration();
-                let centred = start - 0.5 * (grown - point.pulse(shape, 1.0, 0.0).duration());
+                let longer = Pulse { period: period * (1.0 + size), ..pulse };
                 let wider = cycles * (1.0 + size);
                 [
-                    Point { start: start + size * period, ..point },
-                    Point { period: longer, start: centred, cycles },
-                    Point { cycles: wider, start: start - 0.5 * (wider - cycles) * period, period },
+                    Pulse { start: start + size * period, ..pulse },
+                    Pulse { start: start - 0.5 * (longer.duration() - pulse.duration()), ..longer },
+                    Pulse { cycles: wider, start: start - 0.5 * (wider - cycles) * period, ..pulse },
                 ]
             });
-            let inside = |point: &Point| {
-                point.period >= least
-                    && (1.0..=CYCLES[CYCLES.len() - 1]).contains(&point.cycles)
-                    && (shape == PulseShape::Gabor || point.cycles == cycles)
-                    && point.start >= self.start
-                    && point.start + point.pulse(shape, 1.0, 0.0).duration() <= end
+            let inside = |moved: &Pulse| {
+                moved.period >= least
+                    && (1.0..=CYCLES[CYCLES.len() - 1]).contains(&moved.cycles)
+                    && (shape == PulseShape::Gabor || moved.cycles == cycles)
+                    && moved.start >= self.start
+                    && moved.end() <= end
             };
-            let moved = moves.filter(inside).map(|point| (self.at(shape, point), point));
-            match moved.max_by(|a, b| a.0.r_squared.total_cmp(&b.0.r_squared)) {
-                Some((fit, to)) if fit.r_squared > best.r_squared => (best, point) = (fit, to),
+            let moved = moves.filter(inside).map(|moved| self.fitted(moved));
+            match moved.max_by(|a, b| a.r_squared.total_cmp(&b.r_squared)) {
+                Some(fit) if fit.r_squared > best.r_squared => best = fit,
                 _ => size *= 0.5,
             }
         }
@@ -179,18 +171,11 @@ impl Velocities {
     }
 }
 
-impl Point {
-    /// The pulse of this point, beginning at 0.
-    fn pulse(self, shape: PulseShape, amplitude: f64, phase: f64) -> Pulse {
-        Pulse { shape, amplitude, period: self.period, phase, cycles: self.cycles, start: 0.0 }
-    }
-}
-
 /// Velocities per unit of amplitude at times after the start. They are those of the pulse, and of a Gabor pulse with phase π/2 after its
 /// own.
-fn templates(shape: PulseShape, point: Point, times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
-    let [cos, sin] = [0.0, -FRAC_PI_2].map(|phase| point.pulse(shape, 1.0, phase));
-    times.map(|t| [cos.velocity(t), if shape == PulseShape::Gabor { sin.velocity(t) } else { 0.0 }]).collect()
+fn templates(pulse: &Pulse, times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+    let [cos, sin] = [0.0, -FRAC_PI_2].map(|phase| Pulse { amplitude: 1.0, phase, start: 0.0, ..*pulse });
+    times.map(|t| [cos.velocity(t), if pulse.shape == PulseShape::Gabor { sin.velocity(t) } else { 0.0 }]).collect()
 }
 
 /// The least squares of a window by both templates. They are the energy that these explain, and their amplitudes.

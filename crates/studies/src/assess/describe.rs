@@ -74,9 +74,8 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
         let motion = &sweep.motions[number];
         let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, block));
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
-        let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
         MotionResult {
-            name: names.join(" + ") + &floor,
+            name: motion.name() + &floor,
             pga: motion.intensity(Measure::Pga, 1.0, block),
             pgv: motion.intensity(Measure::Pgv, 1.0, block),
             pfa: motion.intensity(Measure::Pfa, 1.0, block),

@@ -196,8 +196,7 @@ fn check_names(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFile
     let key = |motion: &GroundMotion| (motion.names.clone(), motion.floor);
     for (number, motion) in sweep.motions.iter().enumerate() {
         if sweep.motions[..number].iter().any(|other| key(other) == key(motion)) {
-            let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
-            let found = format!("{} twice; expected each ground motion once", names.join(" + "));
+            let found = format!("{} twice; expected each ground motion once", motion.name());
             return Err(root.refused("records", format!("records name {found}")));
         }
     }

@@ -225,19 +225,14 @@ pub struct CurveResult {
     /// Median, in the unit of the measure.
     pub median: f64,
     /// Its interval; an end without a bound is `None`.
-    pub median_interval: [Option<f64>; 2],
+    pub median_interval: Interval,
     /// Dispersion β (1).
     pub beta: f64,
     /// Its interval.
-    pub beta_interval: [Option<f64>; 2],
+    pub beta_interval: Interval,
     /// Area under the receiver operating characteristic (1).
     #[serde(rename = "AUC")]
     pub auc: f64,
-}
-
-/// Returns the ends of an interval.
-pub(super) fn ends(Interval { low, high }: Interval) -> [Option<f64>; 2] {
-    [low, high]
 }
 
 /// A state: its limit, curve and annual rate.
@@ -267,7 +262,7 @@ pub struct RateResult {
     /// 1/year.
     pub rate: f64,
     /// Its interval (1/year).
-    pub rate_interval: [Option<f64>; 2],
+    pub rate_interval: Interval,
     /// Probability in the years of the report.
     pub probability: f64,
     /// Fraction of the rate from measures below the runs (1).

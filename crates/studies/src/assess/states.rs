@@ -1,8 +1,8 @@
 //! The table of a sweep, limits → curves and annual rates.
 
 use crate::assess::plan::State;
-use crate::assess::results::{Counts, CurveResult, RateResult, StateResult, ends};
-use crate::fragility::{Assessment, Case, Limit, Link, SweepTable, SweepTableError, Uncertainty};
+use crate::assess::results::{Counts, CurveResult, RateResult, StateResult};
+use crate::fragility::{Assessment, Case, CaseStore, Limit, Link, SweepTable, SweepTableError, Uncertainty};
 use crate::intensity::Measure;
 use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in};
 use crate::statistics::range;
@@ -35,11 +35,12 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let (cases, counts) = table.cases(limit)?;
+        let (cases, motions, counts) = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
-        let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-        let range = range(values.iter().flatten().copied()).unwrap_or([f64::NAN; 2]);
-        let fitted = Assessment::new(&cases, &values, Link::Probit, CONFIDENCE, Uncertainty::Profile);
+        let range = range(cases.iter().filter_map(|case| numbers[case.row])).unwrap_or([f64::NAN; 2]);
+        let mut store = CaseStore::default();
+        cases.iter().for_each(|case| store.push(case.row as u64, case, [numbers[case.row], Some(1.0)]));
+        let fitted = Assessment::of(store, &motions, Link::Probit, CONFIDENCE, Uncertainty::Profile);
         let assessment = fitted.map_err(|error| error.to_string());
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
@@ -52,9 +53,9 @@ impl StateCurve {
         let found = self.assessment.as_ref().ok()?;
         Some(CurveResult {
             median: found.fit.median(),
-            median_interval: ends(found.median),
+            median_interval: found.median,
             beta: found.fit.dispersion(),
-            beta_interval: ends(found.dispersion),
+            beta_interval: found.dispersion,
             auc: found.auc,
         })
     }
@@ -66,7 +67,7 @@ impl StateCurve {
         let [least, greatest] = self.range;
         Some(RateResult {
             rate: rate.rate,
-            rate_interval: ends(interval(hazard, assessment)),
+            rate_interval: interval(hazard, assessment),
             probability: probability_in(years, rate.rate),
             below_runs: fraction(rate.between(0.0, least)),
             above_runs: fraction(rate.between(greatest, f64::INFINITY)),

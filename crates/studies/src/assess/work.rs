@@ -188,7 +188,7 @@ fn sliding_result(
     friction: f64,
     table: &SweepTable,
 ) -> Result<SlidingResult, AssessError> {
-    let (_, counts) = table.cases(plan.states[compared].limit)?;
+    let (.., counts) = table.cases(plan.states[compared].limit)?;
     let mut slips: Vec<f64> = table.numbers("peak.slip")?.into_iter().flatten().collect();
     slips.sort_by(f64::total_cmp);
     let median = |sorted: &[f64]| match sorted {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::fit::least_squares::Linearization;
+use crate::fit::least_squares::{Linearization, Minimum, minimize};
 use crate::fit::model::{TimeSeries, course};
 use crate::fit::problem::{FitError, Problem, Test};
 use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
@@ -140,6 +140,20 @@ impl Evaluator<'_> {
         }
         let found = Linearization { residuals, jacobian };
         if found.cost().is_finite() { Ok(found) } else { Err(None) }
+    }
+
+    /// Minimizes the sum of squares of the first `counts` values from a point. `tolerance` and `known` are those of [`minimize`]; `None` if
+    /// the model fails at the point.
+    pub fn minimum(
+        &self,
+        point: &DVector<f64>,
+        counts: &[usize],
+        tolerance: f64,
+        known: Option<&Minimum>,
+    ) -> Option<Minimum> {
+        let linearize = |at: &DVector<f64>| self.linearize(at, counts).ok();
+        let at = linearize(point)?;
+        Some(minimize(linearize, point.clone(), at, |cost| self.variance(cost, counts), tolerance, known))
     }
 
     /// Returns the variance of a residual. It is 1 if the noise is given, else the mean square over the degrees of freedom.

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use crate::fit::problem::{FitError, Free, Options, Problem, Test};
+use crate::fit::problem::{FitError, Free, Options, Problem, Test, unit};
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
-use crate::run::table::columns;
 use crate::spec::fit::{FitFile, FitTable, TestTable};
 use crate::sweep::file::values;
 use crate::sweep::parameters::ParameterValues;
@@ -116,14 +115,13 @@ fn test(
     let refused = |key: &str, message: String| file.refused(&format!("{path}{key}"), message);
     let block = values.block().map_err(|error| refused("", error.to_string()))?;
     let output = table.output.as_deref().unwrap_or("theta");
-    let unit = columns(&block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit);
     let time = table.time.clone().unwrap_or(Choice::Name("t".into()));
     let column = table.column.clone().unwrap_or(Choice::Name(output.into()));
     if table.factor == Some(0.0) {
         return Err(file.wrong(&format!("{path}factor"), "a number other than 0"));
     }
     let name = &table.data;
-    let read = read_table(&folder.join(name), [&time, &column], unit, table.factor);
+    let read = read_table(&folder.join(name), [&time, &column], unit(&block, output), table.factor);
     let (times, values_over_time) = read.map_err(|message| refused("data", format!("{name}: {message}")))?;
     files.push(name.into());
     let mut ground = Ground::default();

@@ -37,7 +37,7 @@ use serde::Serialize;
 use crate::fit::combinations::{Combination, combinations};
 use crate::fit::evaluation::Evaluator;
 use crate::fit::intervals::{EVALUATIONS, IntervalEnd, Lower, Profile};
-use crate::fit::least_squares::{Minimum, minimize};
+use crate::fit::least_squares::Minimum;
 use crate::fit::unknowns::{set, unknowns};
 use crate::statistics::normal;
 
@@ -185,11 +185,9 @@ fn with_intervals(
             Err(Lower(point)) => point,
         };
         lower += 1;
-        let linearize = |at: &_| evaluator.linearize(at, &counts).ok();
-        if let Some(at) = linearize(&point) {
-            let variance = |cost| evaluator.variance(cost, &counts);
-            let [.., tolerance] = search::TOLERANCE;
-            minima.push(std::mem::replace(&mut best, minimize(linearize, point, at, variance, tolerance, None)));
+        let [.., tolerance] = search::TOLERANCE;
+        if let Some(found) = evaluator.minimum(&point, &counts, tolerance, None) {
+            minima.push(std::mem::replace(&mut best, found));
         }
     }
 }
@@ -307,37 +305,53 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
     use rocking_block::block::{Common, Dimensionless, Supports};
 
     use super::*;
 
-    /// The search for intervals about a point that is no minimum finds the minimum. It is kept and said even after the last restart.
-    #[test]
-    fn a_lower_minimum_found_at_last_is_kept() {
-        let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
-        let test = Test { noise: Some(1e-3), ..Test::release(0.1, vec![0.1, 0.2], vec![0.0; 2]) };
+    const TRUTH: Dimensionless = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
+
+    /// A release test of the true block without errors, for a fit of p within 2.5 and `high`.
+    fn problem(times: &[f64], noise: f64, high: f64) -> Problem {
+        let test = Test { noise: Some(noise), ..Test::release(0.1, times.to_vec(), vec![0.0; times.len()]) };
         let mut problem = Problem {
-            block: truth.with(&Common::default()),
+            block: TRUTH.with(&Common::default()),
             ties: Vec::new(),
-            free: vec![Free { bounds: Some([2.5, 3.5]), ..Free::named("p") }],
+            free: vec![Free { bounds: Some([2.5, high]), ..Free::named("p") }],
             tests: vec![test],
             options: Options::default(),
         };
-        let counts = [2];
         let all = unknowns(&problem).unwrap();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
-        let course = evaluator.course(0, &[3.0], [0.1, 0.2].into_iter(), true);
-        let points = course.unwrap_or_else(|_| unreachable!()).points;
-        problem.tests[0].values = points.iter().map(|point| point.value).collect();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
-        let point = nalgebra::DVector::from_element(1, 0.3);
-        let at = evaluator.linearize(&point, &counts).unwrap_or_else(|_| unreachable!());
-        let poor = Minimum { point, at, is_converged: true };
+        let course = evaluator(&problem, &all).course(0, &[TRUTH.p], times.iter().copied(), true);
+        problem.tests[0].values =
+            course.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
+        problem
+    }
+
+    fn evaluator<'a>(problem: &'a Problem, unknowns: &'a [unknowns::Unknown]) -> Evaluator<'a> {
+        Evaluator { problem, unknowns, runs: Default::default() }
+    }
+
+    /// A point that is taken for a minimum.
+    fn taken(evaluator: &Evaluator, coordinate: f64) -> Minimum {
+        let point = DVector::from_element(1, coordinate);
+        let at = evaluator.linearize(&point, &evaluator.problem.counts()).unwrap_or_else(|_| unreachable!());
+        Minimum { point, at, is_converged: true }
+    }
+
+    /// The search for intervals about a point that is no minimum finds the minimum. It is kept and said even after the last restart.
+    #[test]
+    fn a_lower_minimum_found_at_last_is_kept() {
+        let problem = problem(&[0.1, 0.2], 1e-3, 3.5);
+        let all = unknowns(&problem).unwrap();
+        let evaluator = evaluator(&problem, &all);
+        // It is 8 % off.
+        let poor = taken(&evaluator, 0.3);
         for restarts in [0, 1] {
             let (best, others, ends) = with_intervals(&evaluator, vec![poor.clone()], restarts, EVALUATIONS);
-            // The poor minimum is 8 % off.
             let found = evaluator.values(&best.point)[0];
-            assert!((found / truth.p - 1.0).abs() < 1e-3, "{found}, {restarts} restarts");
+            assert!((found / TRUTH.p - 1.0).abs() < 1e-3, "{found}, {restarts} restarts");
             assert_eq!(ends.is_some(), restarts > 0);
             let fit = finish(&evaluator, &best, &others, ends).unwrap();
             assert_eq!(fit.estimates[0].interval.is_some(), restarts > 0);
@@ -348,26 +362,12 @@ mod tests {
     /// An end that the search has not reached within its evaluations is said.
     #[test]
     fn an_end_that_has_not_settled_is_said() {
-        let truth = Dimensionless { alpha: 0.25, p: 3.0, supports: Supports::HOUSNER };
         let times: Vec<f64> = (1..=20).map(|i| 0.1 * f64::from(i)).collect();
-        let mut problem = Problem {
-            block: truth.with(&Common::default()),
-            ties: Vec::new(),
-            free: vec![Free { bounds: Some([2.5, 3.6]), ..Free::named("p") }],
-            tests: vec![Test { noise: Some(0.02), ..Test::release(0.1, times.clone(), vec![0.0; 20]) }],
-            options: Options::default(),
-        };
+        let problem = problem(&times, 0.02, 3.6);
         let all = unknowns(&problem).unwrap();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
-        let course = evaluator.course(0, &[3.0], times.into_iter(), true);
-        problem.tests[0].values =
-            course.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
-        let evaluator = Evaluator { problem: &problem, unknowns: &all, runs: Default::default() };
-        let point = nalgebra::DVector::from_element(1, 0.5);
-        let at = evaluator.linearize(&point, &[20]).unwrap_or_else(|_| unreachable!());
+        let evaluator = evaluator(&problem, &all);
         for evaluations in [0, EVALUATIONS] {
-            let minimum = Minimum { point: point.clone(), at: at.clone(), is_converged: true };
-            let (best, others, ends) = with_intervals(&evaluator, vec![minimum], 0, evaluations);
+            let (best, others, ends) = with_intervals(&evaluator, vec![taken(&evaluator, 0.5)], 0, evaluations);
             let fit = finish(&evaluator, &best, &others, ends).unwrap();
             let said = fit.notes.iter().any(|note| note.starts_with("the interval of p is rough"));
             assert_eq!(said, evaluations == 0, "{fit:?}");

@@ -196,9 +196,7 @@ impl Problem {
     /// An invalid block, or a column that its runs lack.
     pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
         let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
-        let columns = columns(&block);
-        let column = columns.iter().find(|column| column.name == test.output);
-        Ok(column.map_or("1", |column| column.unit))
+        Ok(unit(&block, &test.output))
     }
 
     /// Returns the numbers of measured values of the tests.
@@ -244,6 +242,11 @@ impl Problem {
         }
         Ok(())
     }
+}
+
+/// Returns the unit of a column of a run of this block.
+pub(super) fn unit(block: &Block, output: &str) -> &'static str {
+    columns(block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit)
 }
 
 /// Whether a test may measure a column. It may measure a motion, a reaction, or a height.

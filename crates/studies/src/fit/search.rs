@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::fit::evaluation::Evaluator;
-use crate::fit::least_squares::{Minimum, minimize};
+use crate::fit::least_squares::Minimum;
 use crate::fit::problem::FitError;
 use crate::fit::unknowns::first_start;
 use crate::statistics::sampling::LatinHypercube;
@@ -51,12 +51,7 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     let mut from: Vec<DVector<f64>> = starts.into_iter().map(|(at, _)| at).collect();
     let mut found = Vec::new();
     for (number, (window, tolerance)) in windows.iter().zip(TOLERANCE).enumerate() {
-        let follow = |point: &DVector<f64>, known: Option<&Minimum>| {
-            let linearize = |at: &DVector<f64>| evaluator.linearize(at, window).ok();
-            let at = linearize(point)?;
-            let variance = |cost| evaluator.variance(cost, window);
-            Some(minimize(linearize, point.clone(), at, variance, tolerance, known))
-        };
+        let follow = |point: &DVector<f64>, known: Option<&Minimum>| evaluator.minimum(point, window, tolerance, known);
         // The best start comes first, and ends others that lead to the same minimum.
         let best = from.first().and_then(|point| follow(point, None));
         let known = best.as_ref().filter(|best| best.is_converged);

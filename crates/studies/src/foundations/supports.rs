@@ -72,7 +72,7 @@ impl Pad {
     pub fn support(&self) -> Result<Support, SupportError> {
         let Pad { diameter, shape_factor, shear_modulus, bulk_modulus } = *self;
         check_positive(&[("diameter", diameter), ("shape_factor", shape_factor), ("shear_modulus", shear_modulus)])?;
-        check_positive(&bulk_modulus.map(|bulk| ("bulk_modulus", bulk)).into_iter().collect::<Vec<_>>())?;
+        bulk_modulus.map_or(Ok(()), |bulk| check_positive(&[("bulk_modulus", bulk)]))?;
         let incompressible = 6.0 * PI * diameter * shear_modulus * shape_factor * shape_factor * shape_factor;
         let modulus = 6.0 * shear_modulus * shape_factor * shape_factor;
         let stiffness = incompressible / bulk_modulus.map_or(1.0, |bulk| 1.0 + modulus / bulk);
@@ -91,8 +91,7 @@ impl Soil {
     /// The first invalid size, velocity, density or ratio.
     pub fn support(&self) -> Result<Support, SupportError> {
         let Soil { width, length, density, shear_wave_velocity, poisson } = *self;
-        let sizes = [("width", width), ("length", length), ("density", density)];
-        check_positive(&sizes)?;
+        check_positive(&[("width", width), ("length", length), ("density", density)])?;
         check_positive(&[("shear_wave_velocity", shear_wave_velocity)])?;
         check("poisson", poisson, (0.0..0.5).contains(&poisson), "a ratio from 0 to less than 0.5")?;
         let (half_width, half_length) = (0.5 * width, 0.5 * length);

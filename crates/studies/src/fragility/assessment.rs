@@ -33,6 +33,17 @@ impl Uncertainty {
             Uncertainty::Bootstrap(samples, _) => format!("{samples} bootstrap samples, {independence}"),
         }
     }
+
+    /// Makes the bootstrap with its number of samples and seed, if this is the method.
+    fn bootstrap(
+        self,
+        make: impl FnOnce(u32, u64) -> Result<Bootstrap, CurveFitError>,
+    ) -> Result<Option<Bootstrap>, CurveFitError> {
+        match self {
+            Uncertainty::Profile => Ok(None),
+            Uncertainty::Bootstrap(samples, seed) => make(samples, seed).map(Some),
+        }
+    }
 }
 
 /// The curve of one measure with its intervals and its quality.
@@ -53,20 +64,12 @@ pub struct Assessment {
     pub brier: f64,
     /// Groups of rows with adjacent measures.
     pub groups: Vec<Group>,
-    /// Whether the curve fits the groups; `None` for fewer than three.
-    pub goodness: Option<Goodness>,
     /// Scatter of the peaks about a power law of the measure. It is that of the blocks that rock and stand.
     pub efficiency: Option<f64>,
     /// Number of blocks that rock and stand: lift-off and a peak of at least α/1000.
     pub rocking: usize,
     /// The independent units behind the intervals.
     pub independence: Independence,
-    /// Standard errors of the coefficients, clustered by record where records repeat.
-    ///
-    /// Infinite if one record alone determines a coefficient.
-    pub standard_errors: Vec<f64>,
-    /// Number of cases without a value of the measure.
-    pub without: usize,
     /// Confidence level of the intervals.
     confidence: f64,
     /// Covariance of the coefficients, clustered by record where records repeat.
@@ -77,28 +80,10 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// Fits a curve to cases with these values of a measure. `confidence` is above 0 and below 1.
-    ///
-    /// # Errors
-    /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`].
-    pub fn new(
-        cases: &[Case],
-        measures: &[Option<f64>],
-        link: Link,
-        confidence: f64,
-        uncertainty: Uncertainty,
-    ) -> Result<Assessment, CurveFitError> {
-        let mut store = CaseStore::default();
-        let pairs = cases.iter().zip(measures).enumerate();
-        pairs.for_each(|(row, (case, measure))| store.push(row as u64, case, [*measure, Some(1.0)]));
-        let motions = cases.iter().filter_map(|case| case.motion).max().map_or(0, |last| last + 1);
-        Assessment::of(store, &Motions::of_first((0..motions as u64).collect()), link, confidence, uncertainty)
-    }
-
     /// Fits a curve to stored cases with these ground motions. `confidence` is above 0 and below 1.
     ///
     /// # Errors
-    /// Those of [`Assessment::new`], and of temporary files.
+    /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`], and of temporary files.
     pub fn of(
         store: CaseStore,
         motions: &Motions,
@@ -106,48 +91,90 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
-        let without = store.without;
-        let sampling = match uncertainty {
-            Uncertainty::Profile => None,
-            Uncertainty::Bootstrap(samples, seed) => Some((samples, seed)),
-        };
-        let found = match store.rows(motions)? {
-            StoredRows::Few(rows, records) => Found::of_list(&rows, &records, link, sampling)?,
-            StoredRows::Many(rows) => Found::of_many(&rows, link, sampling)?,
-        };
-        let Found { rows, data, fit, independence, covariance, bootstrap, quality, efficiency, rocking } = found;
-        let (median, dispersion) = match &bootstrap {
-            None => {
-                let deviate = independence.deviate(confidence);
-                let profile = LikelihoodProfile::clustered(&data, &fit, deviate, covariance.clone());
-                (profile.median(), profile.dispersion())
-            }
-            Some(found) => {
-                let interval = |feature: fn(&CurveFit) -> f64| found.interval(confidence, feature);
-                (interval(CurveFit::median), interval(CurveFit::dispersion))
-            }
-        };
-        let Quality { auc, brier, groups, marks } = quality;
+        match store.rows(motions)? {
+            StoredRows::Few(rows, records) => Assessment::of_list(&rows, &records, link, confidence, uncertainty),
+            StoredRows::Many(rows) => Assessment::of_many(&rows, link, confidence, uncertainty),
+        }
+    }
+
+    fn of_list(
+        rows: &[(Case, [f64; 2])],
+        records: &[usize],
+        link: Link,
+        confidence: f64,
+        uncertainty: Uncertainty,
+    ) -> Result<Assessment, CurveFitError> {
+        let data = data(rows, 1)?;
+        let fit = data.fit(link)?;
+        let (rocking, peaks): (Vec<f64>, Vec<f64>) =
+            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
+        let probabilities = fit.probabilities(data.observations());
+        let independence = Independence::of(records);
+        let covariance = clusters::covariance(&data, &fit, records);
+        let bootstrap = uncertainty.bootstrap(|samples, seed| bootstrap(&data, records, link, samples, seed))?;
+        let profile = LikelihoodProfile::clustered(&data, &fit, independence.deviate(confidence), covariance.clone());
+        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
         Ok(Assessment {
-            rows,
+            rows: rows.len(),
+            median,
+            dispersion,
+            auc: auc(data.observations(), &probabilities),
+            brier: brier(data.observations(), &probabilities),
+            groups: groups(data.observations(), &probabilities, records),
+            efficiency: efficiency(&rocking, &peaks),
+            rocking: rocking.len(),
+            independence,
+            confidence,
+            covariance,
+            bootstrap,
+            marks: None,
+            data,
+            fit,
+        })
+    }
+
+    fn of_many(
+        rows: &ManyRows,
+        link: Link,
+        confidence: f64,
+        uncertainty: Uncertainty,
+    ) -> Result<Assessment, CurveFitError> {
+        let (data, fit, width) = rows.curve(link)?;
+        let covariance = rows.covariance(&fit, Some(width))?;
+        let bootstrap = uncertainty.bootstrap(|samples, seed| rows.bootstrap(link, samples, seed, width))?;
+        let independence = rows.independence();
+        let profile = LikelihoodProfile::clustered(&data, &fit, independence.deviate(confidence), covariance.clone());
+        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
+        let Quality { auc, brier, groups, marks } = rows.quality(&fit)?;
+        Ok(Assessment {
+            rows: rows.count,
             median,
             dispersion,
             auc,
             brier,
-            goodness: Goodness::of(&groups),
             groups,
-            efficiency,
-            rocking,
+            efficiency: rows.scatter.efficiency(),
+            rocking: rows.scatter.rows,
             independence,
-            standard_errors: standard_errors(covariance.as_ref(), &fit),
-            without,
             confidence,
             covariance,
             bootstrap,
-            marks,
+            marks: Some(marks),
             data,
             fit,
         })
+    }
+
+    /// Standard errors of the coefficients, clustered by record where records repeat.
+    ///
+    /// Infinite if one record alone determines a coefficient.
+    pub fn standard_errors(&self) -> Vec<f64> {
+        standard_errors(self.covariance.as_ref(), &self.fit)
+    }
+
+    /// Whether the curve fits the groups; `None` for fewer than three.
+    pub fn goodness(&self) -> Option<Goodness> {
+        Goodness::of(&self.groups)
     }
 
     /// The rows to draw: all, or some 10,000 of many. They are in the order of their measures, with the first and the last one.
@@ -201,62 +228,11 @@ impl Assessment {
     }
 }
 
-/// A curve, before its intervals.
-struct Found {
-    rows: usize,
-    data: Data,
-    fit: CurveFit,
-    independence: Independence,
-    covariance: Option<DMatrix<f64>>,
-    bootstrap: Option<Bootstrap>,
-    quality: Quality,
-    efficiency: Option<f64>,
-    rocking: usize,
-}
-
-impl Found {
-    fn of_list(
-        rows: &[(Case, [f64; 2])],
-        records: &[usize],
-        link: Link,
-        sampling: Option<(u32, u64)>,
-    ) -> Result<Found, CurveFitError> {
-        let data = data(rows, 1)?;
-        let fit = data.fit(link)?;
-        let (rocking, peaks): (Vec<f64>, Vec<f64>) =
-            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
-        let probabilities = fit.probabilities(data.observations());
-        Ok(Found {
-            rows: rows.len(),
-            independence: Independence::of(records),
-            covariance: clusters::covariance(&data, &fit, records),
-            bootstrap: sampling.map(|(samples, seed)| bootstrap(&data, records, link, samples, seed)).transpose()?,
-            quality: Quality {
-                auc: auc(data.observations(), &probabilities),
-                brier: brier(data.observations(), &probabilities),
-                groups: groups(data.observations(), &probabilities, records),
-                marks: None,
-            },
-            efficiency: efficiency(&rocking, &peaks),
-            rocking: rocking.len(),
-            data,
-            fit,
-        })
-    }
-
-    fn of_many(rows: &ManyRows, link: Link, sampling: Option<(u32, u64)>) -> Result<Found, CurveFitError> {
-        let (data, fit, width) = rows.curve(link)?;
-        Ok(Found {
-            rows: rows.count,
-            independence: rows.independence(),
-            covariance: rows.covariance(&fit, Some(width))?,
-            bootstrap: sampling.map(|(samples, seed)| rows.bootstrap(link, samples, seed, width)).transpose()?,
-            quality: rows.quality(&fit)?,
-            efficiency: rows.scatter.efficiency(),
-            rocking: rows.scatter.rows,
-            data,
-            fit,
-        })
+/// The intervals of the median and of the dispersion: those of the bootstrap if there is one.
+fn intervals(profile: &LikelihoodProfile, bootstrap: Option<&Bootstrap>, confidence: f64) -> [Interval; 2] {
+    match bootstrap {
+        None => [profile.median(), profile.dispersion()],
+        Some(found) => [CurveFit::median, CurveFit::dispersion].map(|feature| found.interval(confidence, feature)),
     }
 }
 
@@ -281,7 +257,7 @@ pub struct Surface {
     pub rows: usize,
     /// The surface.
     pub fit: CurveFit,
-    /// Standard errors of the coefficients, as in [`Assessment`].
+    /// [`Assessment::standard_errors`].
     pub standard_errors: Vec<f64>,
     /// Area under the receiver operating characteristic.
     pub auc: f64,

@@ -1,13 +1,13 @@
 //! Observations of several records → curves of resampled records.
 
-use chacha20::ChaCha8Rng;
-use chacha20::rand_core::{Rng, SeedableRng};
+use chacha20::rand_core::Rng;
 
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
 use crate::fragility::observation::CurveFitError;
 use crate::fragility::profile::Interval;
 use crate::fragility::regression::CurveFit;
+use crate::statistics::{quantile, sampling};
 
 /// Least number of groups for intervals.
 ///
@@ -33,16 +33,9 @@ impl Bootstrap {
         let mut values: Vec<f64> = self.fits.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
         if values.len() < 2 || self.groups < MIN_GROUPS {
-            return Interval { low: None, high: None };
+            return [None; 2];
         }
-        // Linear interpolation between order statistics, the default of R and NumPy.
-        let quantile = |probability: f64| {
-            let position = probability * (values.len() - 1) as f64;
-            let below = position.floor() as usize;
-            let above = (below + 1).min(values.len() - 1);
-            values[below] + (position - below as f64) * (values[above] - values[below])
-        };
-        Interval { low: Some(quantile(0.5 - 0.5 * confidence)), high: Some(quantile(0.5 + 0.5 * confidence)) }
+        [-0.5, 0.5].map(|side| Some(quantile(&values, 0.5 + side * confidence)))
     }
 }
 
@@ -72,8 +65,7 @@ pub fn bootstrap(
     }
     let mut found = Bootstrap { fits: Vec::new(), without: 0, groups: members.len() };
     for sample in 0..samples {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(sample.into());
+        let mut random = sampling::stream(seed, sample.into());
         // The bias of the remainder of 64 bits is below 2⁻³².
         let mut draw = || &members[(random.next_u64() % members.len() as u64) as usize];
         let drawn = (0..members.len()).flat_map(|_| draw().iter().map(|&row| row.clone())).collect();

@@ -55,7 +55,7 @@ pub struct RowCounts {
 }
 
 /// The ground motions of a table, by the names of their records.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Motions {
     numbers: HashMap<[String; 2], usize>,
     /// Place of the first row of each.
@@ -91,15 +91,15 @@ impl Motions {
 }
 
 impl SweepTable {
-    /// Returns the rows whose outcome relative to a limit is known, and counts of all rows. The outcome is the probability of the ensemble if
-    /// the table has one, else that of the single run.
+    /// Returns the rows whose outcome relative to a limit is known, the ground motions, and counts of all rows. The outcome is the probability
+    /// of the ensemble if the table has one, else that of the single run.
     ///
     /// # Errors
     /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
-    pub fn cases(&self, limit: Limit) -> Result<(Vec<Case>, RowCounts), SweepTableError> {
-        let mut counts = RowCounts::default();
-        let cases = self.cases_of(limit, &mut Motions::default(), &mut counts, |row| row as u64)?;
-        Ok((cases, counts))
+    pub fn cases(&self, limit: Limit) -> Result<(Vec<Case>, Motions, RowCounts), SweepTableError> {
+        let (mut motions, mut counts) = (Motions::default(), RowCounts::default());
+        let cases = self.cases_of(limit, &mut motions, &mut counts, |row| row as u64)?;
+        Ok((cases, motions, counts))
     }
 
     /// [`SweepTable::cases`] of a batch of rows, which are counted. Its ground motions may have occurred before; `place` is that of a row
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn rows_are_compared_with_a_limit() {
         let fractions = |limit: &str| {
-            let (cases, counts) = table(TABLE).cases(limit.parse().unwrap()).unwrap();
+            let (cases, _, counts) = table(TABLE).cases(limit.parse().unwrap()).unwrap();
             let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction, case.motion.unwrap())).collect();
             (cases, counts.failed, counts.separated, counts.undecided)
         };
@@ -222,7 +222,7 @@ mod tests {
     fn rows_are_compared_with_a_slip() {
         let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\
                     4,undecided,0.1\n";
-        let (cases, counts) = table(text).cases(Limit::Slip(0.1)).unwrap();
+        let (cases, _, counts) = table(text).cases(Limit::Slip(0.1)).unwrap();
         let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
         assert_eq!((cases, counts.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
         let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
@@ -234,13 +234,13 @@ mod tests {
     fn rows_are_compared_with_a_plastic_elongation() {
         let text = "row,outcome,peak.tie_1.plastic [m],peak.damper_1.plastic [m]\n0,completed,0.005,0.02\n\
                     1,completed,0.01,0.005\n2,overturned,0,0\n3,undecided,0.03,\n4,undecided,,\n";
-        let (cases, counts) = table(text).cases(Limit::Plastic(0.015)).unwrap();
+        let (cases, _, counts) = table(text).cases(Limit::Plastic(0.015)).unwrap();
         let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
         assert_eq!((cases, counts.undecided), (vec![(0, 1.0), (1, 0.0), (2, 1.0), (3, 1.0)], 1));
         let refused = table(TABLE).cases(Limit::Plastic(0.1)).unwrap_err().to_string();
         assert!(refused.starts_with("t.csv: has no column peak.damper_1.plastic"), "{refused}");
         let text = "row,outcome,half_cycles>0.005 [1]\n0,completed,3\n1,completed,2\n2,undecided,2\n";
-        let (cases, counts) = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
+        let (cases, _, counts) = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
         assert_eq!(cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [1.0, 0.0]);
         assert_eq!(counts.undecided, 1);
     }
@@ -249,7 +249,7 @@ mod tests {
     fn an_ensemble_gives_its_probability() {
         let ensemble = "row,outcome,peak.theta/alpha [1],ensemble.samples [1],P(overturned) [1]\n0,completed,0.3,4,0.25\n\
                         1,failed,0.3,4,1\n2,failed,0.1,4,\n";
-        let (cases, counts) = table(ensemble).cases(Limit::Overturned).unwrap();
+        let (cases, _, counts) = table(ensemble).cases(Limit::Overturned).unwrap();
         assert_eq!(cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [0.25, 1.0]);
         assert_eq!(counts.failed, 1);
         let refused = table(ensemble).cases(Limit::Rotation(0.5)).unwrap_err().to_string();

@@ -182,12 +182,12 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Misma
         let name = |State { limit, .. }: &State| match limit {
             Limit::Overturned => "overturned".into(),
             Limit::Balance => "balance".into(),
-            Limit::Rotation(limit) => format!("rotation_{limit}").replace('.', "_"),
-            Limit::Slip(limit) => format!("slip_{limit}_m").replace('.', "_"),
-            Limit::Plastic(limit) => format!("plastic_{limit}_m").replace('.', "_"),
-            Limit::HalfCycles(limit) => format!("half_cycles_{limit}").replace('.', "_"),
+            Limit::Rotation(limit) => format!("rotation_{limit}"),
+            Limit::Slip(limit) => format!("slip_{limit}_m"),
+            Limit::Plastic(limit) => format!("plastic_{limit}_m"),
+            Limit::HalfCycles(limit) => format!("half_cycles_{limit}"),
         };
-        component.states.iter().map(name).collect::<Vec<String>>()
+        component.states.iter().map(|state| name(state).replace('.', "_")).collect::<Vec<String>>()
     };
     let states = components.first().map(names).unwrap_or_default();
     let mut functions = String::new();

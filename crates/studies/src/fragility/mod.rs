@@ -75,4 +75,4 @@ pub use profile::{Interval, LikelihoodProfile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::CurveFit;
 pub use store::{CaseStore, Collected};
-pub use table::{SweepTable, SweepTableError, is_needed};
+pub use table::{DESCRIBED, SweepTable, SweepTableError, is_needed};

@@ -8,6 +8,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use crate::fragility::data::Data;
 use crate::fragility::observation::{CurveFitError, Observation};
 
 /// Nodes of a class in a cell.
@@ -103,8 +104,19 @@ impl Reducer {
     }
 }
 
-/// Passes nodes on as observations.
-pub(super) fn observations(nodes: Vec<Node>) -> Vec<Observation> {
+/// The data of rows in few observations. `rows` passes on the measure, the fraction, the weight and the motion of each, in the order of the
+/// measures; cells have this width in ln IM.
+pub(super) fn reduced(
+    width: f64,
+    rows: impl FnOnce(&mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError>,
+) -> Result<Data, CurveFitError> {
+    let mut reducer = Reducer::new(width, false);
+    rows(&mut |measure, fraction, weight, motion| reducer.push(measure, fraction, weight, motion))?;
+    Ok(Data::checked(observations(reducer.finish())))
+}
+
+/// The observations of nodes.
+pub(super) fn observations(nodes: impl IntoIterator<Item = Node>) -> Vec<Observation> {
     nodes.into_iter().map(|node| node.observation).collect()
 }
 
@@ -153,24 +165,9 @@ fn quadrature(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     nodes
 }
 
-/// Passes rows to a reducer unless it exceeds a number of nodes.
-pub(super) fn reduced(
-    mut reducer: Reducer,
-    max_nodes: usize,
-    rows: impl FnOnce(&mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError>,
-) -> Result<Option<Vec<Node>>, CurveFitError> {
-    rows(&mut |measure, fraction, weight, motion| {
-        if reducer.count() <= max_nodes {
-            reducer.push(measure, fraction, weight, motion);
-        }
-    })?;
-    Ok((reducer.count() <= max_nodes).then(|| reducer.finish()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fragility::Data;
     use crate::fragility::likelihood::Link;
 
     /// The sums of all powers up to the 15th, and not of the 16th.

@@ -7,25 +7,8 @@ use crate::fragility::data::Data;
 use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::regression::{CurveFit, Predictor, maximize};
 
-/// An interval; an end without a bound is `None`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
-    /// Lower end.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
-}
-
-impl Interval {
-    /// Whether a value lies inside.
-    pub fn contains(&self, value: f64) -> bool {
-        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
-    }
-
-    fn map(self, of: impl Fn(f64) -> f64) -> Interval {
-        Interval { low: self.low.map(&of), high: self.high.map(&of) }
-    }
-}
+/// Lower and upper end of an interval; an end without a bound is `None`.
+pub type Interval = [Option<f64>; 2];
 
 /// The profile likelihood of a curve of one measure. One feature is fixed, and the other coefficient maximized.
 ///
@@ -86,7 +69,7 @@ impl<'a> LikelihoodProfile<'a> {
         let [a, b] = self.coefficients();
         let log_median = -a / b;
         let gradient = [-1.0 / b, a / (b * b)];
-        self.interval(log_median, gradient, b, |log_median, x| (x - log_median, 0.0)).map(libm::exp)
+        self.interval(log_median, gradient, b, |log_median, x| (x - log_median, 0.0)).map(|end| end.map(libm::exp))
     }
 
     /// Interval of the dispersion β. It has no upper bound where the data admit a slope of zero.
@@ -94,17 +77,16 @@ impl<'a> LikelihoodProfile<'a> {
     /// If both signs of β are admissible, only bounds of the fitted sign are reported.
     pub fn dispersion(&self) -> Interval {
         let [a, b] = self.coefficients();
-        let slopes = self.interval(b, [0.0, 1.0], a, |b, x| (1.0, b * x));
-        let same_sign = |slope: Option<f64>| slope.filter(|slope| slope * b > 0.0).map(|slope| 1.0 / slope);
-        Interval { low: same_sign(slopes.high), high: same_sign(slopes.low) }
+        let [least, greatest] = self.interval(b, [0.0, 1.0], a, |b, x| (1.0, b * x));
+        [greatest, least].map(|slope| slope.filter(|slope| slope * b > 0.0).map(|slope| 1.0 / slope))
     }
 
     /// Pointwise interval of the probability at a measure above zero.
     pub fn probability(&self, measure: f64) -> Interval {
         let ([a, b], x0) = (self.coefficients(), libm::log(measure));
         let found = self.interval(a + b * x0, [1.0, x0], b, |predictor, x| (x - x0, predictor));
-        let found = found.map(|predictor| self.fit.link.probability(predictor));
-        Interval { low: found.low.or(Some(0.0)), high: found.high.or(Some(1.0)) }
+        let [low, high] = found.map(|end| end.map(|predictor| self.fit.link.probability(predictor)));
+        [low.or(Some(0.0)), high.or(Some(1.0))]
     }
 
     fn coefficients(&self) -> [f64; 2] {
@@ -143,7 +125,7 @@ impl<'a> LikelihoodProfile<'a> {
         let clustered = self.covariance.as_ref().map_or(f64::INFINITY, |of| variance(gradient, of));
         let (deviation, allowed) = (clustered.sqrt(), self.allowed * clustered / naive);
         if !(deviation > 0.0 && deviation.is_finite() && allowed.is_finite()) {
-            return Interval { low: None, high: None };
+            return [None; 2];
         }
         // The statistic is a difference of log-likelihoods, and this its root.
         let round_off = 4.0 * f64::EPSILON * self.fit.log_likelihood.abs() / allowed.sqrt();
@@ -166,7 +148,7 @@ impl<'a> LikelihoodProfile<'a> {
             }
             None
         };
-        Interval { low: end(-1.0), high: end(1.0) }
+        [-1.0, 1.0].map(end)
     }
 }
 
@@ -241,7 +223,7 @@ mod tests {
             let fit = data.fit(Link::Probit).unwrap();
             let profile = LikelihoodProfile::new(&data, &fit, 0.95, &[]).unwrap();
             let ends = [profile.median(), profile.dispersion(), profile.probability(0.5)];
-            (ends.map(|Interval { low, high }| [low.unwrap(), high.unwrap()]), profile.observations.len())
+            (ends.map(|interval| interval.map(Option::unwrap)), profile.observations.len())
         };
         let ((together, six), (apart, sixty)) = (of(0.0), of(1e-13));
         assert_eq!((six, sixty), (6, 60));

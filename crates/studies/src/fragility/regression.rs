@@ -158,27 +158,7 @@ impl Regression for Predictor<'_> {
 }
 
 /// The full model of a large table over two measures.
-pub(super) struct SurfaceRows<'a>(pub &'a SortedRows);
-
-impl SurfaceRows<'_> {
-    /// Returns the sums of a row at these coefficients. They are an intercept and one or two slopes.
-    pub fn sums_of_row(
-        row: &EqualRows,
-        coefficients: &[f64],
-        term: impl Fn(f64, f64) -> Term,
-        weight: impl Fn(&Term) -> f64,
-    ) -> Sums {
-        let [first, second] = row.measures.map(libm::log);
-        let x = &[1.0, first, second][..coefficients.len()];
-        let predictor = x.iter().zip(coefficients).map(|(x, coefficient)| x * coefficient).sum();
-        let term = term(predictor, row.fraction) * f64::from(row.count);
-        let mut sums = Sums::default();
-        sums.add(x, &term, weight(&term));
-        sums
-    }
-}
-
-impl Regression for SurfaceRows<'_> {
+impl Regression for SortedRows {
     fn columns(&self) -> usize {
         3
     }
@@ -189,7 +169,7 @@ impl Regression for SurfaceRows<'_> {
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
     ) -> Result<Sums, CurveFitError> {
-        self.0.sum(|row| SurfaceRows::sums_of_row(row, coefficients.as_slice(), &term, &weight))
+        self.sum(|row| Sums::of_row(row, coefficients.as_slice(), &term, &weight))
     }
 }
 
@@ -207,6 +187,22 @@ pub(super) struct Sums {
 }
 
 impl Sums {
+    /// The sums of a row of a large table at these coefficients. They are an intercept and one or two slopes.
+    pub fn of_row(
+        row: &EqualRows,
+        coefficients: &[f64],
+        term: impl Fn(f64, f64) -> Term,
+        weight: impl Fn(&Term) -> f64,
+    ) -> Sums {
+        let [first, second] = row.measures.map(libm::log);
+        let x = &[1.0, first, second][..coefficients.len()];
+        let predictor = x.iter().zip(coefficients).map(|(x, coefficient)| x * coefficient).sum();
+        let term = term(predictor, row.fraction) * f64::from(row.count);
+        let mut sums = Sums::default();
+        sums.add(x, &term, weight(&term));
+        sums
+    }
+
     /// Adds the term of a row with its weight in the squares.
     fn add(&mut self, x: &[f64], term: &Term, weight: f64) {
         self.likelihood += term.log_likelihood;

@@ -20,26 +20,14 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     }
     check_classes(&ends, rows)?;
     if count == 1 {
-        return match ends[0].separating() {
-            Some((below, above, falls)) => {
-                let at = || observations.iter().filter(|row| row.measures[0] == below);
-                let has_more = || observations.iter().any(|row| row.measures[0] > below);
-                let shared = (below == above).then(|| (at().map(|row| row.fraction).sum(), at().count(), has_more()));
-                Err(CurveFitError::separable(below, above, falls, shared))
-            }
-            None => Ok(()),
-        };
+        return check_overlap(&ends[0], |each| {
+            observations.iter().for_each(|row| each(row.measures[0], row.fraction, 1.0));
+            Ok(())
+        });
     }
     let mut hulls = Hulls::default();
-    hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction)));
-    if hulls.is_line() {
-        return Err(CurveFitError::collinear(rows));
-    }
-    if hulls.are_separable() {
-        let class = |is: fn(f64) -> bool| observations.iter().filter(|row| is(row.fraction)).count();
-        return Err(CurveFitError::separable_plane(class(|y| y > 0.0), class(|y| y < 1.0)));
-    }
-    Ok(())
+    hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction, 1)));
+    hulls.check()
 }
 
 /// Checks that both classes occur, and that each measure varies. `ends` are those of the measures.
@@ -51,30 +39,51 @@ pub(super) fn check_classes(ends: &[Ends], rows: usize) -> Result<(), CurveFitEr
     alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))
 }
 
-/// The convex hulls of all rows and of both classes over two log measures. The classes are rows that do not exceed the limit, and rows that
-/// do.
+/// Checks that no value of a single measure separates the classes. `rows` passes all rows on: measure, fraction of exceedances, and number
+/// of equal rows.
+pub(super) fn check_overlap(
+    ends: &Ends,
+    rows: impl FnOnce(&mut dyn FnMut(f64, f64, f64)) -> Result<(), CurveFitError>,
+) -> Result<(), CurveFitError> {
+    let Some((below, above, falls)) = ends.separating() else { return Ok(()) };
+    let (mut exceeded, mut at, mut has_more) = (0.0, 0, false);
+    rows(&mut |measure, fraction, count| {
+        if measure == below {
+            (exceeded, at) = (exceeded + count * fraction, at + count as usize);
+        }
+        has_more |= measure > below;
+    })?;
+    let shared = (below == above).then_some((exceeded, at, has_more));
+    Err(CurveFitError::separable(below, above, falls, shared))
+}
+
+/// The convex hulls of all rows and of both classes over two log measures, with their numbers of rows. The classes are rows that do not
+/// exceed the limit, and rows that do.
 #[derive(Default)]
-pub(super) struct Hulls([Vec<[f64; 2]>; 3]);
+pub(super) struct Hulls([(Vec<[f64; 2]>, usize); 3]);
 
 impl Hulls {
-    /// Takes rows: their measures, and the fraction of exceedances.
-    pub fn take(&mut self, rows: impl Iterator<Item = ([f64; 2], f64)> + Clone) {
+    /// Takes rows: their measures, the fraction of exceedances, and the number of equal rows.
+    pub fn take(&mut self, rows: impl Iterator<Item = ([f64; 2], f64, u32)> + Clone) {
         let classes = [|_| true, |y| y < 1.0, |y| y > 0.0] as [fn(f64) -> bool; 3];
-        for (corners, is_in) in self.0.iter_mut().zip(classes) {
-            let more =
-                rows.clone().filter(|(_, fraction)| is_in(*fraction)).map(|(measures, _)| measures.map(libm::log));
+        for ((corners, count), is_in) in self.0.iter_mut().zip(classes) {
+            let more = rows.clone().filter(|(_, fraction, _)| is_in(*fraction));
+            *count += more.clone().map(|(.., count)| count as usize).sum::<usize>();
+            let more = more.map(|(measures, ..)| measures.map(libm::log));
             *corners = hull(std::mem::take(corners).into_iter().chain(more).collect());
         }
     }
 
-    /// Whether all rows are on a line.
-    pub fn is_line(&self) -> bool {
-        self.0[0].len() < 3
-    }
-
-    /// Whether a line separates both classes.
-    pub fn are_separable(&self) -> bool {
-        is_separable(&self.0[1], &self.0[2])
+    /// Checks that the measures are independent, and that no line separates the classes.
+    pub fn check(&self) -> Result<(), CurveFitError> {
+        let [(all, rows), (others, other_rows), (exceeded, exceeded_rows)] = &self.0;
+        if all.len() < 3 {
+            return Err(CurveFitError::collinear(*rows));
+        }
+        match is_separable(others, exceeded) {
+            true => Err(CurveFitError::separable_plane(*exceeded_rows, *other_rows)),
+            false => Ok(()),
+        }
     }
 }
 

@@ -15,8 +15,6 @@ pub struct CaseStore {
     /// Places in the table, cases and measures.
     list: Vec<(u64, Case, [f64; 2])>,
     many: Option<ManyRowsBuilder>,
-    /// Number of cases without a value of the measures.
-    pub(super) without: usize,
     /// The error of the first row that a fit refuses.
     refused: Option<CurveFitError>,
 }
@@ -30,12 +28,9 @@ pub(super) enum StoredRows {
 }
 
 impl CaseStore {
-    /// Takes a case with its place in the table. For a curve, the second measure is 1.
+    /// Takes a case with its place in the table. For a curve, the second measure is 1. A case without a value of a measure is left out.
     pub fn push(&mut self, place: u64, case: &Case, measures: [Option<f64>; 2]) {
-        let [Some(first), Some(second)] = measures else {
-            self.without += 1;
-            return;
-        };
+        let [Some(first), Some(second)] = measures else { return };
         match &mut self.many {
             None => {
                 self.list.push((place, *case, [first, second]));
@@ -94,7 +89,8 @@ impl CaseStore {
 pub struct Collected {
     /// The limit; `None` before the first batch unless it was given.
     pub limit: Option<Limit>,
-    columns: Vec<[Option<String>; 2]>,
+    /// The measures of each store.
+    columns: Vec<(String, Option<String>)>,
     /// The cases over each list of columns.
     pub stores: Vec<CaseStore>,
     /// The ground motions of the cases.
@@ -104,8 +100,8 @@ pub struct Collected {
 }
 
 impl Collected {
-    /// Begins with a limit, or the usual one of the table, and each store's columns.
-    pub fn new(limit: Option<Limit>, columns: Vec<[Option<String>; 2]>) -> Collected {
+    /// Begins with a limit, or the usual one of the table, and each store's columns: one measure or two.
+    pub fn new(limit: Option<Limit>, columns: Vec<(String, Option<String>)>) -> Collected {
         let stores = columns.iter().map(|_| CaseStore::default()).collect();
         Collected { limit, columns, stores, motions: Motions::default(), counts: RowCounts::default() }
     }
@@ -124,15 +120,12 @@ impl Collected {
             None => before + row as u64,
         };
         let cases = batch.cases_of(limit, &mut self.motions, &mut self.counts, place)?;
-        for (store, columns) in self.stores.iter_mut().zip(&self.columns) {
-            let [first, second] =
-                columns.each_ref().map(|name| name.as_ref().map(|name| batch.numbers(name)).transpose());
-            let (first, second) = (first?, second?);
-            let value = |numbers: &Option<Vec<Option<f64>>>, row: usize| {
-                numbers.as_ref().map_or(Some(1.0), |numbers| numbers[row])
-            };
+        for (store, (first, second)) in self.stores.iter_mut().zip(&self.columns) {
+            let first = batch.numbers(first)?;
+            let second = second.as_ref().map(|name| batch.numbers(name)).transpose()?;
             for case in &cases {
-                store.push(place(case.row), case, [value(&first, case.row), value(&second, case.row)]);
+                let second = second.as_ref().map_or(Some(1.0), |numbers| numbers[case.row]);
+                store.push(place(case.row), case, [first[case.row], second]);
             }
         }
         Ok(())

@@ -48,8 +48,11 @@ pub struct SweepTable {
     headings: Vec<String>,
 }
 
-/// Columns that fits read whatever their measure.
-const OF_FITS: [&str; 14] = [
+/// Parameters whose ranges describe the blocks of a table. Their columns may have the prefix `dimensionless.`.
+pub const DESCRIBED: [&str; 3] = ["alpha", "eta", "xi_v"];
+
+/// Other columns that fits read whatever their measure.
+const OF_FITS: [&str; 11] = [
     "row",
     "outcome",
     "peak.theta/alpha",
@@ -59,11 +62,8 @@ const OF_FITS: [&str; 14] = [
     "ensemble.samples",
     "record",
     "vertical",
-    "alpha",
     "eccentricity",
     "foundation",
-    "eta",
-    "xi_v",
 ];
 
 /// Whether a fit over the named columns needs a column.
@@ -72,8 +72,8 @@ pub fn is_needed(column: &str, named: &[&str]) -> bool {
         let name = split_heading(named).0;
         column.eq_ignore_ascii_case(name) || name.parse::<Measure>().is_ok_and(|measure| measure.to_string() == column)
     };
-    let stem = column.strip_prefix("dimensionless.").unwrap_or(column);
-    OF_FITS.contains(&stem)
+    DESCRIBED.contains(&column.strip_prefix("dimensionless.").unwrap_or(column))
+        || OF_FITS.contains(&column)
         || is_plastic(column)
         || column.starts_with(fatigue::COLUMN)
         || ["P(", "ensemble.", "least."].iter().any(|prefix| column.starts_with(prefix))

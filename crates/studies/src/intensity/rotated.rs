@@ -3,6 +3,7 @@
 use rocking_records::Record;
 
 use crate::intensity::Measure;
+use crate::statistics::quantile;
 
 /// Returns the component at `angle` (degrees) from `record` towards `transverse`. It is `a cos φ + a_t sin φ`.
 ///
@@ -49,12 +50,7 @@ pub fn rot_d<const N: usize>(
     let values = (0..180).map(|angle| Ok(measure.of(&rotated(record, transverse, f64::from(angle))?, gravity)));
     let Some(mut values) = values.collect::<Result<Option<Vec<f64>>, String>>()? else { return Ok(None) };
     values.sort_by(f64::total_cmp);
-    Ok(Some(percentiles.map(|percentile| {
-        let position = percentile / 100.0 * (values.len() - 1) as f64;
-        let below = position as usize;
-        let above = (below + 1).min(values.len() - 1);
-        values[below] + (position - below as f64) * (values[above] - values[below])
-    })))
+    Ok(Some(percentiles.map(|percentile| quantile(&values, percentile / 100.0))))
 }
 
 #[cfg(test)]

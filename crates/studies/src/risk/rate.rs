@@ -116,13 +116,13 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
         Err(_) => f64::INFINITY,
     };
     if let Some(found) = assessment.bootstrap_interval(of_fit) {
-        return Interval { low: found.low.and_then(finite), high: found.high.and_then(finite) };
+        return found.map(|end| end.and_then(finite));
     }
     let levels = hazard.levels();
     let [median, beta] = [assessment.fit.median(), assessment.fit.dispersion().abs()];
     let greatest = levels[0].min(median);
     let mut halves = std::iter::successors(Some(greatest), |measure| Some(0.5 * measure)).take(HALVINGS);
-    let negligible = halves.find(|&measure| assessment.band(&[measure])[0].high.unwrap_or(1.0) < NEGLIGIBLE);
+    let negligible = halves.find(|&measure| assessment.band(&[measure])[0][1].unwrap_or(1.0) < NEGLIGIBLE);
     let from = libm::log(negligible.unwrap_or(greatest));
     let to = libm::log(levels[levels.len() - 1].max(median * libm::exp(6.0 * beta)));
     let at = |point: u32| libm::exp(from + (to - from) * f64::from(point) / f64::from(POINTS));
@@ -134,8 +134,8 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
         finite(AnnualRate::new(hazard, &curve).rate)
     };
     // A band that reaches down to the smallest measures bounds no rate.
-    let high = negligible.and_then(|_| rate(|ends| ends.high.unwrap_or(1.0)));
-    Interval { low: rate(|ends| ends.low.unwrap_or(0.0)), high }
+    let high = negligible.and_then(|_| rate(|[_, high]| high.unwrap_or(1.0)));
+    [rate(|[low, _]| low.unwrap_or(0.0)), high]
 }
 
 #[cfg(test)]

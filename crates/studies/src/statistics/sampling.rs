@@ -44,7 +44,8 @@ pub(crate) fn shuffled(count: u32, seed: u64, number: u64) -> Vec<u32> {
     order
 }
 
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+/// A stream of random words; those of one seed are independent of each other.
+pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
     random

@@ -32,6 +32,12 @@ impl GroundMotion {
         GroundMotion { files: names.clone(), names, ground, floor: None, intensities, vertical_pga }
     }
 
+    /// Names of its records: `h.AT2 + v.AT2`.
+    pub fn name(&self) -> String {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        names.join(" + ")
+    }
+
     /// The motion of a floor under this ground motion. Measures of the record remain those of the ground.
     pub fn on_floor(&self, motion: FloorMotion) -> GroundMotion {
         let FloorMotion { floor, record, pfa, pfv } = motion;

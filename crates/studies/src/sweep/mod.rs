@@ -96,8 +96,7 @@ impl Sweep {
                 (0..self.strengths.count()).map(|strength| self.strengths.scale(strength, motion, &block).abs());
             let largest = scales.fold(0.0, f64::max);
             (motion.has_record() && largest > LARGEST_SCALE).then(|| {
-                let names: Vec<&str> = motion.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
-                let names = names.join(" + ");
+                let names = motion.name();
                 let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
                 format!("{names} is scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified")
             })

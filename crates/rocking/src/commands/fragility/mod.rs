@@ -156,8 +156,8 @@ impl FragilityCommand {
     /// Reads the cases for all measures and limits in one pass over the table.
     fn cases(&self) -> anyhow::Result<TableCases> {
         let FragilityCommand { im, fit, beside, surface, .. } = self;
-        let one = |name: &String| [Some(name.clone()), None];
-        let with = |name: &String, other: &String| [Some(name.clone()), Some(other.clone())];
+        let one = |name: &String| (name.clone(), None);
+        let with = |name: &String, other: &String| (name.clone(), Some(other.clone()));
         let others: Vec<&String> = beside.iter().chain(surface).collect();
         let columns =
             im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));

@@ -38,9 +38,9 @@ impl MeasureReport {
     ///
     /// `sufficiency` has the p-value of the hypothesis that the measure is sufficient, by the other column.
     pub fn of(heading: &str, found: &Assessment, sufficiency: &BTreeMap<String, f64>) -> MeasureReport {
-        let Assessment { rows, fit, auc, brier, efficiency, rocking, goodness, .. } = found;
-        let (median, beta) = (fit.median(), fit.dispersion());
-        let [of_median, of_beta] = [found.median, found.dispersion].map(|Interval { low, high }| [low, high]);
+        let Assessment { rows, fit, auc, brier, efficiency, rocking, .. } = found;
+        let (median, beta, goodness) = (fit.median(), fit.dispersion(), found.goodness());
+        let [of_median, of_beta] = [found.median, found.dispersion];
         let json = Object::default()
             .with("im", heading)
             .with("rows", rows)
@@ -51,7 +51,7 @@ impl MeasureReport {
             // Coefficients of the natural logarithm of the measure.
             .with("intercept", fit.coefficients[0])
             .with("slope", fit.coefficients[1])
-            .with("standard_errors", &found.standard_errors)
+            .with("standard_errors", found.standard_errors())
             .with("log_likelihood", fit.log_likelihood)
             .with("null_log_likelihood", fit.null_log_likelihood)
             .with("AUC", auc)
@@ -64,7 +64,7 @@ impl MeasureReport {
             .with("sufficiency", sufficiency)
             .with_some("without_curve", found.without_curve());
         let end = |end: Option<f64>| end.map_or("?".into(), |end| format!("{end:.4}"));
-        let with = |value: f64, [low, high]: [Option<f64>; 2]| format!("{value:.4} ({} to {})", end(low), end(high));
+        let with = |value: f64, [low, high]: Interval| format!("{value:.4} ({} to {})", end(low), end(high));
         let mut fields = vec![
             heading.into(),
             with(median, of_median),

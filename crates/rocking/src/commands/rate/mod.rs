@@ -236,7 +236,7 @@ impl FragilityOptions {
     fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let FitOptions { link, ci, .. } = self.fit;
-        let mut found = Collected::new(self.fit.limit, vec![[Some(im.into()), None]]);
+        let mut found = Collected::new(self.fit.limit, vec![(im.into(), None)]);
         let mut heading = None;
         let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
             if heading.is_none() {

@@ -50,8 +50,8 @@ impl RateReport<'_> {
     }
 
     /// The interval of the rate.
-    fn interval(&self) -> [Option<f64>; 2] {
-        self.ends.map_or([None, None], |(_, ends)| [ends.low, ends.high])
+    fn interval(&self) -> Interval {
+        self.ends.map_or([None; 2], |(_, ends)| ends)
     }
 
     /// Fractions of the rate from beyond the hazard curve and the rows. The first of each pair is from below, the second from above.

@@ -5,7 +5,7 @@ use crate::studies::labels;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use rocking_studies::fragility::{Data, LikelihoodProfile, Link, Observation, bootstrap, sufficiency};
+use rocking_studies::fragility::{Data, Interval, LikelihoodProfile, Link, Observation, bootstrap, sufficiency};
 
 /// Random numbers, uniform in 0 to 1.
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -42,9 +42,9 @@ fn the_true_curve_is_within_its_band_in_95_of_100_trials() {
             let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
             let exact = link.probability((0.7 / median).ln() / dispersion);
             [
-                profile.median().contains(median),
-                profile.dispersion().contains(dispersion),
-                profile.probability(0.7).contains(exact),
+                is_inside(profile.median(), median),
+                is_inside(profile.dispersion(), dispersion),
+                is_inside(profile.probability(0.7), exact),
             ]
             .map(u64::from)
         });
@@ -54,6 +54,11 @@ fn the_true_curve_is_within_its_band_in_95_of_100_trials() {
             assert!((count as f64 - 950.0).abs() < spread, "{link}: {held:?} of 1000, expected 950 ± {spread:.0}");
         }
     }
+}
+
+/// Whether a value lies inside an interval.
+fn is_inside([low, high]: Interval, value: f64) -> bool {
+    low.is_none_or(|low| low <= value) && high.is_none_or(|high| value <= high)
 }
 
 /// Records of a population with median capacity 1.
@@ -91,7 +96,7 @@ fn intervals_clustered_by_record_cover_the_population() {
             let records = if by_record { records } else { records_of_rows(&data) };
             let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records).unwrap();
             let found = [profile.median(), profile.dispersion(), profile.probability(0.7)];
-            [0, 1, 2].map(|i| u64::from(found[i].contains([1.0, dispersion, at_07][i])))
+            [0, 1, 2].map(|i| u64::from(is_inside(found[i], [1.0, dispersion, at_07][i])))
         });
         trials.reduce(|| [0; 3], |a, b| [0, 1, 2].map(|i| a[i] + b[i])).map(|count| count as f64 / TRIALS as f64)
     };
@@ -121,16 +126,14 @@ fn intervals_end_at_the_likelihood_that_the_confidence_allows() {
         |of: &dyn Fn(f64) -> f64| (0..200_001).map(|i| of(0.0001 * f64::from(i) - 10.0)).fold(f64::MIN, f64::max);
     // 90 % quantile of χ² with one degree of freedom.
     let allowed = fit.log_likelihood - 0.5 * 2.705_543_454_095_404;
-    let (median, dispersion) = (profile.median(), profile.dispersion());
-    for end in [median.low, median.high] {
+    for end in profile.median() {
         let log_median = end.unwrap().ln();
         assert!((best(&|b| log_likelihood(-b * log_median, b)) - allowed).abs() < 1e-6);
     }
-    for end in [dispersion.low, dispersion.high] {
+    for end in profile.dispersion() {
         assert!((best(&|a| log_likelihood(a, 1.0 / end.unwrap())) - allowed).abs() < 1e-6);
     }
-    let band = profile.probability(1.3);
-    for end in [band.low, band.high] {
+    for end in profile.probability(1.3) {
         let predictor = (end.unwrap() / (1.0 - end.unwrap())).ln();
         assert!((best(&|b| log_likelihood(predictor - b * 1.3_f64.ln(), b)) - allowed).abs() < 1e-6);
     }
@@ -143,10 +146,10 @@ fn unbounded_intervals_have_no_end() {
     let data = Data::new(rows.map(|(measure, exceeded)| Observation::of(&[measure], exceeded)).to_vec()).unwrap();
     let fit = data.fit(Link::Probit).unwrap();
     let profile = LikelihoodProfile::new(&data, &fit, 0.95, &records_of_rows(&data)).unwrap();
-    assert!(profile.median().low.is_none() && profile.median().high.is_none());
-    assert!(profile.dispersion().low.is_some() && profile.dispersion().high.is_none());
-    let band = profile.probability(2.0);
-    assert!(0.0 < band.low.unwrap() && band.high.unwrap() < 1.0);
+    assert_eq!(profile.median(), [None; 2]);
+    assert_eq!(profile.dispersion().map(|end| end.is_some()), [true, false]);
+    let [low, high] = profile.probability(2.0).map(Option::unwrap);
+    assert!(0.0 < low && high < 1.0);
     let counts = [[1.0, 1.0], [2.0, 1.0], [1.0, 3.0]].map(|measures| Observation::counted(&measures, 1, 2));
     let surface = Data::new(counts.to_vec()).unwrap();
     let refused = LikelihoodProfile::new(&surface, &fit, 0.95, &[0, 1, 2]).err().map(|error| error.to_string());
@@ -187,9 +190,9 @@ fn a_bootstrap_of_groups_ignores_repeated_rows() {
     let width = |data: &Data, groups: Vec<usize>| {
         let found = bootstrap(data, &groups, Link::Probit, 400, 7).unwrap();
         assert!(found.fits.len() + found.without == 400 && found.fits.len() > 390);
-        let interval = found.interval(0.9, |fit| fit.median().ln());
-        assert!(interval.low.unwrap() < 0.1 && interval.high.unwrap() > -0.1);
-        interval.high.unwrap() - interval.low.unwrap()
+        let [low, high] = found.interval(0.9, |fit| fit.median().ln()).map(Option::unwrap);
+        assert!(low < 0.1 && high > -0.1);
+        high - low
     };
     let alone = width(&once, (0..60).collect());
     let grouped = width(&ten, (0..600).map(|row| row / 10).collect());

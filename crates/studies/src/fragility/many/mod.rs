@@ -1,7 +1,6 @@
 //! Rows of a large table → a curve or surface, in passes over sorted rows. Its intervals and its quality are found as well.
 
-use chacha20::ChaCha8Rng;
-use chacha20::rand_core::{Rng, SeedableRng};
+use chacha20::rand_core::Rng;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -14,9 +13,10 @@ use crate::fragility::likelihood::Link;
 use crate::fragility::nodes::{MAX_GROWTH, Node, Reducer, observations, reduced};
 use crate::fragility::observation::{CurveFitError, Observation, check_row};
 use crate::fragility::quality::{AreaUnderCurve, Scatter};
-use crate::fragility::regression::{CurveFit, Sums, SurfaceRows, fit_of};
+use crate::fragility::regression::{CurveFit, Sums, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
-use crate::fragility::separation::{Ends, Hulls, check_classes};
+use crate::fragility::separation::{Ends, Hulls, check_classes, check_overlap};
+use crate::statistics::sampling;
 
 /// Rows of a picture.
 const MAX_MARKS: usize = 10_000;
@@ -89,8 +89,8 @@ pub(super) struct Quality {
     pub auc: f64,
     pub brier: f64,
     pub groups: Vec<Group>,
-    /// Some of many rows in the order of their measures, including the ends.
-    pub marks: Option<Vec<Observation>>,
+    /// Some of the rows in the order of their measures, including the ends.
+    pub marks: Vec<Observation>,
 }
 
 impl ManyRows {
@@ -127,24 +127,15 @@ impl ManyRows {
     /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
     pub fn curve(&self, link: Link) -> Result<(Data, CurveFit, f64), CurveFitError> {
         check_classes(&self.ends[..1], self.count)?;
-        if let Some((below, above, falls)) = self.ends[0].separating() {
-            let (mut exceeded, mut rows, mut has_more) = (0.0, 0, false);
-            self.each(&mut |measure, fraction, weight, _| {
-                if measure == below {
-                    (exceeded, rows) = (exceeded + weight * fraction, rows + weight as usize);
-                }
-                has_more |= measure > below;
-            })?;
-            let shared = (below == above).then_some((exceeded, rows, has_more));
-            return Err(CurveFitError::separable(below, above, falls, shared));
-        }
+        check_overlap(&self.ends[0], |each| {
+            self.each(&mut |measure, fraction, weight, _| each(measure, fraction, weight))
+        })?;
         // Over the range of both classes, the predictor grows by less than 30 with this many rows.
         let [low, high] = self.ends[0].range();
         let overlap = Some(self.ends[0].overlap()).filter(|overlap| *overlap > 0.0);
         let mut width = overlap.unwrap_or_else(|| libm::log(high / low)) / 30.0;
         loop {
-            let nodes = reduced(Reducer::new(width, false), usize::MAX, |each| self.each(each))?;
-            let data = Data::checked(observations(nodes.unwrap_or_default()));
+            let data = reduced(width, |each| self.each(each))?;
             let fit = data.fit(link)?;
             let growth = fit.coefficients[1].abs() * width;
             if growth <= MAX_GROWTH {
@@ -189,7 +180,7 @@ impl ManyRows {
             auc: if sign < 0.0 { 1.0 - area } else { area },
             brier: total(&squares) / self.count as f64,
             groups: groups.finish(),
-            marks: Some(marks),
+            marks,
         })
     }
 
@@ -203,7 +194,7 @@ impl ManyRows {
         let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
         let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
-        let sums_of = |row: &EqualRows| SurfaceRows::sums_of_row(row, coefficients, term, |term| term.information);
+        let sums_of = |row: &EqualRows| Sums::of_row(row, coefficients, term, |term| term.information);
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
         self.sorted.batches(&mut |rows| {
@@ -222,7 +213,7 @@ impl ManyRows {
         };
         let refitted = |motion: u32| {
             let others = nodes.as_ref()?.iter().filter(|node| node.motion != motion).cloned();
-            let data = Data::new(observations(others.collect())).ok()?;
+            let data = Data::new(observations(others)).ok()?;
             Some(data.fit(fit.link).ok()?.coefficients - &fit.coefficients)
         };
         let shifts = self.motions.iter().map(|motion| refitted(*motion).or_else(|| step(&of_motion(motion))));
@@ -244,10 +235,19 @@ impl ManyRows {
 
     /// The rows of each motion in few nodes, unless these are many after all. They are in the order of their measures.
     fn nodes_by_motion(&self, width: f64) -> Result<Option<Vec<Node>>, CurveFitError> {
-        let mut nodes = reduced(Reducer::new(width, true), MAX_NODES, |each| self.each(each))?;
+        let mut reducer = Reducer::new(width, true);
+        self.each(&mut |measure, fraction, weight, motion| {
+            if reducer.count() <= MAX_NODES {
+                reducer.push(measure, fraction, weight, motion);
+            }
+        })?;
+        if reducer.count() > MAX_NODES {
+            return Ok(None);
+        }
+        let mut nodes = reducer.finish();
         let measure = |node: &Node| node.observation.measures[0];
-        nodes.iter_mut().for_each(|nodes| nodes.sort_by(|a, b| measure(a).total_cmp(&measure(b))));
-        Ok(nodes)
+        nodes.sort_by(|a, b| measure(a).total_cmp(&measure(b)));
+        Ok(Some(nodes))
     }
 
     /// Fits curves to resampled records, or to rows where no record repeats. [`bootstrap`](crate::fragility::bootstrap()) draws rows in the
@@ -269,8 +269,7 @@ impl ManyRows {
         // How often each group was drawn, a byte for each row of the table at most.
         let mut drawn = vec![0_u8; groups];
         for sample in 0..samples {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            random.set_stream(sample.into());
+            let mut random = sampling::stream(seed, sample.into());
             drawn.fill(0);
             for _ in 0..groups {
                 let times = &mut drawn[(random.next_u64() % groups as u64) as usize];
@@ -285,7 +284,7 @@ impl ManyRows {
                     own.iter().map(|times| f64::from(*times)).sum()
                 }
             };
-            let sampled = reduced(Reducer::new(width, false), usize::MAX, |each| {
+            let sampled = reduced(width, |each| {
                 let mut each = |measure: f64, fraction: f64, weight: f64, motion: u32| {
                     let weight = weighted(weight, motion);
                     if weight > 0.0 {
@@ -305,10 +304,9 @@ impl ManyRows {
                 }
             })?;
             let has_curve = ends.only_class().is_none() && ends.separating().is_none();
-            let fit = has_curve.then(|| Data::checked(observations(sampled.unwrap_or_default())).fit(link).ok());
-            match fit.flatten() {
-                Some(fit) => found.fits.push(fit),
-                None => found.without += 1,
+            match has_curve.then(|| sampled.fit(link)) {
+                Some(Ok(fit)) => found.fits.push(fit),
+                Some(Err(_)) | None => found.without += 1,
             }
         }
         Ok(found)
@@ -321,18 +319,10 @@ impl ManyRows {
     pub fn surface(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         check_classes(&self.ends, self.count)?;
         let mut hulls = Hulls::default();
-        self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction))))?;
-        if hulls.is_line() {
-            return Err(CurveFitError::collinear(self.count));
-        }
-        let exceeded =
-            |is: fn(f64) -> bool| self.sorted.sum(|row| if is(row.fraction) { f64::from(row.count) } else { 0.0 });
-        if hulls.are_separable() {
-            let [exceeded, others] = [exceeded(|y| y > 0.0)?, exceeded(|y| y < 1.0)?].map(|count| count as usize);
-            return Err(CurveFitError::separable_plane(exceeded, others));
-        }
+        self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction, row.count))))?;
+        hulls.check()?;
         let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction)?;
-        fit_of(&SurfaceRows(&self.sorted), link, self.count as f64, sum / self.count as f64)
+        fit_of(&self.sorted, link, self.count as f64, sum / self.count as f64)
     }
 
     /// The area under the receiver operating characteristic, the Brier score, and some rows.

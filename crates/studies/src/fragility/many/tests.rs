@@ -30,6 +30,15 @@ fn store(rows: &[(Case, [f64; 2])], is_surface: bool) -> CaseStore {
     store
 }
 
+/// The curve or surface of the rows as a list, with their data and the record of each. Rows without a motion follow the motions.
+fn listed(rows: &[(Case, [f64; 2])], measures: usize, link: Link, motions: usize) -> (Data, CurveFit, Vec<usize>) {
+    let observation =
+        |(case, values): &(Case, [f64; 2])| Observation::with_probability(&values[..measures], case.fraction);
+    let data = Data::new(rows.iter().map(observation).collect()).unwrap();
+    let fit = data.fit(link).unwrap();
+    (data, fit, rows.iter().map(|(case, _)| case.motion.unwrap_or(motions + case.row)).collect())
+}
+
 fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{found}, expected {expected}");
 }
@@ -43,10 +52,7 @@ fn many_rows_have_the_curve_of_a_list() {
         Assessment::of(store(rows, false), &motions, Link::Probit, 0.95, uncertainty).unwrap()
     };
     let found = assess(&rows, Uncertainty::Profile);
-    let observation = |(case, [first, _]): &(Case, [f64; 2])| Observation::with_probability(&[*first], case.fraction);
-    let data = Data::new(rows.iter().map(observation).collect()).unwrap();
-    let records: Vec<usize> = rows.iter().map(|(case, _)| case.row % 30).collect();
-    let fit = data.fit(Link::Probit).unwrap();
+    let (data, fit, records) = listed(&rows, 1, Link::Probit, 30);
     assert!(found.data.observations().len() < 2_000 && found.rows == 140_000);
     near(found.fit.median(), fit.median(), 1e-12);
     near(found.fit.dispersion(), fit.dispersion(), 1e-12);
@@ -55,21 +61,21 @@ fn many_rows_have_the_curve_of_a_list() {
     near(found.auc, auc(data.observations(), &probabilities), 1e-12);
     near(found.brier, brier(data.observations(), &probabilities), 1e-12);
     let groups = Goodness::of(&groups(data.observations(), &probabilities, &records)).unwrap();
-    near(found.goodness.unwrap().deviance, groups.deviance, 1e-9);
+    near(found.goodness().unwrap().deviance, groups.deviance, 1e-9);
     let (measures, peaks): (Vec<f64>, Vec<f64>) =
         rows.iter().filter_map(|(case, [first, _])| Some((*first, case.rocking_peak()?))).unzip();
     near(found.efficiency.unwrap(), efficiency(&measures, &peaks).unwrap(), 1e-10);
     let covariance = clusters::covariance(&data, &fit, &records).unwrap();
-    near(found.standard_errors[0], covariance[(0, 0)].sqrt(), 1e-9);
-    near(found.standard_errors[1], covariance[(1, 1)].sqrt(), 1e-9);
+    near(found.standard_errors()[0], covariance[(0, 0)].sqrt(), 1e-9);
+    near(found.standard_errors()[1], covariance[(1, 1)].sqrt(), 1e-9);
     let drawn = assess(&rows, Uncertainty::Bootstrap(12, 5));
     let expected = bootstrap(&data, &records, Link::Probit, 12, 5).unwrap().interval(0.95, CurveFit::median);
-    near(drawn.median.low.unwrap(), expected.low.unwrap(), 1e-11);
-    near(drawn.median.high.unwrap(), expected.high.unwrap(), 1e-11);
+    near(drawn.median[0].unwrap(), expected[0].unwrap(), 1e-11);
+    near(drawn.median[1].unwrap(), expected[1].unwrap(), 1e-11);
     rows.reverse();
     let other = assess(&rows, Uncertainty::Profile);
     assert_eq!((&other.fit, other.median, other.auc, other.brier), (&found.fit, found.median, found.auc, found.brier));
-    assert_eq!(other.standard_errors, found.standard_errors);
+    assert_eq!(other.standard_errors(), found.standard_errors());
 }
 
 #[test]
@@ -78,10 +84,7 @@ fn many_rows_have_the_surface_of_a_list() {
     let rows = cases(140_000, 150);
     let motions = Motions::of_first((0..150).collect());
     let found = Surface::of(store(&rows, true), &motions, Link::Logit).unwrap();
-    let observation = |(case, measures): &(Case, [f64; 2])| Observation::with_probability(measures, case.fraction);
-    let data = Data::new(rows.iter().map(observation).collect()).unwrap();
-    let fit = data.fit(Link::Logit).unwrap();
-    let records: Vec<usize> = rows.iter().map(|(case, _)| case.row % 150).collect();
+    let (data, fit, records) = listed(&rows, 2, Link::Logit, 150);
     let covariance = clusters::covariance(&data, &fit, &records).unwrap();
     for i in 0..3 {
         near(found.fit.coefficients[i], fit.coefficients[i], 1e-10);
@@ -90,11 +93,8 @@ fn many_rows_have_the_surface_of_a_list() {
     let probabilities = fit.probabilities(data.observations());
     near(found.auc, auc(data.observations(), &probabilities), 1e-12);
     near(found.brier, brier(data.observations(), &probabilities), 1e-12);
-    let (curve, others): (Vec<Observation>, Vec<f64>) = rows
-        .iter()
-        .map(|(case, [first, second])| (Observation::with_probability(&[*first], case.fraction), *second))
-        .unzip();
-    let expected = sufficiency(&Data::new(curve).unwrap(), &others, Link::Logit, &records).unwrap();
+    let others: Vec<f64> = rows.iter().map(|(_, [_, second])| *second).collect();
+    let expected = sufficiency(&listed(&rows, 1, Link::Logit, 150).0, &others, Link::Logit, &records).unwrap();
     near(sufficiency_of(store(&rows, true), &motions, Link::Logit).unwrap(), expected, 1e-6);
 }
 
@@ -105,16 +105,13 @@ fn rows_without_records_are_clusters_of_their_own() {
     rows.iter_mut().filter(|(case, _)| case.row.is_multiple_of(5)).for_each(|(case, _)| case.motion = None);
     let motions = Motions::of_first((0..120).collect());
     let found = Assessment::of(store(&rows, false), &motions, Link::Probit, 0.95, Uncertainty::Profile).unwrap();
-    let observation = |(case, [first, _]): &(Case, [f64; 2])| Observation::with_probability(&[*first], case.fraction);
-    let data = Data::new(rows.iter().map(observation).collect()).unwrap();
-    let records: Vec<usize> = rows.iter().map(|(case, _)| case.motion.unwrap_or(120 + case.row)).collect();
-    let fit = data.fit(Link::Probit).unwrap();
+    let (data, fit, records) = listed(&rows, 1, Link::Probit, 120);
     assert_eq!(found.independence, Independence::of(&records));
     let covariance = clusters::covariance(&data, &fit, &records).unwrap();
-    near(found.standard_errors[0], covariance[(0, 0)].sqrt(), 1e-9);
-    near(found.standard_errors[1], covariance[(1, 1)].sqrt(), 1e-9);
+    near(found.standard_errors()[0], covariance[(0, 0)].sqrt(), 1e-9);
+    near(found.standard_errors()[1], covariance[(1, 1)].sqrt(), 1e-9);
     let groups = groups(data.observations(), &fit.probabilities(data.observations()), &records);
-    near(found.goodness.unwrap().deviance, Goodness::of(&groups).unwrap().deviance, 1e-9);
+    near(found.goodness().unwrap().deviance, Goodness::of(&groups).unwrap().deviance, 1e-9);
 }
 
 #[test]
