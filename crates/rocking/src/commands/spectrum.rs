@@ -125,7 +125,7 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let statistics_file = statistics_path.map(Pending::new).transpose()?;
     let (mut statistics, mut curves) = (Statistics::new(&spectrum), Curves::new(&spectrum, over));
     let mut follow = |rows: Table| {
-        let refused = |reason| TableWriteError::Content { file: csv.display().to_string(), reason };
+        let refused = |reason| TableWriteError::Refused(format!("{}: {reason}", csv.display()));
         let outcomes = BlockOutcome::all(&rows).map_err(refused)?;
         statistics.add(&spectrum, &outcomes);
         curves.add(&spectrum, &outcomes);
