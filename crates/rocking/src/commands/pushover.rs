@@ -7,9 +7,9 @@ use clap::{Parser, ValueEnum};
 
 use crate::options::block;
 use crate::options::explicit::ExplicitOptions;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::Outputs;
 use crate::output::formats::{PictureOptions, check_table};
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::restraints::{MAX, tie};
 use rocking_block::block::{Block, Corner};
@@ -65,11 +65,9 @@ pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let PushoverCommand { block: given, side, to, amplitude, points, csv, cycle_csv, picture, report } = options;
     explicit.refuse_unless(amplitude.is_some(), &["cycle-csv"], "without --amplitude")?;
     let outputs = [("csv", csv.as_deref()), ("cycle-csv", cycle_csv.as_deref()), ("plot", picture.plot.as_deref())];
-    check_distinct(&[], &NamedFile::of_options(outputs))?;
-    for table in [csv, cycle_csv].into_iter().flatten() {
-        check_table(table)?;
-    }
+    [csv, cycle_csv].into_iter().flatten().try_for_each(|table| check_table(table))?;
     let format = picture.format()?;
+    let mut outputs = Outputs::checked(&[], outputs)?;
     let block = block::block(given)?;
     let over = match side {
         Side::Left => Corner::Left,
@@ -78,18 +76,11 @@ pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let push = Push { over, to: *to, amplitude: *amplitude, points: *points };
     let found = Pushover::of(&block, &push)?;
     let cycle_rows = found.cycle.as_ref().map_or(&[][..], |cycle| &cycle.rows[..]);
-    let mut written = Vec::new();
-    for (path, rows) in [(csv, &found.rows[..]), (cycle_csv, cycle_rows)] {
-        if let Some(path) = path {
-            written.push((Pending::new(path)?, with_headings(&table(&block, rows))?.into_bytes()));
-        }
+    for (option, rows) in [("csv", &found.rows[..]), ("cycle-csv", cycle_rows)] {
+        outputs.fill(option, || Ok(with_headings(&table(&block, rows))?.into_bytes()))?;
     }
-    if let (Some(plot), Some(format)) = (&picture.plot, format) {
-        let svg = rocking_charts::pushover::pushover(&block, &found)?;
-        written.push((Pending::new(plot)?, format.encode(&svg)?));
-    }
-    Pending::write(written)?;
-    let written = WrittenFiles::new(outputs);
+    outputs.fill("plot", || Ok(format.encode(&rocking_charts::pushover::pushover(&block, &found)?)?))?;
+    let written = outputs.write()?;
     let summary = summary(&block, &found);
     report.print("pushover", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }
