@@ -289,15 +289,12 @@ fn all<T: DataType>(reader: &mut ColumnReaderImpl<T>, rows: usize, missing: T::T
 mod tests {
     use super::*;
     use crate::output::parts::{self, PartState};
-    use crate::output::reading::TableReader;
     use crate::output::resumable::TableHeader;
     use crate::output::table::samples;
     use crate::output::table_files::TableFiles;
 
     fn read(path: &std::path::Path) -> Option<Table> {
-        let mut reader = TableReader::new(&|_| true);
-        reader.read_file(path).ok()?;
-        Some(reader.table())
+        Some(TableFiles::of(path).ok()?.read(&|_| true).ok()?.0)
     }
 
     fn table(rows: std::ops::Range<u64>) -> Table {

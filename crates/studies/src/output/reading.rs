@@ -11,7 +11,7 @@ use std::sync::Arc;
 use csv::{ReaderBuilder, StringRecord};
 
 #[cfg(feature = "parquet")]
-use crate::output::parquet::Groups;
+use crate::output::parquet::{GroupReader, Groups};
 use crate::output::table::{Heading, Kind, Series, Table, Values, split_heading};
 
 /// The reason why a table cannot be read.
@@ -167,8 +167,27 @@ impl Growing {
     }
 }
 
-/// Takes a batch of rows, with the headings of all columns of the file.
-pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
+/// The rows of a file that are still to be read.
+pub(super) struct FileRows<'c> {
+    file: String,
+    /// Number of rows of the files before.
+    before: u64,
+    content: Content<'c>,
+}
+
+enum Content<'c> {
+    Csv {
+        reader: Box<csv::Reader<Box<dyn Read + 'c>>>,
+        header: StringRecord,
+        is_over: bool,
+    },
+    #[cfg(feature = "parquet")]
+    Parquet {
+        groups: Groups,
+        next: usize,
+        group: Option<GroupReader>,
+    },
+}
 
 /// Rows of a batch.
 const BATCH: u64 = 1 << 16;
@@ -227,125 +246,104 @@ impl<'a> TableReader<'a> {
         self.rows += rows as u64;
     }
 
-    /// Appends the rows of a file, in CSV or Parquet by its name.
-    ///
-    /// # Errors
-    /// Those of both formats.
-    pub fn read_file(&mut self, path: &Path) -> Result<(), TableReadError> {
-        self.read(path, &mut |_| Ok(()))
-    }
-
-    /// Passes the rows of a file on in batches, with the headings of all columns. Batches share the words of their columns.
-    ///
-    /// # Errors
-    /// Those of both formats, and of `each`.
-    pub fn read_batches<E: From<TableReadError>>(&mut self, path: &Path, each: &mut TakeBatch<E>) -> Result<(), E> {
-        self.read(path, &mut |reader| {
-            let table = reader.take();
-            each(table, &reader.headings)
-        })
-    }
-
-    fn read<E: From<TableReadError>>(
-        &mut self,
-        path: &Path,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let file = path.display().to_string();
-        let content =
-            File::open(path).map_err(|error| TableReadError::refused(&file, format!("cannot be read: {error}")))?;
-        match is_parquet(path) {
-            true => self.read_parquet(&file, content, each),
-            false => self.read_csv_batches(&file, content, each),
-        }
-    }
-
     /// Appends the rows of a table in CSV.
     ///
     /// # Errors
     /// A row with the wrong number of fields or with the headings, invalid UTF-8, or other columns than before.
     pub fn read_csv(&mut self, file: &str, content: impl Read) -> Result<(), TableReadError> {
-        self.read_csv_batches(file, content, &mut |_| Ok(()))
+        let mut rows = self.begin_csv(file, content)?;
+        while self.next_batch(&mut rows)? {}
+        Ok(())
     }
 
-    fn read_csv_batches<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        content: impl Read,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let damaged = |error: csv::Error| {
-            let reason = match *error.kind() {
-                csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
-                    let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
-                    format!("row {row} has {found} fields; expected {expected}, as in the heading")
-                }
-                csv::ErrorKind::Utf8 { .. } => {
-                    "found no text; expected a table of `rocking sweep`, as CSV or Parquet".into()
-                }
-                _ => format!("cannot be read as CSV: {error}"),
-            };
-            TableReadError::damaged(file, reason)
-        };
-        let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(content);
-        let header = reader.headers().map_err(damaged)?.clone();
+    /// Begins a file, in CSV or Parquet by its name.
+    ///
+    /// # Errors
+    /// The file cannot be read, or has other columns than before.
+    pub(super) fn begin_file(&mut self, path: &Path) -> Result<FileRows<'static>, TableReadError> {
+        let file = path.display().to_string();
+        let content =
+            File::open(path).map_err(|error| TableReadError::refused(&file, format!("cannot be read: {error}")))?;
+        if is_parquet(path) { self.begin_parquet(&file, content) } else { self.begin_csv(&file, content) }
+    }
+
+    fn begin_csv<'c>(&mut self, file: &str, content: impl Read + 'c) -> Result<FileRows<'c>, TableReadError> {
+        let content: Box<dyn Read + 'c> = Box::new(content);
+        let mut reader = Box::new(ReaderBuilder::new().comment(Some(b'#')).from_reader(content));
+        let header = reader.headers().map_err(|error| damaged_csv(file, &error))?.clone();
         if header.is_empty() {
             let reason = "found no lines; expected a table of `rocking sweep`".into();
-            return Err(TableReadError::damaged(file, reason).into());
+            return Err(TableReadError::damaged(file, reason));
         }
         self.begin(file, header.iter().map(String::from).collect(), |_, heading| Growing::of(heading))?;
-        let mut record = StringRecord::new();
-        let before = self.rows;
-        while reader.read_record(&mut record).map_err(damaged)? {
-            if record == header {
-                let rows = self.rows - before;
-                let reason =
-                    format!("repeats its headings after {rows} rows, as in tables joined by cat; expected one table");
-                return Err(TableReadError::damaged(file, reason).into());
-            }
-            for (column, text) in self.columns.iter_mut().zip(&record) {
-                if let Some(column) = column {
-                    column.push_text(text);
-                }
-            }
-            self.end_rows(1);
-            if (self.rows - before).is_multiple_of(BATCH) {
-                each(self)?;
-            }
-        }
-        each(self)
+        Ok(FileRows { file: file.into(), before: self.rows, content: Content::Csv { reader, header, is_over: false } })
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn read_parquet<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        _: File,
-        _: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        Err(no_parquet(file).into())
+    fn begin_parquet(&mut self, file: &str, _: File) -> Result<FileRows<'static>, TableReadError> {
+        Err(no_parquet(file))
     }
 
     #[cfg(feature = "parquet")]
-    fn read_parquet<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        content: File,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
+    fn begin_parquet(&mut self, file: &str, content: File) -> Result<FileRows<'static>, TableReadError> {
         let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
         let headings = groups.headings.iter().map(Heading::to_string).collect();
         self.begin(file, headings, |number, _| Growing::of_kind(groups.headings[number].kind.clone()))?;
-        let is_wanted: Vec<bool> = self.columns.iter().map(Option::is_some).collect();
-        for group in 0..groups.count() {
-            let mut group = groups.group(group, &is_wanted).map_err(|error| not_parquet(file, error))?;
-            while let Some((rows, columns)) = group.next(BATCH as usize).map_err(|error| not_parquet(file, error))? {
-                self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
-                self.end_rows(rows);
-                each(self)?;
+        let content = Content::Parquet { groups, next: 0, group: None };
+        Ok(FileRows { file: file.into(), before: self.rows, content })
+    }
+
+    /// Appends the next rows of a file; returns whether there were any, or the end of a table in CSV.
+    ///
+    /// # Errors
+    /// The content is damaged.
+    pub(super) fn next_batch(
+        &mut self,
+        FileRows { file, before, content }: &mut FileRows,
+    ) -> Result<bool, TableReadError> {
+        match content {
+            Content::Csv { is_over: true, .. } => Ok(false),
+            Content::Csv { reader, header, is_over } => {
+                let mut record = StringRecord::new();
+                while reader.read_record(&mut record).map_err(|error| damaged_csv(file, &error))? {
+                    if record == *header {
+                        let rows = self.rows - *before;
+                        return Err(TableReadError::damaged(
+                            file,
+                            format!(
+                                "repeats its headings after {rows} rows, as in tables joined by cat; expected one table"
+                            ),
+                        ));
+                    }
+                    for (column, text) in self.columns.iter_mut().zip(&record) {
+                        if let Some(column) = column {
+                            column.push_text(text);
+                        }
+                    }
+                    self.end_rows(1);
+                    if (self.rows - *before).is_multiple_of(BATCH) {
+                        return Ok(true);
+                    }
+                }
+                *is_over = true;
+                Ok(true)
             }
+            #[cfg(feature = "parquet")]
+            Content::Parquet { groups, next, group } => loop {
+                let read = group.as_mut().map(|group| group.next(BATCH as usize)).transpose();
+                if let Some((rows, columns)) = read.map_err(|error| not_parquet(file, error))?.flatten() {
+                    self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
+                    self.end_rows(rows);
+                    return Ok(true);
+                }
+                if *next == groups.count() {
+                    return Ok(false);
+                }
+                let is_wanted: Vec<bool> = self.columns.iter().map(Option::is_some).collect();
+                *group = Some(groups.group(*next, &is_wanted).map_err(|error| not_parquet(file, error))?);
+                *next += 1;
+            },
         }
-        Ok(())
     }
 
     /// Headings of all columns.
@@ -358,11 +356,24 @@ impl<'a> TableReader<'a> {
         self.take()
     }
 
-    /// Takes the rows since the last call.
-    fn take(&mut self) -> Table {
+    /// Takes the rows since the last call. All tables share the words of their columns.
+    pub(super) fn take(&mut self) -> Table {
         let columns = self.headings.iter().zip(&mut self.columns);
         Table::of_series(columns.filter_map(|(heading, column)| Some(column.as_mut()?.take(heading))).collect())
     }
+}
+
+/// The error of a table in CSV.
+fn damaged_csv(file: &str, error: &csv::Error) -> TableReadError {
+    let reason = match *error.kind() {
+        csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
+            let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
+            format!("row {row} has {found} fields; expected {expected}, as in the heading")
+        }
+        csv::ErrorKind::Utf8 { .. } => "found no text; expected a table of `rocking sweep`, as CSV or Parquet".into(),
+        _ => format!("cannot be read as CSV: {error}"),
+    };
+    TableReadError::damaged(file, reason)
 }
 
 /// Whether a table is Parquet, by its name.

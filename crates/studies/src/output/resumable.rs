@@ -138,7 +138,6 @@ impl ResumableTable {
             let file = name.clone();
             move |error| TableWriteError::Io { file, what, error }
         };
-        let new = |sink| ResumableTable { name: name.clone(), sink, rows: 0, failures: Failures::default() };
         let OutputTarget::File(file_path) = &target else {
             if resume {
                 return Err(TableWriteError::Refused(format!(
@@ -146,35 +145,28 @@ impl ResumableTable {
                 )));
             }
             let Some(out) = target.open_stream().map_err(io("written"))? else { unreachable!("not a file") };
-            let mut table = new(Sink::Stream { out, outlives_reader });
-            table.begin(header)?;
-            return Ok(table);
+            return ResumableTable::stream(name, header, out, outlives_reader);
         };
-        if file_path.exists() {
-            if !resume && !force {
-                return Err(TableWriteError::Refused(format!(
-                    "{name}: exists already; expected --resume to continue it, --force to replace it, or another name"
-                )));
-            }
-            let mut file = OpenOptions::new().read(true).write(true).open(file_path).map_err(io("opened"))?;
-            lock(&file, &name)?;
-            if force {
-                file.set_len(0).map_err(io("written"))?;
-            }
-            let (length, done, failures) = complete_rows(&file, &name, header, rows)?;
-            file.set_len(length).map_err(io("written"))?;
-            file.seek(SeekFrom::End(0)).map_err(io("written"))?;
-            let sink = Sink::File { path: file_path.clone(), file };
-            let mut table = ResumableTable { rows: done, failures, ..new(sink) };
-            if length == 0 {
-                table.begin(header)?;
-            }
-            return Ok(table);
+        let exists = file_path.exists();
+        if exists && !resume && !force {
+            return Err(TableWriteError::Refused(format!(
+                "{name}: exists already; expected --resume to continue it, --force to replace it, or another name"
+            )));
         }
-        let file = OpenOptions::new().write(true).create_new(true).open(file_path).map_err(io("written"))?;
+        let opened = OpenOptions::new().read(true).write(true).create_new(!exists).open(file_path);
+        let mut file = opened.map_err(io(if exists { "opened" } else { "written" }))?;
         lock(&file, &name)?;
-        let mut table = new(Sink::File { path: file_path.clone(), file });
-        table.begin(header)?;
+        if force {
+            file.set_len(0).map_err(io("written"))?;
+        }
+        let (length, rows, failures) = complete_rows(&file, &name, header, rows)?;
+        file.set_len(length).map_err(io("written"))?;
+        file.seek(SeekFrom::End(0)).map_err(io("written"))?;
+        let sink = Sink::File { path: file_path.clone(), file };
+        let mut table = ResumableTable { name, sink, rows, failures };
+        if length == 0 {
+            table.write(header.text())?;
+        }
         Ok(table)
     }
 
@@ -187,9 +179,18 @@ impl ResumableTable {
         header: &TableHeader,
         out: Box<dyn Write + Send>,
     ) -> Result<ResumableTable, TableWriteError> {
-        let sink = Sink::Stream { out, outlives_reader: false };
-        let mut table = ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() };
-        table.begin(header)?;
+        ResumableTable::stream(name.into(), header, out, false)
+    }
+
+    fn stream(
+        name: String,
+        header: &TableHeader,
+        out: Box<dyn Write + Send>,
+        outlives_reader: bool,
+    ) -> Result<ResumableTable, TableWriteError> {
+        let sink = Sink::Stream { out, outlives_reader };
+        let mut table = ResumableTable { name, sink, rows: 0, failures: Failures::default() };
+        table.write(header.text())?;
         Ok(table)
     }
 
@@ -231,10 +232,6 @@ impl ResumableTable {
             #[cfg(feature = "parquet")]
             Sink::Parquet(_) => false,
         }
-    }
-
-    fn begin(&mut self, header: &TableHeader) -> Result<(), TableWriteError> {
-        self.write(header.text())
     }
 
     /// Number of complete rows.

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_line, refused};
-use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
+use crate::output::reading::{TableReadError, TableReader, is_parquet};
 use crate::output::table::{Table, Values};
 
 /// The files of a table: a single one, the parts of a folder, or others. The parts are all of one set. Folders named `key=value` split it: each has a set
@@ -24,6 +24,9 @@ pub struct TableFile {
     /// Its path.
     pub path: PathBuf,
 }
+
+/// Takes a batch of rows, with the headings of all columns of the file.
+pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
 
 impl TableFiles {
     /// Whether a path stands for several files: a folder, or a pattern such as `runs/*.parquet`.
@@ -130,7 +133,7 @@ impl TableFiles {
     pub fn read(&self, is_wanted: &dyn Fn(&str) -> bool) -> Result<(Table, Vec<String>), PartsError> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);
-        self.visit::<PartsError>(&mut reader, |reader, path| Ok(reader.read_file(path)?))?;
+        self.visit(&mut reader, |_| Ok::<(), PartsError>(()))?;
         let headings = reader.headings().to_vec();
         let mut table = reader.table();
         if let Some(Values::Integer(rows)) = table.column(ROW).map(|column| &column.values)
@@ -155,23 +158,24 @@ impl TableFiles {
     ) -> Result<(), E> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);
-        self.visit(&mut reader, |reader, path| {
-            reader.read_batches(path, &mut |rows, headings| each(rows, headings).map_err(VisitError::Receiver))
-        })
+        self.visit(&mut reader, |reader| each(reader.take(), reader.headings()))
     }
 
-    /// Reads file by file, and checks that the parts are whole.
+    /// Reads file by file, with a call after each batch of rows, and checks that the parts are whole.
     fn visit<'a, E: From<PartsError>>(
         &self,
         reader: &mut TableReader<'a>,
-        mut read: impl FnMut(&mut TableReader<'a>, &Path) -> Result<(), VisitError<E>>,
+        mut each: impl FnMut(&mut TableReader<'a>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first: Option<(&TableFile, Vec<String>)> = None;
         for file in &self.files {
             let TableFile { keys, part, path } = file;
             reader.set_keys(keys);
             let Some(part) = *part else {
-                read(reader, path).map_err(|error| error.of(PartsError::Read))?;
+                let mut rows = reader.begin_file(path).map_err(PartsError::Read)?;
+                while reader.next_batch(&mut rows).map_err(PartsError::Read)? {
+                    each(reader)?;
+                }
                 continue;
             };
             let damaged = |reason: String| {
@@ -207,7 +211,10 @@ impl TableFiles {
                 _ => first = Some((file, study)),
             }
             let before = reader.rows();
-            read(reader, path).map_err(|error| error.of(unread))?;
+            let mut rows = reader.begin_file(path).map_err(unread)?;
+            while reader.next_batch(&mut rows).map_err(unread)? {
+                each(reader)?;
+            }
             let found = reader.rows() - before;
             if found != expected {
                 return Err(damaged(format!("found {found} rows, expected {expected}")).into());
@@ -217,27 +224,6 @@ impl TableFiles {
             }
         }
         Ok(())
-    }
-}
-
-/// The error of reading a file, or that of the receiver of its rows.
-enum VisitError<E> {
-    File(TableReadError),
-    Receiver(E),
-}
-
-impl<E> From<TableReadError> for VisitError<E> {
-    fn from(error: TableReadError) -> VisitError<E> {
-        VisitError::File(error)
-    }
-}
-
-impl<E: From<PartsError>> VisitError<E> {
-    fn of(self, file: impl FnOnce(TableReadError) -> PartsError) -> E {
-        match self {
-            VisitError::File(error) => file(error).into(),
-            VisitError::Receiver(error) => error,
-        }
     }
 }
 
