@@ -79,8 +79,8 @@ pub fn history<'py>(
     warn(py, doubts::of_end(&pulse, !ground.is_empty()), 2)?;
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     run.check_memory(gradients.len()).map_err(|error| match error {
-        MemoryError::TooManyRows { .. } => invalid(error),
-        MemoryError::Refused { .. } => PyMemoryError::new_err(error.to_string()),
+        MemoryError::TooManyRows(_) => invalid(error),
+        MemoryError::Refused(message) => PyMemoryError::new_err(message),
     })?;
     let parameters = Parameters {
         block: block_parameters,

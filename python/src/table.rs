@@ -8,7 +8,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rocking_studies::fragility;
 use rocking_studies::output::parts::PartsError;
-use rocking_studies::output::reading::{TableReadError, TableReader};
 use rocking_studies::output::table::{Kind, Series, Table, Values};
 use rocking_studies::output::table_files::{TableFile, TableFiles};
 
@@ -46,15 +45,9 @@ fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
 /// Reads a table in CSV, or a folder or a pattern of such files.
 #[pyfunction]
 pub fn read_table<'py>(py: Python<'py>, path: PathBuf, partial: bool) -> PyResult<Vec<Column<'py>>> {
-    let table = py.detach(|| {
-        if TableFiles::are_at(&path) {
-            return Ok(files(&path, partial)?.read(&|_| true)?.0);
-        }
-        let mut reader = TableReader::new(&|_| true);
-        reader.read_file(&path)?;
-        Ok::<Table, PartsError>(reader.table())
-    });
-    columns(py, table.map_err(invalid)?)
+    let read = py.detach(|| files(&path, partial)?.read(&|_| true));
+    let (table, _) = read.map_err(invalid)?;
+    columns(py, table)
 }
 
 /// Whether a fit over the named columns needs a column.
@@ -72,11 +65,8 @@ pub fn read_batches(py: Python, path: PathBuf, partial: bool, named: Vec<String>
         each.call1((columns(py, table)?,))?;
         Ok(())
     };
-    let read = match TableFiles::are_at(&path) {
-        true => files(&path, partial).map_err(Ended::from).and_then(|files| files.read_batches(&is_wanted, &mut pass)),
-        false => TableReader::new(&is_wanted).read_batches(&path, &mut pass),
-    };
-    read.map_err(|Ended(error)| error)
+    let files = files(&path, partial).map_err(invalid)?;
+    files.read_batches(&is_wanted, &mut pass).map_err(|Ended(error)| error)
 }
 
 /// The exception that ends the reading of a table.
@@ -90,12 +80,6 @@ impl From<PyErr> for Ended {
 
 impl From<PartsError> for Ended {
     fn from(error: PartsError) -> Ended {
-        Ended(invalid(error))
-    }
-}
-
-impl From<TableReadError> for Ended {
-    fn from(error: TableReadError) -> Ended {
         Ended(invalid(error))
     }
 }

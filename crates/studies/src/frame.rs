@@ -25,26 +25,14 @@ pub struct Frame {
 
 /// The reason why a frame has no equivalent block.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FrameError {
-    /// Too few or too many columns.
-    #[error("columns = {0}; expected 2 to {MAX_COLUMNS}, since one column does not keep the beam level")]
-    Columns(u32),
-    /// The mass of the beam.
-    #[error("beam_mass = {0} is not valid; expected a mass >= 0 kg")]
-    BeamMass(f64),
-    /// The column has a property with which the frame is not equivalent to a block.
-    #[error("{property} of the column has no equivalent in a frame: {reason}; expected {expected}")]
-    Inequivalent {
-        /// The property.
-        property: &'static str,
-        /// Why no block moves like the frame.
-        reason: &'static str,
-        /// A column with an equivalent.
-        expected: &'static str,
-    },
+#[error("{0}")]
+pub struct FrameError(String);
+
+impl From<BlockError> for FrameError {
     /// The equivalent block is not valid.
-    #[error(transparent)]
-    Block(#[from] BlockError),
+    fn from(error: BlockError) -> FrameError {
+        FrameError(error.to_string())
+    }
 }
 
 /// Greatest number of columns; a greater one would be a typing error.
@@ -81,10 +69,12 @@ impl Frame {
     /// [`FrameError`]: a number or a mass out of range, or a column on supports, tied, uneven, sliding or with ε > 0.
     pub fn new(columns: u32, column: Block, beam_mass: f64) -> Result<Frame, FrameError> {
         if !(2..=MAX_COLUMNS).contains(&columns) {
-            return Err(FrameError::Columns(columns));
+            return Err(FrameError(format!(
+                "columns = {columns}; expected 2 to {MAX_COLUMNS}, since one column does not keep the beam level"
+            )));
         }
         if !(beam_mass.is_finite() && beam_mass >= 0.0) {
-            return Err(FrameError::BeamMass(beam_mass));
+            return Err(FrameError(format!("beam_mass = {beam_mass} is not valid; expected a mass >= 0 kg")));
         }
         equivalent(&column)?;
         let ratio = beam_mass / (f64::from(columns) * column.mass);
@@ -188,7 +178,10 @@ impl FrameResponse {
 
 /// Refuses a column with which no block moves like the frame.
 fn equivalent(column: &Block) -> Result<(), FrameError> {
-    let refused = |property, reason, expected| Err(FrameError::Inequivalent { property, reason, expected });
+    let refused = |property: &str, reason: &str, expected: &str| {
+        let message = format!("{property} of the column has no equivalent in a frame: {reason}; expected {expected}");
+        Err(FrameError(message))
+    };
     if column.foundation != Foundation::Rigid {
         let reason = "on supports the columns also move vertically, and the beam takes part in that motion differently from a block";
         return refused("foundation = viscoelastic", reason, "a rigid base");

@@ -47,7 +47,7 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     // The page names the file without its folder, so that its bytes do not depend on where the study lies.
     let short = file.file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
     let plan = Plan::read(&short, &text, folder).map_err(|error| StudyFileError { file: name.clone(), ..error })?;
-    warn(plan.sweep.remarks.iter().cloned());
+    warn(&plan.sweep.remarks);
     std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
     let page = out.join(PAGE);
     Pending::new(&page)?;
@@ -75,9 +75,7 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let written = WrittenFiles::new([("out", Some(page.as_path()))]);
     let contents = files.iter().map(|(_, content)| content.clone());
     Pending::write(pending.into_iter().zip(contents).collect())?;
-    for remark in &found.report.remarks {
-        eprintln!("rocking: warning: {remark}");
-    }
+    warn(&found.report.remarks);
     let warnings = [&plan.sweep.remarks[..], &found.report.remarks].concat();
     report.print("assess", &written, &warnings, &(text + &written.lines()), &result)
 }

@@ -7,12 +7,11 @@ use clap::Parser;
 
 use crate::options::input;
 use crate::options::run::ThreadOptions;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use rocking_charts::numerals::readable;
-use rocking_charts::picture::PictureFormat;
 use rocking_studies::fit::{Estimate, Fit, TestFit, file, fit};
 use rocking_studies::input::study_file::StudyFileError;
 
@@ -40,7 +39,7 @@ pub struct FitCommand {
 pub fn run(options: &FitCommand) -> anyhow::Result<()> {
     let FitCommand { file: study, csv, residuals, picture, threads, report } = options;
     [csv, residuals].into_iter().flatten().try_for_each(|path| check_table(path))?;
-    let format = picture.format()?.unwrap_or(PictureFormat::Png);
+    let format = picture.format()?;
     let (name, text) = input::text(study)?;
     let folder = study.parent().unwrap_or(Path::new(""));
     let (problem, files) =
@@ -48,24 +47,19 @@ pub fn run(options: &FitCommand) -> anyhow::Result<()> {
     let outputs = [("csv", csv.as_deref()), ("residuals", residuals.as_deref()), ("plot", picture.plot.as_deref())];
     let read = files.iter().map(|file| NamedFile::new("the input", &folder.join(file)));
     let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", study)).chain(read).collect();
-    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let [table_file, residuals_file, picture_file] = outputs.map(|(_, path)| path.map(Pending::new).transpose());
-    let (table_file, residuals_file, picture_file) = (table_file?, residuals_file?, picture_file?);
+    let mut outputs = Outputs::checked(&inputs, outputs)?;
 
     let bar = Progress::new(0, 0);
     let found = fit(&problem, &threads.pool()?, &|done, all| bar.show_of(done, all));
     let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     bar.clear();
-    let mut written = Vec::new();
-    written.extend(table_file.map(|file| (file, table(&found).into_bytes())));
-    written.extend(residuals_file.map(|file| (file, residual_table(&found).into_bytes())));
-    if let Some(file) = picture_file {
+    outputs.fill("csv", || Ok(table(&found).into_bytes()))?;
+    outputs.fill("residuals", || Ok(residual_table(&found).into_bytes()))?;
+    outputs.fill("plot", || {
         let title = study.file_stem().map_or(name, |stem| stem.to_string_lossy().into_owned());
-        let svg = rocking_charts::fit::fit(&found, &format!("fit to {title}"))?;
-        written.push((file, format.encode(&svg)?));
-    }
-    Pending::write(written)?;
-    let written = WrittenFiles::new(outputs);
+        Ok(format.encode(&rocking_charts::fit::fit(&found, &format!("fit to {title}"))?)?)
+    })?;
+    let written = outputs.write()?;
     report.print("fit", &written, &found.notes, &(summary(&found) + &written.lines()), &found)
 }
 

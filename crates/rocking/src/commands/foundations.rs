@@ -23,48 +23,15 @@ pub struct FoundationsCommand {
 #[derive(Subcommand)]
 enum Command {
     /// Compute a support of rubber: a circular pad under each corner
-    Pad(PadOptions),
+    Pad(SupportOptions<Pad>),
     /// Compute supports equivalent to a rectangular footing on soil
-    Soil(SoilOptions),
+    Soil(SupportOptions<Soil>),
 }
 
 #[derive(Args)]
-struct PadOptions {
-    /// Diameter d of the pad [m]
-    #[arg(long, value_name = "M")]
-    diameter: f64,
-    /// Shape factor S: loaded area over the area free to bulge; d/(4 t) for a layer of thickness t
-    #[arg(long, value_name = "S")]
-    shape_factor: f64,
-    /// Shear modulus G of the rubber [Pa]
-    #[arg(long, value_name = "PA")]
-    shear_modulus: f64,
-    /// Bulk modulus of the rubber; by default it is incompressible, as in the paper [Pa]
-    #[arg(long, value_name = "PA")]
-    bulk_modulus: Option<f64>,
+struct SupportOptions<S: Args> {
     #[command(flatten)]
-    block: SupportedBlock,
-    #[command(flatten)]
-    report: ReportOptions,
-}
-
-#[derive(Args)]
-struct SoilOptions {
-    /// Width of the footing in the plane of rocking [m]
-    #[arg(long, value_name = "M")]
-    width: f64,
-    /// Length of the footing across that plane [m]
-    #[arg(long, value_name = "M")]
-    length: f64,
-    /// Velocity of shear waves in the soil, at the strain of the earthquake [m/s]
-    #[arg(long, value_name = "M/S")]
-    shear_wave_velocity: f64,
-    /// Density of the soil [kg/m3]
-    #[arg(long, value_name = "KG/M3")]
-    density: f64,
-    /// Poisson's ratio of the soil
-    #[arg(long, value_name = "NU")]
-    poisson: f64,
+    support: S,
     #[command(flatten)]
     block: SupportedBlock,
     #[command(flatten)]
@@ -90,57 +57,49 @@ pub fn run(options: &FoundationsCommand) -> anyhow::Result<()> {
             options.report.print("foundations", &WrittenFiles::new([]), &[], &table(pairs()), &json)
         }
         Some(Command::Pad(options)) => {
-            let PadOptions { diameter, shape_factor, shear_modulus, bulk_modulus, ref block, ref report } = *options;
-            let pad = Pad { diameter, shape_factor, shear_modulus, bulk_modulus };
-            let source = match bulk_modulus {
+            let source = match options.support.bulk_modulus {
                 None => "Palmeri and Makris (2008), eq. (36)",
                 Some(_) => "Palmeri and Makris (2008), eq. (36); compressibility by Gent and Lindley (1959)",
             };
-            print("foundations pad", pad.support()?, block, source, report)
+            options.print("foundations pad", options.support.support()?, source)
         }
         Some(Command::Soil(options)) => {
-            let SoilOptions { width, length, shear_wave_velocity, density, poisson, ref block, ref report } = *options;
-            let soil = Soil { width, length, density, shear_wave_velocity, poisson };
             let source = "Pais and Kausel (1988): static stiffness, radiation damping of the vertical motion";
-            print("foundations soil", soil.support()?, block, source, report)
+            options.print("foundations soil", options.support.support()?, source)
         }
     }
 }
 
-fn print(
-    command: &str,
-    support: Support,
-    block: &SupportedBlock,
-    source: &'static str,
-    report: &ReportOptions,
-) -> anyhow::Result<()> {
-    let mass = checked("mass", block.mass, |x| x > 0.0, "a mass > 0 kg")?;
-    let p = checked("p", block.p, |x| x > 0.0, "a frequency > 0 rad/s")?;
-    let omega_v = mass.map(|mass| (2.0 * support.stiffness / mass).sqrt());
-    let xi_v = mass.zip(omega_v).zip(support.damping).map(|((mass, omega_v), damping)| damping / (mass * omega_v));
-    let eta = omega_v.zip(p).map(|(omega_v, p)| omega_v / p);
-    let Support { stiffness, damping, rocking_stiffness } = support;
-    let short = |value: f64| significant(value, 4);
-    let mut summary = Summary::default();
-    summary.item("K", stiffness, "K", format!("{stiffness:.4e} N/m, of each of two supports"));
-    let of_each = damping.map(|damping| format!("{damping:.4e} N.s/m, of each"));
-    summary.item("C", damping, "C", of_each.unwrap_or_else(|| "not stated by the source".into()));
-    summary.entry("K_rocking", rocking_stiffness);
-    if let Some(rocking) = rocking_stiffness.filter(|&rocking| rocking != stiffness) {
-        let part = significant(rocking / stiffness, 3);
-        let text = format!("{rocking:.4e} N/m, {part} K: two supports with the rocking stiffness of the footing");
-        summary.line("K_rocking", text);
+impl<S: Args> SupportOptions<S> {
+    fn print(&self, command: &str, support: Support, source: &'static str) -> anyhow::Result<()> {
+        let mass = checked("mass", self.block.mass, |x| x > 0.0, "a mass > 0 kg")?;
+        let p = checked("p", self.block.p, |x| x > 0.0, "a frequency > 0 rad/s")?;
+        let omega_v = mass.map(|mass| (2.0 * support.stiffness / mass).sqrt());
+        let xi_v = mass.zip(omega_v).zip(support.damping).map(|((mass, omega_v), damping)| damping / (mass * omega_v));
+        let eta = omega_v.zip(p).map(|(omega_v, p)| omega_v / p);
+        let Support { stiffness, damping, rocking_stiffness } = support;
+        let short = |value: f64| significant(value, 4);
+        let mut summary = Summary::default();
+        summary.item("K", stiffness, "K", format!("{stiffness:.4e} N/m, of each of two supports"));
+        let of_each = damping.map(|damping| format!("{damping:.4e} N.s/m, of each"));
+        summary.item("C", damping, "C", of_each.unwrap_or_else(|| "not stated by the source".into()));
+        summary.entry("K_rocking", rocking_stiffness);
+        if let Some(rocking) = rocking_stiffness.filter(|&rocking| rocking != stiffness) {
+            let part = significant(rocking / stiffness, 3);
+            let text = format!("{rocking:.4e} N/m, {part} K: two supports with the rocking stiffness of the footing");
+            summary.line("K_rocking", text);
+        }
+        for (key, value) in [("omega_v", omega_v), ("xi_v", xi_v), ("eta", eta)] {
+            summary.entry(key, value);
+        }
+        if let Some(omega_v) = omega_v {
+            let xi_v = xi_v.map(|xi_v| format!(", xi_v = {}", short(xi_v))).unwrap_or_default();
+            let eta = eta.map(|eta| format!(", eta = {}", short(eta))).unwrap_or_default();
+            summary.line("block", format!("omega_v = {} rad/s{xi_v}{eta}", short(omega_v)));
+        }
+        summary.item("source", source, "source", source);
+        self.report.print(command, &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
-    for (key, value) in [("omega_v", omega_v), ("xi_v", xi_v), ("eta", eta)] {
-        summary.entry(key, value);
-    }
-    if let Some(omega_v) = omega_v {
-        let xi_v = xi_v.map(|xi_v| format!(", xi_v = {}", short(xi_v))).unwrap_or_default();
-        let eta = eta.map(|eta| format!(", eta = {}", short(eta))).unwrap_or_default();
-        summary.line("block", format!("omega_v = {} rad/s{xi_v}{eta}", short(omega_v)));
-    }
-    summary.item("source", source, "source", source);
-    report.print(command, &WrittenFiles::new([]), &[], &summary.text, &summary.json)
 }
 
 /// Writes the pairs as a table, with the sources below.

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 
+use crate::options::accelerograms::of_one_motion;
 use crate::options::checks::check;
 use crate::options::excitation::{Excitation, ExcitationOptions};
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::warn;
 use crate::options::single_run;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::Outputs;
 use crate::output::formats::check_table;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::{Block, BlockParameters, Common, Outline, Supports};
 use rocking_block::simulation::{Initial, OnSeparation};
@@ -24,6 +25,7 @@ use rocking_studies::spec::{BlockSpec, SingleRunSpec};
 
 /// Options of `rocking frame`.
 #[derive(Parser)]
+#[command(mut_args(of_one_motion))]
 pub struct FrameCommand {
     #[command(flatten, next_help_heading = "Excitation")]
     excitation: ExcitationOptions,
@@ -88,13 +90,10 @@ pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result
     csv.map_or(Ok(()), check_table)?;
     let frame = options.frame.frame()?;
     let (run, excitation) = options.run(explicit, &frame)?;
-    check_distinct(&options.excitation.accelerograms.files().named(), &NamedFile::of_options([("csv", csv)]))?;
-    let file = csv.map(Pending::new).transpose()?;
+    let mut outputs = Outputs::checked(&options.excitation.accelerograms.named(), [("csv", csv)])?;
     let history = run.history(|_| ())?;
-    if let Some(file) = file {
-        Pending::write(vec![(file, with_headings(&frame.table(&history))?.into_bytes())])?;
-    }
-    let written = WrittenFiles::new([("csv", csv)]);
+    outputs.fill("csv", || Ok(with_headings(&frame.table(&history))?.into_bytes()))?;
+    let written = outputs.write()?;
     let summary = summary(&frame, &history, &excitation);
     options.report.print("frame", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }
@@ -103,7 +102,8 @@ impl FrameCommand {
     /// Returns the run of the equivalent block and a description of its excitation.
     fn run(&self, explicit: &ExplicitOptions, frame: &Frame) -> anyhow::Result<(Run, String)> {
         let block = frame.block;
-        let Excitation { ground, pulse, description } = self.excitation.read(explicit, block.gravity, None)?;
+        let Excitation { mut motions, pulse, description } = self.excitation.read(explicit, block.gravity, None)?;
+        let (_, ground) = motions.swap_remove(0);
         anyhow::ensure!(
             !description.is_empty() || self.theta != 0.0,
             "nothing moves the frame; expected --record, --pulse or --theta"

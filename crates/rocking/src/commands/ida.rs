@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::commands::sweep::SweepOptions;
 use crate::options::run::warn;
-use crate::output::files::{NamedFile, Pending};
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::is_standard_output;
 use crate::output::summary::{Object, Summary};
@@ -49,8 +49,8 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
         "{}: has an ensemble, whose runs belong to no curve; expected none",
         options.file.display()
     );
-    warn(sweep.remarks.iter().cloned());
-    let file = plot.map(Pending::new).transpose()?;
+    warn(&sweep.remarks);
+    let mut outputs = Outputs::open([("plot", plot)])?;
     let mut table = Table::default();
     let mut follow = |rows| {
         table.append(rows);
@@ -60,10 +60,9 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let name = if is_standard_output(csv) { "the table".into() } else { csv.display().to_string() };
     let table = SweepTable::new(&name, table);
     let ida = Ida::read(&table, &measure.to_string())?;
-    if let (Some(file), Some(format)) = (file, format) {
-        let svg = charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?;
-        Pending::write(vec![(file, format.encode(&svg)?)])?;
-    }
+    outputs
+        .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
+    outputs.write()?;
     options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &sweep.remarks)
 }
 

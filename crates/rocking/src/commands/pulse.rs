@@ -9,14 +9,13 @@ use clap::Parser;
 use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
 use crate::options::input;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::Summary;
 use rocking_block::block::Common;
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_charts::picture::PictureFormat;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{pga, pgv};
 use rocking_studies::pulse_fit::{self, PulseFit};
@@ -57,9 +56,9 @@ pub fn run(options: &PulseCommand) -> anyhow::Result<()> {
         pulse_fit::SHAPES.map(Words::word).join(", ")
     );
     csv.as_deref().map_or(Ok(()), check_table)?;
-    let format = picture.format()?.unwrap_or(PictureFormat::Png);
+    let format = picture.format()?;
     let outputs = [("csv", csv.as_deref()), ("plot", picture.plot.as_deref())];
-    check_distinct(&[NamedFile::new("the record", file)], &NamedFile::of_options(outputs))?;
+    let mut outputs = Outputs::checked(&[NamedFile::new("the record", file)], outputs)?;
     let record_options = RecordOptions { both: reading.options(*g).map_err(in_options)?, ..RecordOptions::default() };
     let record = record_options.read(false, RecordOption::option, |options| input::record(file, options));
     let record = record.map_err(anyhow::Error::msg)?;
@@ -70,23 +69,18 @@ pub fn run(options: &PulseCommand) -> anyhow::Result<()> {
     let fit = pulse_fit::fit(&record, *shape)
         .with_context(|| format!("{name}: no {} pulse fits into the motion; expected a longer record", shape.word()))?;
     let samples = fit.samples(&record);
-    let mut files = Vec::new();
-    if let Some(path) = csv {
+    outputs.fill("csv", || {
         let mut table = String::from("t [s],a [m/s2],a_pulse [m/s2],v [m/s],v_pulse [m/s]\n");
         for sample in &samples {
             let ([a, a_pulse], [v, v_pulse]) = (sample.acceleration, sample.velocity);
             // Writing to a String never fails.
             let _ = writeln!(table, "{},{a},{a_pulse},{v},{v_pulse}", sample.time);
         }
-        files.push((Pending::new(path)?, table.into_bytes()));
-    }
+        Ok(table.into_bytes())
+    })?;
     let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
-    if let Some(path) = &picture.plot {
-        let svg = rocking_charts::pulse_fit::pulse_fit(&samples, &fit, &title)?;
-        files.push((Pending::new(path)?, format.encode(&svg)?));
-    }
-    Pending::write(files)?;
-    let written = WrittenFiles::new(outputs);
+    outputs.fill("plot", || Ok(format.encode(&rocking_charts::pulse_fit::pulse_fit(&samples, &fit, &title)?)?))?;
+    let written = outputs.write()?;
     let mut summary = Summary::default();
     summary.item("file", name.to_string(), "file", name);
     summary.item("title", &title, "title", &title);

@@ -3,22 +3,22 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 
 use crate::options::block;
 use crate::options::explicit::ExplicitOptions;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::Outputs;
 use crate::output::formats::{PictureOptions, check_table};
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
+use rocking_block::block::Block;
 use rocking_block::block::restraints::{MAX, tie};
-use rocking_block::block::{Block, Corner};
 use rocking_charts::history::block_line;
 use rocking_charts::numerals::significant;
 use rocking_charts::pushover::{groups, names};
 use rocking_studies::output::csv::with_headings;
 use rocking_studies::pushover::table::table;
-use rocking_studies::pushover::{Cycle, Landmark, MAX_POINTS, Push, Pushover};
+use rocking_studies::pushover::{Cycle, Landmark, Push, Pushover};
 use rocking_studies::spec::BlockSpec;
 
 /// Options of `rocking pushover`.
@@ -26,19 +26,8 @@ use rocking_studies::spec::BlockSpec;
 pub struct PushoverCommand {
     #[command(flatten)]
     block: BlockSpec,
-    /// Side to which the lateral force turns the block
-    #[arg(long, value_enum, default_value_t = Side::Right, help_heading = "Rotation")]
-    side: Side,
-    /// Greatest rotation; by default that at which the centre of mass stands over the corner. The curve ends before it where the
-    /// force vanishes [rad]
-    #[arg(long, value_name = "RAD", help_heading = "Rotation")]
-    to: Option<f64>,
-    /// Also turn the block to and fro by this amplitude: energy, equivalent damping, recentring ratio and residual rotation [rad]
-    #[arg(long, value_name = "RAD", help_heading = "Rotation")]
-    amplitude: Option<f64>,
-    /// Number of equal steps to the greatest rotation, and to the amplitude; landmarks stand between them, at their rotations
-    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_POINTS)), help_heading = "Rotation")]
-    points: u32,
+    #[command(flatten)]
+    push: Push,
     /// Table of the curve; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
@@ -51,45 +40,22 @@ pub struct PushoverCommand {
     report: ReportOptions,
 }
 
-/// A side.
-#[derive(Clone, Copy, ValueEnum)]
-enum Side {
-    /// Over the left corner
-    Left,
-    /// Over the right corner
-    Right,
-}
-
 /// Runs the command.
 pub fn run(options: &PushoverCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let PushoverCommand { block: given, side, to, amplitude, points, csv, cycle_csv, picture, report } = options;
-    explicit.refuse_unless(amplitude.is_some(), &["cycle-csv"], "without --amplitude")?;
+    let PushoverCommand { block: given, push, csv, cycle_csv, picture, report } = options;
+    explicit.refuse_unless(push.amplitude.is_some(), &["cycle-csv"], "without --amplitude")?;
     let outputs = [("csv", csv.as_deref()), ("cycle-csv", cycle_csv.as_deref()), ("plot", picture.plot.as_deref())];
-    check_distinct(&[], &NamedFile::of_options(outputs))?;
-    for table in [csv, cycle_csv].into_iter().flatten() {
-        check_table(table)?;
-    }
+    [csv, cycle_csv].into_iter().flatten().try_for_each(|table| check_table(table))?;
     let format = picture.format()?;
+    let mut outputs = Outputs::checked(&[], outputs)?;
     let block = block::block(given)?;
-    let over = match side {
-        Side::Left => Corner::Left,
-        Side::Right => Corner::Right,
-    };
-    let push = Push { over, to: *to, amplitude: *amplitude, points: *points };
-    let found = Pushover::of(&block, &push)?;
+    let found = Pushover::of(&block, push)?;
     let cycle_rows = found.cycle.as_ref().map_or(&[][..], |cycle| &cycle.rows[..]);
-    let mut written = Vec::new();
-    for (path, rows) in [(csv, &found.rows[..]), (cycle_csv, cycle_rows)] {
-        if let Some(path) = path {
-            written.push((Pending::new(path)?, with_headings(&table(&block, rows))?.into_bytes()));
-        }
+    for (option, rows) in [("csv", &found.rows[..]), ("cycle-csv", cycle_rows)] {
+        outputs.fill(option, || Ok(with_headings(&table(&block, rows))?.into_bytes()))?;
     }
-    if let (Some(plot), Some(format)) = (&picture.plot, format) {
-        let svg = rocking_charts::pushover::pushover(&block, &found)?;
-        written.push((Pending::new(plot)?, format.encode(&svg)?));
-    }
-    Pending::write(written)?;
-    let written = WrittenFiles::new(outputs);
+    outputs.fill("plot", || Ok(format.encode(&rocking_charts::pushover::pushover(&block, &found)?)?))?;
+    let written = outputs.write()?;
     let summary = summary(&block, &found);
     report.print("pushover", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }

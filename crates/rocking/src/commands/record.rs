@@ -9,9 +9,10 @@ use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
 use crate::options::checks::check;
 use crate::options::input;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::options::run::warn;
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::check_table;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::Common;
 use rocking_block::excitation::records::Ground;
@@ -61,9 +62,8 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
     for &period in periods {
         check("periods", period, |period| PERIODS.contains(&period), "times from 0.001 to 1000 s")?;
     }
-    let outputs = [("csv", csv.as_deref())];
     let inputs: Vec<_> = files.iter().chain(transverse).map(|path| NamedFile::new("the record", path)).collect();
-    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
+    let mut outputs = Outputs::checked(&inputs, [("csv", csv.as_deref())])?;
     let record_options =
         RecordOptions { both: options.reading.options(*g).map_err(in_options)?, ..RecordOptions::default() };
     let read = |path: &PathBuf| {
@@ -99,20 +99,18 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
     }
     grounds.truncate(files.len());
     let records = || grounds.iter().filter_map(|ground| ground.horizontal.as_ref());
-    if let Some(path) = csv {
+    outputs.fill("csv", || {
         let table: String = shown.iter().zip(records()).map(|(path, record)| table(path, record)).collect();
-        Pending::write(vec![(Pending::new(path)?, table.into_bytes())])?;
-    }
+        Ok(table.into_bytes())
+    })?;
+    let written = outputs.write()?;
     let named: Vec<(String, &Record)> = shown.iter().map(|path| path.display().to_string()).zip(records()).collect();
     let report = |(file, record): &(String, &Record)| report(file, record, &measures, &rotations, *g);
     let (texts, reports): (Vec<String>, Vec<Object>) =
         named.iter().map(report).map(|Summary { text, json }| (text, json)).unzip();
-    let written = WrittenFiles::new(outputs);
     let text = texts.join("\n") + &written.lines();
     let warnings: Vec<String> = named.iter().filter_map(|(file, record)| drift(file, record, *g)).collect();
-    for warning in &warnings {
-        eprintln!("rocking: warning: {warning}");
-    }
+    warn(&warnings);
     for error in &unreadable {
         eprintln!("rocking: {error}");
     }

@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 
-use crate::options::accelerograms::Accelerograms;
+use crate::options::accelerograms::{Accelerograms, of_one_motion};
 use crate::options::block::{block, in_options};
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::ProcessorOptions;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::{NamedFile, Outputs, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::progress::Progress;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnSeparation, Settings};
@@ -40,6 +40,7 @@ enum Target {
     #[command(mut_args(|arg| if OF_NO_SEARCH_FOR_DAMPING.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
     Damping(Box<Damping>),
     /// Find the smallest amplitude of a pulse, or factor on a record, that overturns a block
+    #[command(mut_args(of_one_motion))]
     Overturning(Box<Overturning>),
 }
 
@@ -164,7 +165,7 @@ impl Overturning {
     /// Searches for the smallest strength that overturns.
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         explicit.refuse_unless(!explicit.has("record"), &["pulse", "period", "phase", "cycles"], "with --record")?;
-        self.search.check_table(&self.accelerograms.files().named())?;
+        self.search.check_table(&self.accelerograms.named())?;
         let block = block(&self.block)?;
         let (shaking, name, unit) = self.shaking(block.gravity)?;
         let [least, greatest] = search::usual_strengths(&block, &shaking);
@@ -196,7 +197,7 @@ impl Overturning {
 
     /// Returns the excitation, with name and unit of the unknown.
     fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
-        let ground = self.accelerograms.read(gravity)?;
+        let ground = self.accelerograms.read(gravity)?.swap_remove(0);
         if ground.horizontal.is_some() {
             return Ok((Shaking::Records(ground), "scale", ""));
         }
@@ -242,17 +243,18 @@ impl SearchOptions {
         threshold: impl FnOnce(&OutcomeMap<End>) -> Threshold,
         answer: impl FnOnce(&OutcomeMap<End>, Threshold, &dyn Fn(f64) -> String) -> String,
     ) -> anyhow::Result<()> {
-        let file = self.csv.as_deref().map(Pending::new).transpose()?;
+        let mut outputs = Outputs::open([("csv", self.csv.as_deref())])?;
         let bar = Progress::new(scan.points, 0);
         let found = self.processor.threads.pool()?.install(|| search(&|done, runs| bar.show_of(done, runs)));
         bar.clear();
         let found = found?;
         let stretches = found.stretches();
-        if let Some(file) = file {
+        outputs.fill("csv", || {
             let mut table = "from,to,outcome\n".to_string();
             stretches.iter().for_each(|(from, to, end)| table.push_str(&format!("{from},{to},{end}\n")));
-            Pending::write(vec![(file, table.into_bytes())])?;
-        }
+            Ok(table.into_bytes())
+        })?;
+        let written = outputs.write()?;
         let threshold = threshold(&found);
         let shown = |value: f64| rounded(value, scan.resolution);
         let answer = answer(&found, threshold, &shown);
@@ -280,7 +282,6 @@ impl SearchOptions {
         let stretch =
             |(from, to, end): &(f64, f64, End)| Object::from([("from", from), ("to", to)]).with("outcome", end.word());
         summary.entry("stretches", stretches.iter().map(stretch).collect::<Vec<_>>());
-        let written = WrittenFiles::new([("csv", self.csv.as_deref())]);
         self.report.print("search", &written, failed.as_slice(), &summary.text, &summary.json)
     }
 }

@@ -8,13 +8,12 @@ use clap::Parser;
 
 use crate::commands::simulate::summary::parameters;
 use crate::options::block;
-use crate::output::files::Pending;
+use crate::output::files::Outputs;
 use crate::output::formats::PictureOptions;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::Summary;
 use rocking_block::block::{Block, Foundation};
 use rocking_charts::history::block_line;
-use rocking_charts::picture::PictureFormat;
 use rocking_charts::sketch::Sketch;
 
 /// Options of `rocking sketch`.
@@ -31,13 +30,12 @@ pub struct SketchCommand {
 /// Runs the command.
 pub fn run(options: &SketchCommand) -> anyhow::Result<()> {
     let SketchCommand { block: given, picture, report } = options;
-    let format = picture.format()?.unwrap_or(PictureFormat::Png);
+    let format = picture.format()?;
     let block = block::block(given)?;
     let plot = picture.plot.clone().map_or_else(default_output, Ok)?;
-    let file = Pending::new(&plot)?;
-    let svg = Sketch { block, height: given.body_height(&block) }.svg()?;
-    Pending::write(vec![(file, format.encode(&svg)?)])?;
-    let written = WrittenFiles::new([("plot", Some(plot.as_path()))]);
+    let mut outputs = Outputs::open([("plot", Some(plot.as_path()))])?;
+    outputs.fill("plot", || Ok(format.encode(&Sketch { block, height: given.body_height(&block) }.svg()?)?))?;
+    let written = outputs.write()?;
     let summary = summary(&block);
     report.print("sketch", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }

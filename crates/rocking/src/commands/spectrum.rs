@@ -8,10 +8,10 @@ use crate::options::accelerograms::MotionFiles;
 use crate::options::block::in_options;
 use crate::options::checks::check;
 use crate::options::choices;
-use crate::options::excitation::{ManyExcitationOptions, ManyExcitations, names};
+use crate::options::excitation::{Excitation, ExcitationOptions, names};
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::{SizeOptions, StudyOptions, warn};
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::{NamedFile, Outputs, check_distinct};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::is_standard_output;
 use crate::output::summary::{Summary, aligned};
@@ -34,7 +34,7 @@ use rocking_studies::spectrum::{CheckedSpectrum, InProportion, Sizes, Spectrum};
 #[derive(Parser)]
 pub struct SpectrumCommand {
     #[command(flatten, next_help_heading = "Excitation")]
-    excitation: ManyExcitationOptions,
+    excitation: ExcitationOptions,
     /// With --vertical: also draw curves of the horizontal motion alone
     #[arg(long, help_heading = "Excitation")]
     also_horizontal: bool,
@@ -111,7 +111,7 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let format = options.picture.format()?;
     let outputs = [("csv", Some(csv)), ("plot", plot), ("statistics", statistics_path)];
     let files = options.excitation.accelerograms.files();
-    check_distinct(&files.iter().flat_map(MotionFiles::named).collect::<Vec<_>>(), &NamedFile::of_options(outputs))?;
+    check_distinct(&options.excitation.accelerograms.named(), &NamedFile::of_options(outputs))?;
     explicit.refuse_unless(files.len() > 1, &["statistics"], "without several records")?;
     let (spectrum, excitation) = options.spectrum(explicit)?;
     let over = match options.over {
@@ -121,32 +121,30 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
     };
     let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
     anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2pi/p");
-    let picture = plot.map(Pending::new).transpose()?;
-    let statistics_file = statistics_path.map(Pending::new).transpose()?;
+    let others = [("statistics", statistics_path), ("plot", plot)];
+    let mut made = Outputs::open(others)?;
     let (mut statistics, mut curves) = (Statistics::new(&spectrum), Curves::new(&spectrum, over));
     let mut follow = |rows: Table| {
-        let refused = |reason| TableWriteError::Content { file: csv.display().to_string(), reason };
+        let refused = |reason| TableWriteError::Refused(format!("{}: {reason}", csv.display()));
         let outcomes = BlockOutcome::all(&rows).map_err(refused)?;
         statistics.add(&spectrum, &outcomes);
         curves.add(&spectrum, &outcomes);
         Ok(())
     };
-    let is_followed = picture.is_some() || statistics_file.is_some() || !is_standard_output(csv);
+    let is_followed = plot.is_some() || statistics_path.is_some() || !is_standard_output(csv);
     let summary = options.study.run(&spectrum, is_followed.then_some(&mut follow))?;
-    let mut written = Vec::new();
-    if let (Some(file), Some(format)) = (picture, format) {
+    made.fill("plot", || {
         let svg = match files.len() {
             1 => rocking_charts::spectrum::spectrum(&spectrum, &curves, &excitation),
             _ => rocking_charts::record_spectra::spectrum(&spectrum, &statistics, &curves, &excitation),
         }?;
-        written.push((file, format.encode(&svg)?));
-    }
-    if let Some(file) = statistics_file {
+        Ok(format.encode(&svg)?)
+    })?;
+    made.fill("statistics", || {
         let study = spectrum.header().study_text();
-        written.push((file, (study + &with_headings(&statistics.table(&spectrum))?).into_bytes()));
-    }
-    Pending::write(written)?;
-    let others = [("statistics", statistics_path), ("plot", plot)];
+        Ok((study + &with_headings(&statistics.table(&spectrum))?).into_bytes())
+    })?;
+    made.write()?;
     let mut items = Summary::default();
     items.item("excitation", &excitation, "excitation", &excitation);
     if !statistics.curves.is_empty() {
@@ -182,7 +180,7 @@ impl SpectrumCommand {
             Some([width, height]) => libm::atan2(width, height),
             None => alpha,
         };
-        let ManyExcitations { grounds, pulse, description } = self.excitation.read(explicit, g)?;
+        let Excitation { motions: grounds, pulse, description } = self.excitation.read(explicit, g, None)?;
         let none = self.excitation.accelerograms.is_empty() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!none, "no excitation; expected --record, --vertical or --pulse");
         check("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;

@@ -101,7 +101,7 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
         }
     };
     let sweep = options.read(table.as_slice())?;
-    warn(sweep.remarks.iter().cloned());
+    warn(&sweep.remarks);
     if *dry_run {
         return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
     }

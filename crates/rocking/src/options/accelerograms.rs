@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Arg, ArgAction, Args};
 
 use crate::options::block::in_options;
 use crate::options::input;
@@ -11,22 +11,9 @@ use rocking_block::excitation::records::Ground;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::spec::RecordSpec;
 
-/// Records of one ground motion.
+/// Records of several ground motions, or of one in a command whose options are [`of_one_motion`].
 #[derive(Args)]
 pub struct Accelerograms {
-    /// Accelerogram of the horizontal ground motion, in any format of docs/records.md; `-` for standard input
-    #[arg(long, value_name = "FILE")]
-    pub record: Option<PathBuf>,
-    /// Accelerogram of the vertical ground motion; `-` for standard input
-    #[arg(long, value_name = "FILE")]
-    pub vertical: Option<PathBuf>,
-    #[command(flatten)]
-    reading: RecordSpec,
-}
-
-/// Records of several ground motions.
-#[derive(Args)]
-pub struct ManyAccelerograms {
     /// Accelerograms of horizontal ground motions, one or more, in any format of docs/records.md; `-` for standard input
     #[arg(long, value_name = "FILE", num_args = 1..)]
     record: Vec<PathBuf>,
@@ -35,6 +22,18 @@ pub struct ManyAccelerograms {
     vertical: Vec<PathBuf>,
     #[command(flatten)]
     reading: RecordSpec,
+}
+
+/// Restricts the options of [`Accelerograms`] to one ground motion.
+pub fn of_one_motion(option: Arg) -> Arg {
+    let help = match option.get_id().as_str() {
+        "record" => {
+            "Accelerogram of the horizontal ground motion, in any format of docs/records.md; `-` for standard input"
+        }
+        "vertical" => "Accelerogram of the vertical ground motion; `-` for standard input",
+        _ => return option,
+    };
+    option.num_args(1).action(ArgAction::Set).help(help)
 }
 
 /// Files of one ground motion.
@@ -46,32 +45,7 @@ pub struct MotionFiles<'a> {
     pub vertical: Option<&'a Path>,
 }
 
-impl MotionFiles<'_> {
-    /// Returns the files with the options that name them.
-    pub fn named(&self) -> Vec<NamedFile> {
-        NamedFile::of_options([("record", self.horizontal), ("vertical", self.vertical)])
-    }
-}
-
 impl Accelerograms {
-    /// Returns whether no record is named.
-    pub fn is_empty(&self) -> bool {
-        self.record.is_none() && self.vertical.is_none()
-    }
-
-    /// Returns the files.
-    pub fn files(&self) -> MotionFiles<'_> {
-        MotionFiles { horizontal: self.record.as_deref(), vertical: self.vertical.as_deref() }
-    }
-
-    /// Reads the records, those in g with this gravity (m/s²).
-    pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
-        let grounds = read(&[self.files()], &self.reading.options(gravity).map_err(in_options)?)?;
-        Ok(grounds.into_iter().next().unwrap_or_default())
-    }
-}
-
-impl ManyAccelerograms {
     /// Returns whether no record is named.
     pub fn is_empty(&self) -> bool {
         self.record.is_empty() && self.vertical.is_empty()
@@ -87,6 +61,14 @@ impl ManyAccelerograms {
         (0..count).map(files).collect()
     }
 
+    /// Returns all files with the options that name them.
+    pub fn named(&self) -> Vec<NamedFile> {
+        let of_option = |option: &'static str, paths: &[PathBuf]| {
+            paths.iter().map(|path| NamedFile::new(option, path)).collect::<Vec<_>>()
+        };
+        [of_option("--record", &self.record), of_option("--vertical", &self.vertical)].concat()
+    }
+
     /// Reads the records of each ground motion, those in g with this gravity (m/s²).
     pub fn read(&self, gravity: f64) -> anyhow::Result<Vec<Ground>> {
         let (horizontal, vertical) = (self.record.len(), self.vertical.len());
@@ -94,24 +76,22 @@ impl ManyAccelerograms {
             horizontal == 0 || vertical == 0 || horizontal == vertical,
             "--record names {horizontal} files and --vertical {vertical}; expected equal numbers, in the same order"
         );
-        read(&self.files(), &self.reading.options(gravity).map_err(in_options)?)
+        let record_options = self.reading.options(gravity).map_err(in_options)?;
+        let files = self.files();
+        let named = files.iter().flat_map(|files| [("--record", files.horizontal), ("--vertical", files.vertical)]);
+        input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
+        let read = |path: Option<&Path>, is_vertical| {
+            let read =
+                |path| record_options.read(is_vertical, RecordOption::option, |options| input::record(path, options));
+            path.map(read).transpose().map_err(anyhow::Error::msg)
+        };
+        let ground = |files: &MotionFiles| {
+            Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
+        };
+        let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
+        refuse_without_effect(&record_options, &grounds)?;
+        Ok(grounds)
     }
-}
-
-fn read(files: &[MotionFiles], record_options: &RecordOptions) -> anyhow::Result<Vec<Ground>> {
-    let named = files.iter().flat_map(|files| [("--record", files.horizontal), ("--vertical", files.vertical)]);
-    input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
-    let read = |path: Option<&Path>, is_vertical| {
-        let read =
-            |path| record_options.read(is_vertical, RecordOption::option, |options| input::record(path, options));
-        path.map(read).transpose().map_err(anyhow::Error::msg)
-    };
-    let ground = |files: &MotionFiles| {
-        Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
-    };
-    let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
-    refuse_without_effect(record_options, &grounds)?;
-    Ok(grounds)
 }
 
 /// Refuses options that none of the files needed.

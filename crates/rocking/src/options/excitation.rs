@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use crate::options::accelerograms::{Accelerograms, ManyAccelerograms, MotionFiles};
+use crate::options::accelerograms::{Accelerograms, MotionFiles};
 use crate::options::block::in_options;
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
@@ -20,7 +20,7 @@ use rocking_studies::spec::pulse::text;
 use rocking_studies::spectrum::statistics::direction;
 use rocking_studies::statistics::range;
 
-/// One ground motion.
+/// Ground motions: records and a pulse.
 #[derive(Args)]
 pub struct ExcitationOptions {
     #[command(flatten)]
@@ -29,35 +29,13 @@ pub struct ExcitationOptions {
     #[arg(long, default_value_t = 1.0)]
     pub scale: f64,
     #[command(flatten)]
-    pub pulse: PulseSpec,
-}
-
-/// Several ground motions.
-#[derive(Args)]
-pub struct ManyExcitationOptions {
-    #[command(flatten)]
-    pub accelerograms: ManyAccelerograms,
-    /// Scale factor on the accelerograms
-    #[arg(long, default_value_t = 1.0)]
-    scale: f64,
-    #[command(flatten)]
     pulse: PulseSpec,
 }
 
-/// Excitation of one run.
+/// The excitations of runs.
 pub struct Excitation {
-    /// Scaled records.
-    pub ground: Ground,
-    /// Pulse.
-    pub pulse: Pulse,
-    /// Both in words, for summaries and pictures.
-    pub description: String,
-}
-
-/// Excitations of the runs of a spectrum.
-pub struct ManyExcitations {
     /// Scaled records with their names, at least one; without records an empty one.
-    pub grounds: Vec<(String, Ground)>,
+    pub motions: Vec<(String, Ground)>,
     /// Pulse, the same for all.
     pub pulse: Pulse,
     /// All in words, for summaries and pictures.
@@ -65,7 +43,12 @@ pub struct ManyExcitations {
 }
 
 impl ExcitationOptions {
-    /// Reads the records. This gravity (m/s²) converts those in g, and `default` replaces a missing horizontal record.
+    /// Returns whether there is a pulse and no record.
+    pub fn is_pulse_alone(&self) -> bool {
+        self.accelerograms.is_empty() && self.pulse.has_shape()
+    }
+
+    /// Reads the records. This gravity (m/s²) converts those in g, and `default` replaces a single horizontal record that is missing.
     pub fn read(
         &self,
         explicit: &ExplicitOptions,
@@ -74,36 +57,20 @@ impl ExcitationOptions {
     ) -> anyhow::Result<Excitation> {
         let has_record = default.is_some() || !self.accelerograms.is_empty();
         check_scale(explicit, self.scale, has_record)?;
-        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
-        let ground = Ground { horizontal: horizontal.or(default), vertical }.scaled(self.scale);
-        let pulse = self.pulse.pulse().map_err(in_options)?;
-        warn(doubts::of_pulses([(pulse, gravity)], has_record));
-        let mut parts = describe_records(&ground, self.accelerograms.files(), gravity);
-        parts.extend(describe_pulse(&pulse));
-        Ok(Excitation { ground, pulse, description: parts.join(" + ") })
-    }
-}
-
-impl ManyExcitationOptions {
-    /// Returns whether there is a pulse and no record.
-    pub fn is_pulse_alone(&self) -> bool {
-        self.accelerograms.is_empty() && self.pulse.has_shape()
-    }
-
-    /// Reads the records, those in g with this gravity (m/s²).
-    pub fn read(&self, explicit: &ExplicitOptions, gravity: f64) -> anyhow::Result<ManyExcitations> {
-        check_scale(explicit, self.scale, !self.accelerograms.is_empty())?;
-        let grounds = self.accelerograms.read(gravity)?;
+        let mut grounds = self.accelerograms.read(gravity)?;
+        if let Some(record) = default {
+            grounds[0].horizontal.get_or_insert(record);
+        }
         let grounds: Vec<Ground> = grounds.into_iter().map(|ground| ground.scaled(self.scale)).collect();
         let pulse = self.pulse.pulse().map_err(in_options)?;
-        warn(doubts::of_pulses([(pulse, gravity)], !self.accelerograms.is_empty()));
+        warn(doubts::of_pulses([(pulse, gravity)], has_record));
         let files = self.accelerograms.files();
+        let names = names(&files);
         let mut parts = match (grounds.as_slice(), files.as_slice()) {
             ([ground], [files]) => describe_records(ground, *files, gravity),
             _ => {
                 let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
                 let [least, greatest] = range(pgas.map(|record| pga(record) / gravity)).unwrap_or_default();
-                let names = names(&files);
                 let names = match names.as_slice() {
                     [first, .., last] if names.len() > 4 => format!("{first} … {last}"),
                     names => names.join(", "),
@@ -113,12 +80,11 @@ impl ManyExcitationOptions {
             }
         };
         parts.extend(describe_pulse(&pulse));
-        let names = names(&files);
         if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
             anyhow::bail!("--record names {name} twice; expected each record once");
         }
-        let grounds = names.into_iter().zip(grounds).collect();
-        Ok(ManyExcitations { grounds, pulse, description: parts.join(" + ") })
+        let motions = names.into_iter().zip(grounds).collect();
+        Ok(Excitation { motions, pulse, description: parts.join(" + ") })
     }
 }
 

@@ -11,7 +11,6 @@ use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
 use rocking_studies::fragility::{Limit, Link, SweepTable, SweepTableError, Uncertainty, is_needed};
 use rocking_studies::output::output_target::STANDARD;
-use rocking_studies::output::reading::TableReader;
 use rocking_studies::output::table::Table;
 use rocking_studies::output::table_files::TableFiles;
 use rocking_studies::spec::words::Words;
@@ -69,31 +68,26 @@ impl FitOptions {
         let conditions = self.conditions()?;
         let named: Vec<&str> = named.iter().copied().chain(conditions.iter().map(|(column, _)| *column)).collect();
         let is_wanted = |column: &str| is_needed(column, &named);
-        let files = self.files(path)?;
-        let name = path.display().to_string();
-        let (mut kept, is_part) = (vec![0; conditions.len()], files.as_ref().is_some_and(TableFiles::are_numbered));
-        let mut take = |mut batch: SweepTable| -> anyhow::Result<()> {
+        let mut kept = vec![0; conditions.len()];
+        let mut take = |mut batch: SweepTable, is_part| -> anyhow::Result<()> {
             for ((column, value), kept) in conditions.iter().zip(&mut kept) {
                 batch.keep_rows(column, value)?;
                 *kept += batch.rows();
             }
             each(&batch, is_part)
         };
-        let mut of_columns =
-            |table: Table, headings: &[String]| take(SweepTable::of_columns(&name, table, headings.to_vec()));
-        let name = match files {
+        let name = match self.files(path)? {
             Some(files) => {
-                files.read_batches(&is_wanted, &mut of_columns)?;
-                name.clone()
-            }
-            None if path == Path::new(STANDARD) => {
-                let (name, text) = input::text(path)?;
-                take(SweepTable::read(&name, text.as_bytes())?)?;
+                let (name, is_part) = (path.display().to_string(), files.are_numbered());
+                files.read_batches(&is_wanted, &mut |table: Table, headings| {
+                    take(SweepTable::of_columns(&name, table, headings.to_vec()), is_part)
+                })?;
                 name
             }
             None => {
-                TableReader::new(&is_wanted).read_batches(path, &mut of_columns)?;
-                name.clone()
+                let (name, text) = input::text(path)?;
+                take(SweepTable::read(&name, text.as_bytes())?, false)?;
+                name
             }
         };
         match conditions.iter().zip(kept).find(|(_, kept)| *kept == 0) {
@@ -109,14 +103,9 @@ impl FitOptions {
                 let (table, headings) = files.read(&|_| true)?;
                 SweepTable::of_columns(&path.display().to_string(), table, headings)
             }
-            None if path == Path::new(STANDARD) => {
+            None => {
                 let (name, text) = input::text(path)?;
                 SweepTable::read(&name, text.as_bytes())?
-            }
-            None => {
-                let mut reader = TableReader::new(&|_| true);
-                reader.read_file(path)?;
-                SweepTable::new(&path.display().to_string(), reader.table())
             }
         };
         self.conditions()?.into_iter().try_for_each(|(column, value)| table.keep(column, value))?;
@@ -131,11 +120,14 @@ impl FitOptions {
         split.collect()
     }
 
-    /// Lists the files of a folder or of a pattern; `None` for a single file.
+    /// Lists the files of a table; `None` for standard input.
     fn files(&self, path: &Path) -> anyhow::Result<Option<TableFiles>> {
-        if path == Path::new(STANDARD) || !TableFiles::are_at(path) {
-            let path = path.display();
-            anyhow::ensure!(!self.partial, "--partial has no effect without a folder of parts; found {path}");
+        anyhow::ensure!(
+            !self.partial || TableFiles::are_at(path),
+            "--partial has no effect without a folder of parts; found {}",
+            path.display()
+        );
+        if path == Path::new(STANDARD) {
             return Ok(None);
         }
         let files = TableFiles::of(path)?;

@@ -1,5 +1,6 @@
 //! Options shared by several commands → settings of the solver, a table of many runs.
 
+use std::fmt::Display;
 use std::fs;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -53,7 +54,7 @@ impl SizeOptions {
 }
 
 /// Prints warnings on standard error.
-pub fn warn(warnings: impl IntoIterator<Item = String>) {
+pub fn warn(warnings: impl IntoIterator<Item: Display>) {
     for warning in warnings {
         eprintln!("rocking: warning: {warning}");
     }

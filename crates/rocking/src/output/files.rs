@@ -8,6 +8,7 @@ use anyhow::Context;
 use tempfile::{NamedTempFile, TempPath};
 
 use crate::output::formats::encoded;
+use crate::output::report::WrittenFiles;
 use rocking_studies::output::output_target::{Identity, OutputTarget, folder};
 use rocking_studies::output::reading::is_parquet;
 
@@ -25,8 +26,8 @@ impl NamedFile {
     }
 
     /// Names the files of those options that the user set, without their leading dashes.
-    pub fn of_options<'a>(files: impl IntoIterator<Item = (&'a str, Option<&'a Path>)>) -> Vec<NamedFile> {
-        let named = |(option, path): (&str, Option<&Path>)| Some(NamedFile::new(&format!("--{option}"), path?));
+    pub fn of_options<'a>(files: impl IntoIterator<Item = (&'static str, Option<&'a Path>)>) -> Vec<NamedFile> {
+        let named = |(option, path): (&'static str, Option<&Path>)| Some(NamedFile::new(&format!("--{option}"), path?));
         files.into_iter().filter_map(named).collect()
     }
 }
@@ -56,6 +57,49 @@ pub fn check_distinct(inputs: &[NamedFile], outputs: &[NamedFile]) -> anyhow::Re
         others.push((output, target, identity));
     }
     Ok(())
+}
+
+/// The outputs of a command, each under the name of its option. All are opened before the work begins, and written together after it.
+pub struct Outputs<'a>(Vec<Output<'a>>);
+
+struct Output<'a> {
+    option: &'static str,
+    path: &'a Path,
+    file: Pending,
+    content: Vec<u8>,
+}
+
+impl<'a> Outputs<'a> {
+    /// Opens the outputs of those options that the user set, without their leading dashes.
+    pub fn open(outputs: impl IntoIterator<Item = (&'static str, Option<&'a Path>)>) -> anyhow::Result<Outputs<'a>> {
+        let open = |(option, path)| Ok(Output { option, path, file: Pending::new(path)?, content: Vec::new() });
+        let given = outputs.into_iter().filter_map(|(option, path)| Some((option, path?)));
+        Ok(Outputs(given.map(open).collect::<anyhow::Result<_>>()?))
+    }
+
+    /// Opens outputs, none of which may be an input or another output.
+    pub fn checked(
+        inputs: &[NamedFile],
+        outputs: impl IntoIterator<Item = (&'static str, Option<&'a Path>)> + Clone,
+    ) -> anyhow::Result<Outputs<'a>> {
+        check_distinct(inputs, &NamedFile::of_options(outputs.clone()))?;
+        Outputs::open(outputs)
+    }
+
+    /// Makes the content of the next output under this name, if there is one.
+    pub fn fill(&mut self, option: &str, content: impl FnOnce() -> anyhow::Result<Vec<u8>>) -> anyhow::Result<()> {
+        if let Some(output) = self.0.iter_mut().find(|output| output.option == option && output.content.is_empty()) {
+            output.content = content()?;
+        }
+        Ok(())
+    }
+
+    /// Writes all outputs, as [`Pending::write`] does.
+    pub fn write(self) -> anyhow::Result<WrittenFiles<'a>> {
+        let written = WrittenFiles::new(self.0.iter().map(|output| (output.option, Some(output.path))));
+        Pending::write(self.0.into_iter().map(|output| (output.file, output.content)).collect())?;
+        Ok(written)
+    }
 }
 
 /// An output whose content is still being computed.

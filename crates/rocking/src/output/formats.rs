@@ -86,14 +86,14 @@ pub struct PictureOptions {
 }
 
 impl PictureOptions {
-    /// Returns the format of the picture, if there is one.
-    pub fn format(&self) -> anyhow::Result<Option<PictureFormat>> {
+    /// Returns the format of the picture, PNG if there is none.
+    pub fn format(&self) -> anyhow::Result<PictureFormat> {
         let Some(path) = &self.plot else {
             anyhow::ensure!(self.plot_format.is_none(), "--plot-format has no effect without --plot");
-            return Ok(None);
+            return Ok(PictureFormat::Png);
         };
         match (self.plot_format, path.extension()) {
-            (Some(chosen), None) => Ok(Some(chosen)),
+            (Some(chosen), None) => Ok(chosen),
             (Some(chosen), Some(_)) if PictureFormat::of(path)? != chosen => {
                 anyhow::bail!(
                     "found --plot {} and --plot-format {}; expected one format",
@@ -101,7 +101,7 @@ impl PictureOptions {
                     chosen.word()
                 )
             }
-            (Some(_) | None, _) => Ok(Some(PictureFormat::of(path)?)),
+            (Some(_) | None, _) => Ok(PictureFormat::of(path)?),
         }
     }
 }

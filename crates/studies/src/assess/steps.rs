@@ -157,7 +157,7 @@ fn hexadecimal(sum: &[u8]) -> String {
 fn open(path: &Path, header: &TableHeader, rows: u64) -> Result<ResumableTable, TableWriteError> {
     let resume = TableOptions { resume: true, ..TableOptions::default() };
     match ResumableTable::open(path, header, rows, resume) {
-        Err(TableWriteError::Other { .. } | TableWriteError::Row { .. } | TableWriteError::TooLong { .. }) => {
+        Err(TableWriteError::OtherRows(_)) => {
             ResumableTable::open(path, header, rows, TableOptions { force: true, ..TableOptions::default() })
         }
         opened => opened,

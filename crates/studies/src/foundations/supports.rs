@@ -14,30 +14,43 @@ pub struct Support {
 }
 
 /// A circular pad of rubber between rigid plates, one under each corner.
+#[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct Pad {
-    /// Diameter d (m).
+    /// Diameter d of the pad [m]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub diameter: f64,
-    /// Shape factor S (1): loaded area over the area that is free to bulge. For a layer of thickness t it is d/(4 t).
+    /// Shape factor S: loaded area over the area free to bulge; d/(4 t) for a layer of thickness t
+    #[cfg_attr(feature = "clap", arg(long, value_name = "S"))]
     pub shape_factor: f64,
-    /// Shear modulus G of the rubber (Pa).
+    /// Shear modulus G of the rubber [Pa]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "PA"))]
     pub shear_modulus: f64,
-    /// Bulk modulus of the rubber (Pa). Without it the rubber is incompressible, as in the paper.
+    /// Bulk modulus of the rubber; by default it is incompressible, as in the paper [Pa]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "PA"))]
     pub bulk_modulus: Option<f64>,
 }
 
 /// A rigid rectangular footing on the surface of a homogeneous half-space of soil.
+#[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct Soil {
-    /// Width of the footing in the plane of rocking (m).
+    /// Width of the footing in the plane of rocking [m]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub width: f64,
-    /// Length of the footing across that plane (m).
+    /// Length of the footing across that plane [m]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "M"))]
     pub length: f64,
-    /// Density ρ of the soil (kg/m³).
-    pub density: f64,
-    /// Velocity V_s of shear waves (m/s), at the strain of the earthquake.
+    /// Velocity of shear waves in the soil, at the strain of the earthquake [m/s]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "M/S"))]
     pub shear_wave_velocity: f64,
-    /// Poisson's ratio ν of the soil (1), from 0 to less than 0.5.
+    /// Density of the soil [kg/m3]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "KG/M3"))]
+    pub density: f64,
+    /// Poisson's ratio of the soil
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NU"))]
     pub poisson: f64,
 }
 

@@ -36,8 +36,7 @@ pub(super) fn heading_line(headings: &[Heading]) -> io::Result<String> {
 /// # Errors
 /// None in practice: the text is written to memory.
 pub fn with_headings(table: &Table) -> io::Result<String> {
-    let headings: Vec<Heading> = table.columns().iter().map(|column| column.heading.clone()).collect();
-    Ok(heading_line(&headings)? + &lines(table)?)
+    Ok(heading_line(&table.headings())? + &lines(table)?)
 }
 
 fn text(writer: Writer<Vec<u8>>) -> io::Result<String> {
@@ -81,25 +80,10 @@ pub fn read_batches<E: From<String>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::table::TableColumn;
-
-    struct Row(u64, f64, &'static str);
-
-    fn columns<'c>() -> Vec<TableColumn<'c, Row>> {
-        type Of<'c> = TableColumn<'c, Row>;
-        vec![
-            Of::row(|row| row.0),
-            Of::real("x", "m/s2", |row| row.1),
-            Of::optional("root", "1", |row| (row.1 >= 0.0).then(|| row.1.sqrt())),
-            Of::count("length", |row| row.2.len()),
-            Of::boolean("is_short", |row| row.2.len() < 3),
-            Of::choice("sign", ["minus", "plus, or none"], |row| usize::from(row.1 >= 0.0)),
-            Of::text("name", |row| row.2.into()),
-        ]
-    }
+    use crate::output::table::samples;
 
     fn table() -> Table {
-        Table::of(&columns(), &[Row(7, 0.1 + 0.2, "a\"b"), Row(8, -1e300, ""), Row(9, f64::INFINITY, "c")])
+        samples::table(&[(7, 0.1 + 0.2, "a\"b"), (8, -1e300, ""), (9, f64::INFINITY, "c")])
     }
 
     #[test]
@@ -114,8 +98,7 @@ mod tests {
         ];
         assert_eq!(text, expected.join("\n"));
         let mut found = Table::default();
-        let headings: Vec<Heading> = columns().iter().map(|column| column.heading().clone()).collect();
-        read_batches(&headings, text.as_bytes(), |batch| {
+        read_batches(&table().headings(), text.as_bytes(), |batch| {
             found.append(batch);
             Ok::<(), String>(())
         })
@@ -127,7 +110,7 @@ mod tests {
     #[test]
     fn a_field_that_is_no_value_of_its_column_is_named() {
         let text = with_headings(&table()).unwrap();
-        let headings: Vec<Heading> = columns().iter().map(|column| column.heading().clone()).collect();
+        let headings = table().headings();
         let refused = |from: &str, to: &str| {
             read_batches(&headings, text.replacen(from, to, 1).as_bytes(), |_| Ok::<(), String>(())).unwrap_err()
         };

@@ -7,26 +7,12 @@ use std::path::{Path, PathBuf};
 /// The name of standard input as an input, and of standard output as an output.
 pub const STANDARD: &str = "-";
 
-/// The reason why an output cannot be written. Every message is one line.
+/// The reason why an output cannot be written, in one line.
 #[derive(Debug, thiserror::Error)]
-pub enum OutputTargetError {
-    /// The name is that of a folder.
-    #[error("{0}: cannot be written: it is a folder; expected the name of a file")]
-    Folder(String),
-    /// The folder of the file does not exist.
-    #[error("{0}: cannot be written: found no folder for it; expected an existing one")]
-    NoFolder(String),
-    /// The name is that of a disk or a partition, whose content would be lost.
-    #[error("{0}: cannot be written: it is a disk; expected the name of a file")]
-    Disk(String),
-    /// The operating system refuses.
-    #[error("{file}: cannot be written: {error}")]
-    Refused {
-        /// Name of the output.
-        file: String,
-        /// The reason given by the operating system.
-        error: io::Error,
-    },
+#[error("{file}: cannot be written: {reason}")]
+pub struct OutputTargetError {
+    file: String,
+    reason: String,
 }
 
 /// The target of an output.
@@ -46,26 +32,27 @@ impl OutputTarget {
     /// # Errors
     /// The name is that of a folder or a disk, its folder does not exist, or the lookup fails.
     pub fn of(path: &Path) -> Result<OutputTarget, OutputTargetError> {
-        let name = || path.display().to_string();
-        let refused = |error| OutputTargetError::Refused { file: name(), error };
+        let refused = |reason: &str| OutputTargetError { file: path.display().to_string(), reason: reason.into() };
+        let by_system = |error: io::Error| refused(&error.to_string());
+        let folder_found = || refused("it is a folder; expected the name of a file");
         if path == Path::new(STANDARD) {
             return Ok(OutputTarget::StandardOutput);
         }
         if path.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
-            return Err(OutputTargetError::Folder(name()));
+            return Err(folder_found());
         }
         let found = match fs::metadata(path) {
             Ok(metadata) => Some(metadata),
             // A new file, or a link to one.
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(error) => return Err(refused(error)),
+            Err(error) => return Err(by_system(error)),
         };
-        let target = target(path).map_err(refused)?;
+        let target = target(path).map_err(by_system)?;
         let Some(metadata) = found else {
             return if folder(&target).is_dir() {
                 Ok(OutputTarget::File(target))
             } else {
-                Err(OutputTargetError::NoFolder(name()))
+                Err(refused("found no folder for it; expected an existing one"))
             };
         };
         let is_open = is_open_file(&target);
@@ -74,9 +61,9 @@ impl OutputTarget {
             && os::inode(&metadata)
                 .is_some_and(|inode| os::standard_output().and_then(|output| os::inode(&output)) == Some(inode));
         if metadata.is_dir() {
-            Err(OutputTargetError::Folder(name()))
+            Err(folder_found())
         } else if os::is_disk(&metadata) {
-            Err(OutputTargetError::Disk(name()))
+            Err(refused("it is a disk; expected the name of a file"))
         } else if is_standard_output {
             Ok(OutputTarget::StandardOutput)
         } else if is_open || !metadata.is_file() {

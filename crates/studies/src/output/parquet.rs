@@ -74,7 +74,7 @@ impl<W: Write + Send> ParquetWriter<W> {
     }
 
     fn end_group(&mut self) -> Result<()> {
-        let empty = Table::new(self.group.columns().iter().map(|column| column.heading.clone()).collect());
+        let empty = Table::new(self.group.headings());
         let rows = std::mem::replace(&mut self.group, empty);
         let mut group = self.writer.next_row_group()?;
         for column in rows.columns() {
@@ -128,8 +128,7 @@ fn field(heading: &Heading) -> Result<Arc<Type>> {
 /// # Errors
 /// None in practice: the file is written to memory.
 pub fn file(study: &[String], table: Table) -> Result<Vec<u8>> {
-    let headings: Vec<Heading> = table.columns().iter().map(|column| column.heading.clone()).collect();
-    let mut writer = ParquetWriter::new(Vec::new(), study, &headings)?;
+    let mut writer = ParquetWriter::new(Vec::new(), study, &table.headings())?;
     writer.push(table)?;
     writer.finish()
 }
@@ -290,39 +289,25 @@ fn all<T: DataType>(reader: &mut ColumnReaderImpl<T>, rows: usize, missing: T::T
 mod tests {
     use super::*;
     use crate::output::parts::{self, PartState};
-    use crate::output::reading::TableReader;
     use crate::output::resumable::TableHeader;
-    use crate::output::table::TableColumn;
+    use crate::output::table::samples;
     use crate::output::table_files::TableFiles;
 
-    type Row = (u64, f64, &'static str);
-
     fn read(path: &std::path::Path) -> Option<Table> {
-        let mut reader = TableReader::new(&|_| true);
-        reader.read_file(path).ok()?;
-        Some(reader.table())
+        Some(TableFiles::of(path).ok()?.read(&|_| true).ok()?.0)
     }
 
     fn table(rows: std::ops::Range<u64>) -> Table {
-        type Of<'c> = TableColumn<'c, Row>;
-        let columns = [
-            Of::row(|row| row.0),
-            Of::real("x", "m/s2", |row| row.1),
-            Of::optional("root", "1", |row| (row.1 >= 0.0).then(|| row.1.sqrt())),
-            Of::boolean("is_short", |row| row.2.len() < 3),
-            Of::choice("sign", ["minus", "plus"], |row| usize::from(row.1 >= 0.0)),
-            Of::text("name", |row| row.2.into()),
-        ];
         let row = |number: u64| (number, 0.1 + 0.2 - (number % 7) as f64, ["a\"b", "", "long"][number as usize % 3]);
-        Table::of(&columns, &rows.map(row).collect::<Vec<_>>())
+        samples::table(&rows.map(row).collect::<Vec<_>>())
     }
 
     /// Rows of two groups and a part of a third one.
     #[test]
     fn a_file_restores_all_values_with_their_units() {
         let rows = 2 * GROUP as u64 + 2000;
-        let headings: Vec<Heading> = table(0..0).columns().iter().map(|column| column.heading.clone()).collect();
-        let mut writer = ParquetWriter::new(Vec::new(), &["a study".into(), "of two lines".into()], &headings).unwrap();
+        let study = ["a study".into(), "of two lines".into()];
+        let mut writer = ParquetWriter::new(Vec::new(), &study, &table(0..0).headings()).unwrap();
         for begin in (0..rows).step_by(999) {
             writer.push(table(begin..(begin + 999).min(rows))).unwrap();
         }
@@ -345,7 +330,9 @@ mod tests {
         assert_eq!((groups.study().join(" "), groups.rows()), ("a study of two lines".into(), rows));
         let metadata = reader.metadata().file_metadata().key_value_metadata().unwrap();
         assert!(metadata.contains(&KeyValue::new("study".into(), "a study\nof two lines".to_string())), "{metadata:?}");
-        assert!(metadata.contains(&KeyValue::new("units".into(), r#"{"root":"1","x":"m/s2"}"#.to_string())));
+        assert!(
+            metadata.contains(&KeyValue::new("units".into(), r#"{"length":"1","root":"1","x":"m/s2"}"#.to_string()))
+        );
     }
 
     #[test]
@@ -365,8 +352,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("part-00001-of-00001.parquet");
         let study = ["a study", "part 1 of 1, 100 rows"].map(String::from);
-        let columns = table(0..0).columns().iter().map(|column| column.heading.clone()).collect();
-        let header = TableHeader { study: study.to_vec(), columns };
+        let header = TableHeader { study: study.to_vec(), columns: table(0..0).headings() };
         let content = file(&study, table(0..100)).unwrap();
         std::fs::write(&path, &content).unwrap();
         assert_eq!(parts::state(&path, &header, 100).unwrap(), PartState::Complete);

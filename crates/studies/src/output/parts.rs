@@ -160,68 +160,20 @@ pub enum PartState {
 /// The reason why a part or a folder of parts cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PartsError {
-    /// The part is that of another study.
-    #[error("{file}: is a part of another study; found `{found}`, expected `{expected}`")]
-    Other {
-        /// The file.
-        file: String,
-        /// A line of its description.
-        found: String,
-        /// The line of this study.
-        expected: String,
-    },
-    /// The folder has no parts.
-    #[error(
-        "{0}: has no parts of a study; expected files such as part-00001-of-00010.csv, or others in .parquet or .csv"
-    )]
-    None(String),
-    /// The folder has parts of several sets.
-    #[error("{folder}: has parts of different sets, {first} and {other}; expected one set in a folder")]
-    Sets {
-        /// The folder.
-        folder: String,
-        /// A part.
-        first: String,
-        /// A part of another set.
-        other: String,
-    },
-    /// Parts are missing.
-    #[error(
-        "{folder}: lacks {count} of {parts} parts: {missing}; make these, or evaluate the others alone with {partial}"
-    )]
-    Missing {
-        /// The folder.
-        folder: String,
-        /// Number of missing parts.
-        count: u64,
-        /// Number of parts.
-        parts: u64,
-        /// The numbers of the first ones.
-        missing: String,
-        /// The option that accepts them.
-        partial: &'static str,
-    },
-    /// A part ends early, or is no table.
-    #[error("{file}: is damaged: {reason}; make it anew: delete it, and run part {part} again")]
-    Damaged {
-        /// The file.
-        file: String,
-        /// What was found, and what was expected.
-        reason: String,
-        /// The part.
-        part: PartNumber,
-    },
-    /// A part cannot be read.
-    #[error("{file}: cannot be read: {error}")]
-    Io {
-        /// The file or folder.
-        file: String,
-        /// The reason.
-        error: io::Error,
-    },
+    /// The file or folder, the fault, and what was expected.
+    #[error("{0}")]
+    Refused(String),
     /// A file is no table.
     #[error(transparent)]
     Read(#[from] TableReadError),
+}
+
+impl PartsError {
+    /// The error of a part of another study. It has a line of its description, and the line of this study.
+    pub(super) fn of_other_study(path: &Path, found: &str, expected: &str) -> PartsError {
+        let file = path.display();
+        PartsError::Refused(format!("{file}: is a part of another study; found `{found}`, expected `{expected}`"))
+    }
 }
 
 /// Returns whether the file of a part is there and complete.
@@ -229,7 +181,6 @@ pub enum PartsError {
 /// # Errors
 /// It is that of another study, or cannot be read.
 pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, PartsError> {
-    let file = path.display().to_string();
     if !path.exists() {
         return Ok(PartState::Absent);
     }
@@ -243,7 +194,7 @@ pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, 
         match found.get(number) {
             Some(found) if *found == expected => (),
             Some(cut) if number + 1 == found.len() && expected.starts_with(cut) => return Ok(PartState::Broken),
-            Some(found) => return Err(PartsError::Other { file, found: found.clone(), expected }),
+            Some(found) => return Err(PartsError::of_other_study(path, found, &expected)),
             None => return Ok(PartState::Broken),
         }
     }
@@ -298,5 +249,5 @@ fn open(path: &Path) -> Result<File, PartsError> {
 }
 
 pub(super) fn refused(path: &Path, error: io::Error) -> PartsError {
-    PartsError::Io { file: path.display().to_string(), error }
+    PartsError::Refused(format!("{}: cannot be read: {error}", path.display()))
 }

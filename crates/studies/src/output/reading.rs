@@ -11,78 +11,38 @@ use std::sync::Arc;
 use csv::{ReaderBuilder, StringRecord};
 
 #[cfg(feature = "parquet")]
-use crate::output::parquet::Groups;
-use crate::output::table::{Heading, Kind, Series, Table, Values, number, split_heading};
+use crate::output::parquet::{GroupReader, Groups};
+use crate::output::table::{Heading, Kind, Series, Table, Values, split_heading};
 
 /// The reason why a table cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum TableReadError {
-    /// The file is not a table.
-    #[error("{file}: cannot be read as CSV: {error}")]
-    Csv {
+    /// The file cannot be opened, or its table is not one of those that are read.
+    #[error("{file}: {reason}")]
+    Refused {
         /// The table.
         file: String,
-        /// The reason.
-        error: csv::Error,
-    },
-    /// The file has no headings.
-    #[error("{0}: found no lines; expected a table of `rocking sweep`")]
-    Empty(String),
-    /// The file is neither text nor Parquet.
-    #[error("{0}: found no text; expected a table of `rocking sweep`, as CSV or Parquet")]
-    NoText(String),
-    /// A row has more or fewer fields than the headings.
-    #[error("{file}: row {row} has {found} fields; expected {expected}, as in the heading")]
-    Fields {
-        /// The table.
-        file: String,
-        /// The row, from 0.
-        row: u64,
-        /// Number of its fields.
-        found: u64,
-        /// Number of headings.
-        expected: u64,
-    },
-    /// The file cannot be read.
-    #[error("{file}: cannot be read: {error}")]
-    Io {
-        /// The table.
-        file: String,
-        /// The reason.
-        error: std::io::Error,
-    },
-    /// The file is not a table in Parquet.
-    #[error("{file}: cannot be read as Parquet: {reason}")]
-    Parquet {
-        /// The table.
-        file: String,
-        /// The reason.
+        /// The fault, and what was expected.
         reason: String,
     },
-    /// Parquet is not known.
-    #[error(
-        "{0}: cannot be read as Parquet: this program is built without it; expected a table in .csv, or a program built with --features \
-         rocking/parquet"
-    )]
-    NoParquet(String),
-    /// The headings are repeated between the rows.
-    #[error("{file}: repeats its headings after {rows} rows, as in tables joined by cat; expected one table")]
-    Joined {
+    /// The content is no table, or not a whole one.
+    #[error("{file}: {reason}")]
+    Damaged {
         /// The table.
         file: String,
-        /// Number of rows before them.
-        rows: u64,
+        /// What was found, and what was expected.
+        reason: String,
     },
-    /// A further table has other columns.
-    #[error("{file}: has the columns {found}; expected those of the first table, {expected}")]
-    OtherColumns {
-        /// The table.
-        file: String,
-        /// Its columns.
-        found: String,
-        /// The columns of the first table.
-        expected: String,
-    },
+}
+
+impl TableReadError {
+    fn refused(file: &str, reason: String) -> TableReadError {
+        TableReadError::Refused { file: file.into(), reason }
+    }
+
+    fn damaged(file: &str, reason: String) -> TableReadError {
+        TableReadError::Damaged { file: file.into(), reason }
+    }
 }
 
 /// A table that is read row by row. Columns without words are of numbers, others, and the names of records, of words.
@@ -99,8 +59,8 @@ pub struct TableReader<'a> {
 
 /// The values of a column so far.
 enum Growing {
-    Real(Vec<f64>),
-    Integer(Vec<i64>),
+    /// Numbers, or whole numbers.
+    Numbers(Series),
     Words(Words),
 }
 
@@ -141,33 +101,36 @@ impl Growing {
     /// Begins a column of CSV.
     fn of(heading: &str) -> Growing {
         match split_heading(heading).0 {
-            "row" => Growing::Integer(Vec::new()),
+            "row" => Growing::of_kind(Kind::Integer),
             // The name of a file may be a number.
-            "record" | "vertical" => Growing::Words(Words::default()),
-            _ => Growing::Real(Vec::new()),
+            "record" | "vertical" => Growing::of_kind(Kind::Text),
+            _ => Growing::of_kind(Kind::Real),
+        }
+    }
+
+    /// Begins a column of numbers, or of words for other values.
+    fn of_kind(kind: Kind) -> Growing {
+        match kind {
+            Kind::Real | Kind::Integer => {
+                Growing::Numbers(Series::new(Heading { name: String::new(), unit: None, kind }))
+            }
+            Kind::Boolean | Kind::Choice(_) | Kind::Text => Growing::Words(Words::default()),
         }
     }
 
     fn push_text(&mut self, text: &str) {
-        match self {
-            Growing::Real(values) => match number(text) {
-                Some(value) => values.push(value),
-                None => self.push_word(text),
-            },
-            // Other texts of the same number, such as 007, are words.
-            Growing::Integer(values) => match text.parse::<i64>().ok().filter(|value| value.to_string() == text) {
-                Some(value) => values.push(value),
-                None => self.push_word(text),
-            },
-            Growing::Words(_) => self.push_word(text),
+        let is_number = match self {
+            Growing::Numbers(series) => series.push_text(text),
+            Growing::Words(_) => false,
+        };
+        if !is_number {
+            self.push_word(text);
         }
     }
 
     /// Makes the column one of words, and appends a word.
     fn push_word(&mut self, text: &str) {
-        if !matches!(self, Growing::Words(_)) {
-            let (kind, values) = self.take();
-            let earlier = Series { heading: Heading { name: String::new(), unit: None, kind }, values };
+        if let Growing::Numbers(earlier) = self {
             let mut words = Words::default();
             (0..earlier.values.len()).for_each(|row| words.push(&earlier.text(row)));
             *self = Growing::Words(words);
@@ -176,35 +139,55 @@ impl Growing {
         words.push(text);
     }
 
-    /// Takes the values with their type; the column is empty then, and keeps its words.
-    fn take(&mut self) -> (Kind, Values) {
-        match self {
-            Growing::Real(values) => (Kind::Real, Values::Real(std::mem::take(values))),
-            Growing::Integer(values) => (Kind::Integer, Values::Integer(std::mem::take(values))),
+    /// Takes the values with this heading; the column is empty then, and keeps its words.
+    fn take(&mut self, heading: &str) -> Series {
+        let (kind, values) = match self {
+            Growing::Numbers(series) => {
+                let empty = Series::new(series.heading.clone());
+                let Series { heading, values } = std::mem::replace(series, empty);
+                (heading.kind, values)
+            }
             Growing::Words(words) => (Kind::Choice(words.list()), Values::Choice(std::mem::take(&mut words.positions))),
-        }
+        };
+        let (name, unit) = split_heading(heading);
+        Series { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, values }
     }
 
     /// Appends the values of a typed column.
     #[cfg(feature = "parquet")]
     fn append(&mut self, more: Series) {
-        match (&mut *self, more.values, &more.heading.kind) {
-            (Growing::Real(values), Values::Real(more), _) => values.extend(more),
-            (Growing::Integer(values), Values::Integer(more), _) => values.extend(more),
+        match (&mut *self, &more.values, &more.heading.kind) {
+            (Growing::Numbers(series), _, kind) if series.heading.kind == *kind => series.append(more),
             (Growing::Words(words), Values::Choice(more), Kind::Choice(list)) => {
                 let known: Vec<u32> = list.iter().map(|word| words.position(word)).collect();
-                words.positions.extend(more.into_iter().map(|position| known[position as usize]));
+                words.positions.extend(more.iter().map(|position| known[*position as usize]));
             }
-            (_, values, _) => {
-                let more = Series { heading: more.heading, values };
-                (0..more.values.len()).for_each(|row| self.push_word(&more.text(row)));
-            }
+            _ => (0..more.values.len()).for_each(|row| self.push_word(&more.text(row))),
         }
     }
 }
 
-/// Takes a batch of rows, with the headings of all columns of the file.
-pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
+/// The rows of a file that are still to be read.
+pub(super) struct FileRows<'c> {
+    file: String,
+    /// Number of rows of the files before.
+    before: u64,
+    content: Content<'c>,
+}
+
+enum Content<'c> {
+    Csv {
+        reader: Box<csv::Reader<Box<dyn Read + 'c>>>,
+        header: StringRecord,
+        is_over: bool,
+    },
+    #[cfg(feature = "parquet")]
+    Parquet {
+        groups: Groups,
+        next: usize,
+        group: Option<GroupReader>,
+    },
+}
 
 /// Rows of a batch.
 const BATCH: u64 = 1 << 16;
@@ -246,7 +229,8 @@ impl<'a> TableReader<'a> {
             self.headings = headings;
         } else if self.headings != headings {
             let [found, expected] = [headings, self.headings.clone()].map(|headings| headings.join(", "));
-            return Err(TableReadError::OtherColumns { file: file.into(), found, expected });
+            let reason = format!("has the columns {found}; expected those of the first table, {expected}");
+            return Err(TableReadError::refused(file, reason));
         }
         Ok(())
     }
@@ -262,119 +246,104 @@ impl<'a> TableReader<'a> {
         self.rows += rows as u64;
     }
 
-    /// Appends the rows of a file, in CSV or Parquet by its name.
-    ///
-    /// # Errors
-    /// Those of both formats.
-    pub fn read_file(&mut self, path: &Path) -> Result<(), TableReadError> {
-        self.read(path, &mut |_| Ok(()))
-    }
-
-    /// Passes the rows of a file on in batches, with the headings of all columns. Batches share the words of their columns.
-    ///
-    /// # Errors
-    /// Those of both formats, and of `each`.
-    pub fn read_batches<E: From<TableReadError>>(&mut self, path: &Path, each: &mut TakeBatch<E>) -> Result<(), E> {
-        self.read(path, &mut |reader| {
-            let table = reader.take();
-            each(table, &reader.headings)
-        })
-    }
-
-    fn read<E: From<TableReadError>>(
-        &mut self,
-        path: &Path,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let file = path.display().to_string();
-        let content = File::open(path).map_err(|error| TableReadError::Io { file: file.clone(), error })?;
-        match is_parquet(path) {
-            true => self.read_parquet(&file, content, each),
-            false => self.read_csv_batches(&file, content, each),
-        }
-    }
-
     /// Appends the rows of a table in CSV.
     ///
     /// # Errors
     /// A row with the wrong number of fields or with the headings, invalid UTF-8, or other columns than before.
     pub fn read_csv(&mut self, file: &str, content: impl Read) -> Result<(), TableReadError> {
-        self.read_csv_batches(file, content, &mut |_| Ok(()))
+        let mut rows = self.begin_csv(file, content)?;
+        while self.next_batch(&mut rows)? {}
+        Ok(())
     }
 
-    fn read_csv_batches<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        content: impl Read,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let refused = |error: csv::Error| match *error.kind() {
-            csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
-                let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
-                TableReadError::Fields { file: file.into(), row, found, expected }
-            }
-            csv::ErrorKind::Utf8 { .. } => TableReadError::NoText(file.into()),
-            _ => TableReadError::Csv { file: file.into(), error },
-        };
-        let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(content);
-        let header = reader.headers().map_err(refused)?.clone();
+    /// Begins a file, in CSV or Parquet by its name.
+    ///
+    /// # Errors
+    /// The file cannot be read, or has other columns than before.
+    pub(super) fn begin_file(&mut self, path: &Path) -> Result<FileRows<'static>, TableReadError> {
+        let file = path.display().to_string();
+        let content =
+            File::open(path).map_err(|error| TableReadError::refused(&file, format!("cannot be read: {error}")))?;
+        if is_parquet(path) { self.begin_parquet(&file, content) } else { self.begin_csv(&file, content) }
+    }
+
+    fn begin_csv<'c>(&mut self, file: &str, content: impl Read + 'c) -> Result<FileRows<'c>, TableReadError> {
+        let content: Box<dyn Read + 'c> = Box::new(content);
+        let mut reader = Box::new(ReaderBuilder::new().comment(Some(b'#')).from_reader(content));
+        let header = reader.headers().map_err(|error| damaged_csv(file, &error))?.clone();
         if header.is_empty() {
-            return Err(TableReadError::Empty(file.into()).into());
+            let reason = "found no lines; expected a table of `rocking sweep`".into();
+            return Err(TableReadError::damaged(file, reason));
         }
         self.begin(file, header.iter().map(String::from).collect(), |_, heading| Growing::of(heading))?;
-        let mut record = StringRecord::new();
-        let before = self.rows;
-        while reader.read_record(&mut record).map_err(refused)? {
-            if record == header {
-                return Err(TableReadError::Joined { file: file.into(), rows: self.rows - before }.into());
-            }
-            for (column, text) in self.columns.iter_mut().zip(&record) {
-                if let Some(column) = column {
-                    column.push_text(text);
-                }
-            }
-            self.end_rows(1);
-            if (self.rows - before).is_multiple_of(BATCH) {
-                each(self)?;
-            }
-        }
-        each(self)
+        Ok(FileRows { file: file.into(), before: self.rows, content: Content::Csv { reader, header, is_over: false } })
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn read_parquet<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        _: File,
-        _: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
-        Err(TableReadError::NoParquet(file.into()).into())
+    fn begin_parquet(&mut self, file: &str, _: File) -> Result<FileRows<'static>, TableReadError> {
+        Err(no_parquet(file))
     }
 
     #[cfg(feature = "parquet")]
-    fn read_parquet<E: From<TableReadError>>(
-        &mut self,
-        file: &str,
-        content: File,
-        each: &mut dyn FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
+    fn begin_parquet(&mut self, file: &str, content: File) -> Result<FileRows<'static>, TableReadError> {
         let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
         let headings = groups.headings.iter().map(Heading::to_string).collect();
-        self.begin(file, headings, |number, _| match groups.headings[number].kind {
-            Kind::Real => Growing::Real(Vec::new()),
-            Kind::Integer => Growing::Integer(Vec::new()),
-            Kind::Boolean | Kind::Choice(_) | Kind::Text => Growing::Words(Words::default()),
-        })?;
-        let is_wanted: Vec<bool> = self.columns.iter().map(Option::is_some).collect();
-        for group in 0..groups.count() {
-            let mut group = groups.group(group, &is_wanted).map_err(|error| not_parquet(file, error))?;
-            while let Some((rows, columns)) = group.next(BATCH as usize).map_err(|error| not_parquet(file, error))? {
-                self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
-                self.end_rows(rows);
-                each(self)?;
+        self.begin(file, headings, |number, _| Growing::of_kind(groups.headings[number].kind.clone()))?;
+        let content = Content::Parquet { groups, next: 0, group: None };
+        Ok(FileRows { file: file.into(), before: self.rows, content })
+    }
+
+    /// Appends the next rows of a file; returns whether there were any, or the end of a table in CSV.
+    ///
+    /// # Errors
+    /// The content is damaged.
+    pub(super) fn next_batch(
+        &mut self,
+        FileRows { file, before, content }: &mut FileRows,
+    ) -> Result<bool, TableReadError> {
+        match content {
+            Content::Csv { is_over: true, .. } => Ok(false),
+            Content::Csv { reader, header, is_over } => {
+                let mut record = StringRecord::new();
+                while reader.read_record(&mut record).map_err(|error| damaged_csv(file, &error))? {
+                    if record == *header {
+                        let rows = self.rows - *before;
+                        return Err(TableReadError::damaged(
+                            file,
+                            format!(
+                                "repeats its headings after {rows} rows, as in tables joined by cat; expected one table"
+                            ),
+                        ));
+                    }
+                    for (column, text) in self.columns.iter_mut().zip(&record) {
+                        if let Some(column) = column {
+                            column.push_text(text);
+                        }
+                    }
+                    self.end_rows(1);
+                    if (self.rows - *before).is_multiple_of(BATCH) {
+                        return Ok(true);
+                    }
+                }
+                *is_over = true;
+                Ok(true)
             }
+            #[cfg(feature = "parquet")]
+            Content::Parquet { groups, next, group } => loop {
+                let read = group.as_mut().map(|group| group.next(BATCH as usize)).transpose();
+                if let Some((rows, columns)) = read.map_err(|error| not_parquet(file, error))?.flatten() {
+                    self.columns.iter_mut().flatten().zip(columns).for_each(|(column, more)| column.append(more));
+                    self.end_rows(rows);
+                    return Ok(true);
+                }
+                if *next == groups.count() {
+                    return Ok(false);
+                }
+                let is_wanted: Vec<bool> = self.columns.iter().map(Option::is_some).collect();
+                *group = Some(groups.group(*next, &is_wanted).map_err(|error| not_parquet(file, error))?);
+                *next += 1;
+            },
         }
-        Ok(())
     }
 
     /// Headings of all columns.
@@ -387,15 +356,24 @@ impl<'a> TableReader<'a> {
         self.take()
     }
 
-    /// Takes the rows since the last call.
-    fn take(&mut self) -> Table {
-        let column = |(heading, column): (&String, &mut Option<Growing>)| {
-            let (kind, values) = column.as_mut()?.take();
-            let (name, unit) = split_heading(heading);
-            Some(Series { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, values })
-        };
-        Table::of_series(self.headings.iter().zip(&mut self.columns).filter_map(column).collect())
+    /// Takes the rows since the last call. All tables share the words of their columns.
+    pub(super) fn take(&mut self) -> Table {
+        let columns = self.headings.iter().zip(&mut self.columns);
+        Table::of_series(columns.filter_map(|(heading, column)| Some(column.as_mut()?.take(heading))).collect())
     }
+}
+
+/// The error of a table in CSV.
+fn damaged_csv(file: &str, error: &csv::Error) -> TableReadError {
+    let reason = match *error.kind() {
+        csv::ErrorKind::UnequalLengths { ref pos, expected_len: expected, len: found } => {
+            let row = pos.as_ref().map_or(0, |place| place.record().saturating_sub(1));
+            format!("row {row} has {found} fields; expected {expected}, as in the heading")
+        }
+        csv::ErrorKind::Utf8 { .. } => "found no text; expected a table of `rocking sweep`, as CSV or Parquet".into(),
+        _ => format!("cannot be read as CSV: {error}"),
+    };
+    TableReadError::damaged(file, reason)
 }
 
 /// Whether a table is Parquet, by its name.
@@ -412,12 +390,19 @@ pub(super) fn parquet_description(file: &str, content: File) -> Result<(Vec<Stri
 
 #[cfg(not(feature = "parquet"))]
 pub(super) fn parquet_description(file: &str, _: File) -> Result<(Vec<String>, u64), TableReadError> {
-    Err(TableReadError::NoParquet(file.into()))
+    Err(no_parquet(file))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn no_parquet(file: &str) -> TableReadError {
+    let reason = "cannot be read as Parquet: this program is built without it; expected a table in .csv, or a program built with \
+                  --features rocking/parquet";
+    TableReadError::refused(file, reason.into())
 }
 
 #[cfg(feature = "parquet")]
 fn not_parquet(file: &str, error: impl Display) -> TableReadError {
-    TableReadError::Parquet { file: file.into(), reason: error.to_string() }
+    TableReadError::damaged(file, format!("cannot be read as Parquet: {error}"))
 }
 
 #[cfg(test)]

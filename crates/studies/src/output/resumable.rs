@@ -16,71 +16,15 @@ use crate::output::table::{Heading, Table};
 /// The reason why a table cannot be created, resumed or written.
 #[derive(Debug, thiserror::Error)]
 pub enum TableWriteError {
-    /// The file exists.
-    #[error("{file}: exists already; expected --resume to continue it, --force to replace it, or another name")]
-    Exists {
-        /// The file.
-        file: String,
-    },
-    /// A device or a pipe does not keep the rows.
-    #[error("{file}: cannot be resumed with --resume; expected the file of an interrupted study")]
-    NotKept {
-        /// The output.
-        file: String,
-    },
+    /// The file holds other rows than those of this study.
+    #[error("{0}")]
+    OtherRows(String),
+    /// The table cannot be used as requested: the file, the fault, and what was expected.
+    #[error("{0}")]
+    Refused(String),
     /// The output has no valid target.
     #[error(transparent)]
     Target(#[from] OutputTargetError),
-    /// The table belongs to another study.
-    #[error("{file}:{line}: the table is that of another study; found `{found}`, expected `{expected}`")]
-    Other {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Content of the line.
-        found: String,
-        /// The line that this study would have written.
-        expected: String,
-    },
-    /// The table has more rows than the study.
-    #[error("{file}: has {found} rows or more; expected at most {expected}")]
-    TooLong {
-        /// The file.
-        file: String,
-        /// Complete rows counted so far.
-        found: u64,
-        /// Rows of the study.
-        expected: u64,
-    },
-    /// A row has the wrong number, or the wrong number of columns.
-    #[error("{file}:{line}: found `{found}`; expected row {expected} with {columns} columns")]
-    Row {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Content of the line.
-        found: String,
-        /// Number of the row.
-        expected: u64,
-        /// Number of columns.
-        columns: usize,
-    },
-    /// A field of a row has no value.
-    #[error("{file}: {reason}")]
-    Content {
-        /// The file.
-        file: String,
-        /// The row, what was found there, and what was expected.
-        reason: String,
-    },
-    /// Another program is writing the table.
-    #[error("{file}: is being written by a running study; expected the file of an interrupted one")]
-    Busy {
-        /// The file.
-        file: String,
-    },
     /// The operating system refuses.
     #[error("{file}: cannot be {what}: {error}")]
     Io {
@@ -194,39 +138,35 @@ impl ResumableTable {
             let file = name.clone();
             move |error| TableWriteError::Io { file, what, error }
         };
-        let new = |sink| ResumableTable { name: name.clone(), sink, rows: 0, failures: Failures::default() };
         let OutputTarget::File(file_path) = &target else {
             if resume {
-                return Err(TableWriteError::NotKept { file: name });
+                return Err(TableWriteError::Refused(format!(
+                    "{name}: cannot be resumed with --resume; expected the file of an interrupted study"
+                )));
             }
             let Some(out) = target.open_stream().map_err(io("written"))? else { unreachable!("not a file") };
-            let mut table = new(Sink::Stream { out, outlives_reader });
-            table.begin(header)?;
-            return Ok(table);
+            return ResumableTable::stream(name, header, out, outlives_reader);
         };
-        if file_path.exists() {
-            if !resume && !force {
-                return Err(TableWriteError::Exists { file: name });
-            }
-            let mut file = OpenOptions::new().read(true).write(true).open(file_path).map_err(io("opened"))?;
-            lock(&file, &name)?;
-            if force {
-                file.set_len(0).map_err(io("written"))?;
-            }
-            let (length, done, failures) = complete_rows(&file, &name, header, rows)?;
-            file.set_len(length).map_err(io("written"))?;
-            file.seek(SeekFrom::End(0)).map_err(io("written"))?;
-            let sink = Sink::File { path: file_path.clone(), file };
-            let mut table = ResumableTable { rows: done, failures, ..new(sink) };
-            if length == 0 {
-                table.begin(header)?;
-            }
-            return Ok(table);
+        let exists = file_path.exists();
+        if exists && !resume && !force {
+            return Err(TableWriteError::Refused(format!(
+                "{name}: exists already; expected --resume to continue it, --force to replace it, or another name"
+            )));
         }
-        let file = OpenOptions::new().write(true).create_new(true).open(file_path).map_err(io("written"))?;
+        let opened = OpenOptions::new().read(true).write(true).create_new(!exists).open(file_path);
+        let mut file = opened.map_err(io(if exists { "opened" } else { "written" }))?;
         lock(&file, &name)?;
-        let mut table = new(Sink::File { path: file_path.clone(), file });
-        table.begin(header)?;
+        if force {
+            file.set_len(0).map_err(io("written"))?;
+        }
+        let (length, rows, failures) = complete_rows(&file, &name, header, rows)?;
+        file.set_len(length).map_err(io("written"))?;
+        file.seek(SeekFrom::End(0)).map_err(io("written"))?;
+        let sink = Sink::File { path: file_path.clone(), file };
+        let mut table = ResumableTable { name, sink, rows, failures };
+        if length == 0 {
+            table.write(header.text())?;
+        }
         Ok(table)
     }
 
@@ -239,9 +179,18 @@ impl ResumableTable {
         header: &TableHeader,
         out: Box<dyn Write + Send>,
     ) -> Result<ResumableTable, TableWriteError> {
-        let sink = Sink::Stream { out, outlives_reader: false };
-        let mut table = ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() };
-        table.begin(header)?;
+        ResumableTable::stream(name.into(), header, out, false)
+    }
+
+    fn stream(
+        name: String,
+        header: &TableHeader,
+        out: Box<dyn Write + Send>,
+        outlives_reader: bool,
+    ) -> Result<ResumableTable, TableWriteError> {
+        let sink = Sink::Stream { out, outlives_reader };
+        let mut table = ResumableTable { name, sink, rows: 0, failures: Failures::default() };
+        table.write(header.text())?;
         Ok(table)
     }
 
@@ -256,7 +205,7 @@ impl ResumableTable {
         out: Box<dyn Write + Send>,
     ) -> Result<ResumableTable, TableWriteError> {
         let writer = ParquetWriter::new(out, &header.study, &header.columns)
-            .map_err(|error| TableWriteError::Content { file: name.into(), reason: error.to_string() })?;
+            .map_err(|error| TableWriteError::Refused(format!("{name}: {error}")))?;
         let sink = Sink::Parquet(Box::new(writer));
         Ok(ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() })
     }
@@ -271,7 +220,7 @@ impl ResumableTable {
             #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => {
                 let ended = writer.finish().map(|_| ());
-                ended.map_err(|error| TableWriteError::Content { file: self.name, reason: error.to_string() })
+                ended.map_err(|error| TableWriteError::Refused(format!("{}: {error}", self.name)))
             }
         }
     }
@@ -283,10 +232,6 @@ impl ResumableTable {
             #[cfg(feature = "parquet")]
             Sink::Parquet(_) => false,
         }
-    }
-
-    fn begin(&mut self, header: &TableHeader) -> Result<(), TableWriteError> {
-        self.write(header.text())
     }
 
     /// Number of complete rows.
@@ -319,7 +264,7 @@ impl ResumableTable {
         });
         match (refused, read) {
             (Some(error), _) => Err(error),
-            (None, read) => read.map_err(|reason| TableWriteError::Content { file: self.name.clone(), reason }),
+            (None, read) => read.map_err(|reason| TableWriteError::Refused(format!("{}: {reason}", self.name))),
         }
     }
 
@@ -333,7 +278,7 @@ impl ResumableTable {
             #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => writer
                 .push(rows.clone())
-                .map_err(|error| TableWriteError::Content { file: self.name.clone(), reason: error.to_string() })?,
+                .map_err(|error| TableWriteError::Refused(format!("{}: {error}", self.name)))?,
         }
         let outcome = rows.column(OUTCOME.0);
         for row in 0..rows.rows() {
@@ -367,7 +312,9 @@ impl ResumableTable {
 /// Locks the file against a second study; does nothing where files cannot be locked.
 fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(TableWriteError::Busy { file: name.into() }),
+        Err(TryLockError::WouldBlock) => Err(TableWriteError::Refused(format!(
+            "{name}: is being written by a running study; expected the file of an interrupted one"
+        ))),
         Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
     }
 }
@@ -397,8 +344,10 @@ fn complete_rows(
         if let Some(expected) = expected.get(number - 1) {
             let fits = if complete { text == *expected } else { expected.starts_with(&*text) };
             if !fits {
-                let expected = expected.to_string();
-                return Err(TableWriteError::Other { file: name.into(), line: number, found: shown(), expected });
+                let found = shown();
+                return Err(TableWriteError::OtherRows(format!(
+                    "{name}:{number}: the table is that of another study; found `{found}`, expected `{expected}`"
+                )));
             }
             if !complete {
                 // The interruption came before the first row.
@@ -409,14 +358,18 @@ fn complete_rows(
                 return Ok((length, done, failures));
             }
             if done == rows {
-                return Err(TableWriteError::TooLong { file: name.into(), found: rows + 1, expected: rows });
+                let found = rows + 1;
+                let message = format!("{name}: has {found} rows or more; expected at most {rows}");
+                return Err(TableWriteError::OtherRows(message));
             }
             let columns = header.columns.len();
             match fields(&line).filter(|fields| fields.len() == columns && fields[0] == done.to_string()) {
                 Some(fields) => failures.count_row(done, outcome.and_then(|column| fields.get(column))),
                 None => {
-                    let (line, found) = (number, shown());
-                    return Err(TableWriteError::Row { file: name.into(), line, found, expected: done, columns });
+                    let found = shown();
+                    return Err(TableWriteError::OtherRows(format!(
+                        "{name}:{number}: found `{found}`; expected row {done} with {columns} columns"
+                    )));
                 }
             }
             done += 1;

@@ -50,7 +50,7 @@ impl Display for Heading {
 }
 
 /// The number of a field. It is NaN for an empty field, and `None` for one that is no number.
-pub(super) fn number(field: &str) -> Option<f64> {
+fn number(field: &str) -> Option<f64> {
     if field.is_empty() { Some(f64::NAN) } else { field.parse().ok().filter(|number: &f64| !number.is_nan()) }
 }
 
@@ -187,7 +187,7 @@ pub struct Series {
 }
 
 impl Series {
-    fn new(heading: Heading) -> Series {
+    pub(super) fn new(heading: Heading) -> Series {
         let values = match heading.kind {
             Kind::Real => Values::Real(Vec::new()),
             Kind::Integer => Values::Integer(Vec::new()),
@@ -235,7 +235,7 @@ impl Series {
         }
     }
 
-    fn append(&mut self, more: Series) {
+    pub(super) fn append(&mut self, more: Series) {
         match (&mut self.values, more.values) {
             (Values::Real(values), Values::Real(more)) => values.extend(more),
             (Values::Integer(values), Values::Integer(more)) => values.extend(more),
@@ -256,7 +256,10 @@ impl Series {
         }
         match (&mut self.values, &self.heading.kind) {
             (Values::Real(values), _) => push(values, number(text)),
-            (Values::Integer(values), _) => push(values, text.parse().ok()),
+            // Other texts of the same number, such as 007, are words.
+            (Values::Integer(values), _) => {
+                push(values, text.parse().ok().filter(|value: &i64| value.to_string() == text))
+            }
             (Values::Boolean(values), _) => push(values, text.parse().ok()),
             (Values::Choice(values), Kind::Choice(words)) => {
                 push(values, words.iter().position(|word| word == text).map(|position| position as u32))
@@ -300,6 +303,11 @@ impl Table {
     /// The columns.
     pub fn columns(&self) -> &[Series] {
         &self.columns
+    }
+
+    /// The headings of the columns.
+    pub fn headings(&self) -> Vec<Heading> {
+        self.columns.iter().map(|column| column.heading.clone()).collect()
     }
 
     /// The columns, without copying their values.
@@ -410,5 +418,28 @@ mod tests {
             "x": [0.5, null, -2.0], "sign": ["plus", "minus", "minus"], "is_whole": [false, false, true]
         });
         assert_eq!(json, expected);
+    }
+}
+
+#[cfg(test)]
+pub(super) mod samples {
+    use super::*;
+
+    /// A number, a value and a word.
+    pub type Row = (u64, f64, &'static str);
+
+    /// A table with columns of all types.
+    pub fn table(rows: &[Row]) -> Table {
+        type Of<'c> = TableColumn<'c, Row>;
+        let columns = [
+            Of::row(|row| row.0),
+            Of::real("x", "m/s2", |row| row.1),
+            Of::optional("root", "1", |row| (row.1 >= 0.0).then(|| row.1.sqrt())),
+            Of::count("length", |row| row.2.len()),
+            Of::boolean("is_short", |row| row.2.len() < 3),
+            Of::choice("sign", ["minus", "plus, or none"], |row| usize::from(row.1 >= 0.0)),
+            Of::text("name", |row| row.2.into()),
+        ];
+        Table::of(&columns, rows)
     }
 }

@@ -4,10 +4,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_line, refused};
-use crate::output::reading::{TableReadError, TableReader, TakeBatch, is_parquet};
+use crate::output::reading::{TableReadError, TableReader, is_parquet};
 use crate::output::table::{Table, Values};
 
-/// The files of a table: the parts of a folder, or others. The parts are all of one set. Folders named `key=value` split it: each has a set
+/// The files of a table: a single one, the parts of a folder, or others. The parts are all of one set. Folders named `key=value` split it: each has a set
 /// of its own.
 pub struct TableFiles {
     folder: String,
@@ -25,19 +25,28 @@ pub struct TableFile {
     pub path: PathBuf,
 }
 
+/// Takes a batch of rows, with the headings of all columns of the file.
+pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
+
 impl TableFiles {
     /// Whether a path stands for several files: a folder, or a pattern such as `runs/*.parquet`.
     pub fn are_at(path: &Path) -> bool {
         path.is_dir() || !path.exists() && is_pattern(path)
     }
 
-    /// Lists the parts of a folder, or the files that match a pattern. A folder without parts is a set of files in Parquet or CSV, or of
+    /// Lists the parts of a folder, or the files that match a pattern; another path is that of a single file. A folder without parts is a set of files in Parquet or CSV, or of
     /// such folders; names that begin with a dot or an underscore are left out.
     ///
     /// # Errors
     /// The folder cannot be read, or has no tables, or parts of several sets.
     pub fn of(path: &Path) -> Result<TableFiles, PartsError> {
         let folder = path.display().to_string();
+        if !TableFiles::are_at(path) {
+            return Ok(TableFiles {
+                folder,
+                files: vec![TableFile { keys: Vec::new(), part: None, path: path.into() }],
+            });
+        }
         let mut paths = Vec::new();
         let root = if path.is_dir() {
             list(path, &mut paths)?;
@@ -60,7 +69,9 @@ impl TableFiles {
         }
         files.sort();
         if files.is_empty() {
-            return Err(PartsError::None(folder));
+            return Err(PartsError::Refused(format!(
+                "{folder}: has no parts of a study; expected files such as part-00001-of-00010.csv, or others in .parquet or .csv"
+            )));
         }
         let count = |file: &TableFile| file.part.map(PartNumber::count);
         let are_apart = |one: &TableFile, other: &TableFile| {
@@ -70,7 +81,10 @@ impl TableFiles {
         };
         if let Some(pair) = files.windows(2).find(|pair| are_apart(&pair[0], &pair[1])) {
             let name = |file: &TableFile| file.path.strip_prefix(&root).unwrap_or(&file.path).display().to_string();
-            return Err(PartsError::Sets { folder, first: name(&pair[0]), other: name(&pair[1]) });
+            let (first, other) = (name(&pair[0]), name(&pair[1]));
+            return Err(PartsError::Refused(format!(
+                "{folder}: has parts of different sets, {first} and {other}; expected one set in a folder"
+            )));
         }
         Ok(TableFiles { folder, files })
     }
@@ -89,7 +103,7 @@ impl TableFiles {
     ///
     /// # Errors
     /// Names the missing ones, and `partial`, the option that does without them.
-    pub fn check_complete(&self, partial: &'static str) -> Result<(), PartsError> {
+    pub fn check_complete(&self, partial: &str) -> Result<(), PartsError> {
         for set in self.files.chunk_by(|one, other| one.keys == other.keys) {
             let known: Vec<u64> = set.iter().filter_map(|file| Some(file.part?.number())).collect();
             let parts = set[0].part.map_or(0, PartNumber::count);
@@ -103,8 +117,10 @@ impl TableFiles {
                 Some(folder) if !set[0].keys.is_empty() => folder.display().to_string(),
                 _ => self.folder.clone(),
             };
-            let (count, missing) = (missing.len() as u64, shown.join(", ") + more);
-            return Err(PartsError::Missing { folder, count, parts, missing, partial });
+            let (count, missing) = (missing.len(), shown.join(", ") + more);
+            return Err(PartsError::Refused(format!(
+                "{folder}: lacks {count} of {parts} parts: {missing}; make these, or evaluate the others alone with {partial}"
+            )));
         }
         Ok(())
     }
@@ -117,7 +133,7 @@ impl TableFiles {
     pub fn read(&self, is_wanted: &dyn Fn(&str) -> bool) -> Result<(Table, Vec<String>), PartsError> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);
-        self.visit::<PartsError>(&mut reader, |reader, path| Ok(reader.read_file(path)?))?;
+        self.visit(&mut reader, |_| Ok::<(), PartsError>(()))?;
         let headings = reader.headings().to_vec();
         let mut table = reader.table();
         if let Some(Values::Integer(rows)) = table.column(ROW).map(|column| &column.values)
@@ -142,28 +158,36 @@ impl TableFiles {
     ) -> Result<(), E> {
         let with_row = |name: &str| name == ROW || is_wanted(name);
         let mut reader = TableReader::new(&with_row);
-        self.visit(&mut reader, |reader, path| {
-            reader.read_batches(path, &mut |rows, headings| each(rows, headings).map_err(VisitError::Receiver))
-        })
+        self.visit(&mut reader, |reader| each(reader.take(), reader.headings()))
     }
 
-    /// Reads file by file, and checks that the parts are whole.
+    /// Reads file by file, with a call after each batch of rows, and checks that the parts are whole.
     fn visit<'a, E: From<PartsError>>(
         &self,
         reader: &mut TableReader<'a>,
-        mut read: impl FnMut(&mut TableReader<'a>, &Path) -> Result<(), VisitError<E>>,
+        mut each: impl FnMut(&mut TableReader<'a>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first: Option<(&TableFile, Vec<String>)> = None;
         for file in &self.files {
             let TableFile { keys, part, path } = file;
             reader.set_keys(keys);
             let Some(part) = *part else {
-                read(reader, path).map_err(|error| error.of(PartsError::Read))?;
+                let mut rows = reader.begin_file(path).map_err(PartsError::Read)?;
+                while reader.next_batch(&mut rows).map_err(PartsError::Read)? {
+                    each(reader)?;
+                }
                 continue;
             };
-            let name = || path.display().to_string();
-            let damaged = |reason| PartsError::Damaged { file: name(), reason, part };
-            let unread = |error| damaged_or(error, part);
+            let damaged = |reason: String| {
+                let file = path.display();
+                PartsError::Refused(format!(
+                    "{file}: is damaged: {reason}; make it anew: delete it, and run part {part} again"
+                ))
+            };
+            let unread = |error| match error {
+                TableReadError::Damaged { reason, .. } => damaged(reason),
+                TableReadError::Refused { .. } => PartsError::Read(error),
+            };
             let mut study = description(path).map_err(|error| match error {
                 PartsError::Read(error) => unread(error),
                 other => other,
@@ -174,21 +198,23 @@ impl TableFiles {
             let expected: u64 = match rows.and_then(|rows| rows.parse().ok()) {
                 Some(expected) => expected,
                 None if own.starts_with(PART) => {
-                    return Err(PartsError::Other { file: name(), found: own, expected: begin + "…" }.into());
+                    return Err(PartsError::of_other_study(path, &own, &(begin + "…")).into());
                 }
                 None => return Err(damaged(format!("found `{own}`, expected `{begin}…`")).into()),
             };
             match &first {
                 Some((other, first)) if other.keys == *keys => {
                     if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
-                        let (found, expected) = (found.clone(), expected.clone());
-                        return Err(PartsError::Other { file: name(), found, expected }.into());
+                        return Err(PartsError::of_other_study(path, found, expected).into());
                     }
                 }
                 _ => first = Some((file, study)),
             }
             let before = reader.rows();
-            read(reader, path).map_err(|error| error.of(unread))?;
+            let mut rows = reader.begin_file(path).map_err(unread)?;
+            while reader.next_batch(&mut rows).map_err(unread)? {
+                each(reader)?;
+            }
             let found = reader.rows() - before;
             if found != expected {
                 return Err(damaged(format!("found {found} rows, expected {expected}")).into());
@@ -198,45 +224,6 @@ impl TableFiles {
             }
         }
         Ok(())
-    }
-}
-
-/// The error of reading a file, or that of the receiver of its rows.
-enum VisitError<E> {
-    File(TableReadError),
-    Receiver(E),
-}
-
-impl<E> From<TableReadError> for VisitError<E> {
-    fn from(error: TableReadError) -> VisitError<E> {
-        VisitError::File(error)
-    }
-}
-
-impl<E: From<PartsError>> VisitError<E> {
-    fn of(self, file: impl FnOnce(TableReadError) -> PartsError) -> E {
-        match self {
-            VisitError::File(error) => file(error).into(),
-            VisitError::Receiver(error) => error,
-        }
-    }
-}
-
-/// The error of a part that cannot be read. The part is damaged if its content is the reason.
-fn damaged_or(error: TableReadError, part: PartNumber) -> PartsError {
-    use TableReadError::{Csv, Empty, Fields, Io, Joined, NoParquet, NoText, OtherColumns, Parquet};
-    let message = error.to_string();
-    match error {
-        Io { .. } | NoParquet(_) | OtherColumns { .. } => PartsError::Read(error),
-        Empty(file)
-        | NoText(file)
-        | Csv { file, .. }
-        | Fields { file, .. }
-        | Parquet { file, .. }
-        | Joined { file, .. } => {
-            let reason = message.strip_prefix(&format!("{file}: ")).unwrap_or(&message).into();
-            PartsError::Damaged { file, reason, part }
-        }
     }
 }
 

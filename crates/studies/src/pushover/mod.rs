@@ -23,16 +23,32 @@ use statics::Equilibrium;
 use walk::{ROUNDING, Walk};
 
 /// A slow rotation of a block.
+#[allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of options")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Rotation"))]
 pub struct Push {
-    /// The corner over which the block turns.
+    /// Side to which the lateral force turns the block
+    #[cfg_attr(feature = "clap", arg(long = "side", value_name = "SIDE", value_parser = sides(), default_value = "right"))]
     pub over: Corner,
-    /// Greatest rotation (rad) to this side. By default the centre of mass then stands over the corner.
+    /// Greatest rotation; by default that at which the centre of mass stands over the corner. The curve ends before it where the
+    /// force vanishes [rad]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub to: Option<f64>,
-    /// Amplitude of the cycles (rad), without which there are none.
+    /// Also turn the block to and fro by this amplitude: energy, equivalent damping, recentring ratio and residual rotation [rad]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub amplitude: Option<f64>,
-    /// Number of equal steps to the greatest rotation, and to the amplitude.
+    /// Number of equal steps to the greatest rotation, and to the amplitude; landmarks stand between them, at their rotations
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_POINTS)))
+    )]
     pub points: u32,
+}
+
+/// The words of sides as options, with a line of help for each.
+#[cfg(feature = "clap")]
+fn sides() -> impl clap::builder::TypedValueParser<Value = Corner> {
+    crate::spec::choice(&[(Corner::Left, "Over the left corner"), (Corner::Right, "Over the right corner")])
 }
 
 /// The reason why a block has no curve.

@@ -22,7 +22,7 @@ pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
 
-use crate::run::outcome::{Breaks, End, Holds, Incidents, Lean, Outcome};
+use crate::run::outcome::{End, Holds, Incidents, Lean, Occurrences, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
@@ -118,38 +118,11 @@ const MEMORY_OF_ROW: f64 = 2.0 * size_of::<Row>() as f64 + 256.0;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MemoryError {
     /// More rows than any reasonable history.
-    #[error(
-        "{duration} s in steps of {step} s are {rows:.0} rows{}; expected at most 1e7, which need about {:.0} GB of memory",
-        with_derivatives(*.parameters),
-        1e-9 * MAX_ROWS * MEMORY_OF_ROW
-    )]
-    TooManyRows {
-        /// Longest duration of the run (s).
-        duration: f64,
-        /// Time between two rows (s).
-        step: f64,
-        /// Rows of the history and of all derivatives.
-        rows: f64,
-        /// Number of parameters of the derivatives.
-        parameters: usize,
-    },
+    #[error("{0}")]
+    TooManyRows(String),
     /// The system refuses the memory.
-    #[error(
-        "{duration} s in steps of {step} s are {rows:.0} rows{}, for which the system does not provide about {:.1} GB of memory; \
-         expected longer steps or a shorter duration",
-        with_derivatives(*.parameters),
-        1e-9 * .rows * MEMORY_OF_ROW
-    )]
-    Refused {
-        /// Longest duration of the run (s).
-        duration: f64,
-        /// Time between two rows (s).
-        step: f64,
-        /// Rows of the history and of all derivatives.
-        rows: f64,
-        /// Number of parameters of the derivatives.
-        parameters: usize,
-    },
+    #[error("{0}")]
+    Refused(String),
 }
 
 fn with_derivatives(parameters: usize) -> String {
@@ -181,15 +154,20 @@ impl Run {
     pub fn check_memory(&self, parameters: usize) -> Result<(), MemoryError> {
         let (duration, step) = (self.longest_duration(), self.output_step);
         let rows = duration / step * (1 + parameters) as f64;
+        let found = || format!("{duration} s in steps of {step} s are {rows:.0} rows{}", with_derivatives(parameters));
         if rows.is_nan() || rows > MAX_ROWS {
-            return Err(MemoryError::TooManyRows { duration, step, rows, parameters });
+            let (found, gigabytes) = (found(), 1e-9 * MAX_ROWS * MEMORY_OF_ROW);
+            return Err(MemoryError::TooManyRows(format!(
+                "{found}; expected at most 1e7, which need about {gigabytes:.0} GB of memory"
+            )));
         }
         // A failed allocation later would abort the process.
-        Vec::<u8>::new().try_reserve_exact((rows * MEMORY_OF_ROW) as usize).map_err(|_| MemoryError::Refused {
-            duration,
-            step,
-            rows,
-            parameters,
+        Vec::<u8>::new().try_reserve_exact((rows * MEMORY_OF_ROW) as usize).map_err(|_| {
+            let (found, gigabytes) = (found(), 1e-9 * rows * MEMORY_OF_ROW);
+            MemoryError::Refused(format!(
+                "{found}, for which the system does not provide about {gigabytes:.1} GB of memory; expected longer steps or a shorter \
+                 duration"
+            ))
         })
     }
 
@@ -464,7 +442,7 @@ impl History {
     }
 
     /// The ties that broke.
-    pub fn breaks(&self) -> Breaks {
+    pub fn breaks(&self) -> Occurrences {
         let mut incidents = Incidents::default();
         self.events.iter().for_each(|event| incidents.count_event(event));
         incidents.breaks

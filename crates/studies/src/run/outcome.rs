@@ -18,12 +18,12 @@ pub struct Outcome {
     pub peaks: Peaks,
     /// Counters.
     pub counts: Counts,
-    /// Complete separations.
-    pub flights: Flights,
+    /// Complete separations: the last touching corner leaves the ground. Bounces count again.
+    pub flights: Occurrences,
     /// Rotation past the balance and at the end.
     pub lean: Lean,
     /// Ties and dampers that broke.
-    pub breaks: Breaks,
+    pub breaks: Occurrences,
     /// Slenderness α of the block (rad).
     pub alpha: f64,
     /// Number of ties of the block, before whose dampers they are numbered.
@@ -193,8 +193,8 @@ pub fn columns<'c, R: 'c>(holds: Holds, of: fn(&R) -> &Outcome) -> Vec<TableColu
 /// Incidents of a run, counted from its events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Incidents {
-    pub flights: Flights,
-    pub breaks: Breaks,
+    pub flights: Occurrences,
+    pub breaks: Occurrences,
 }
 
 impl Incidents {
@@ -207,25 +207,8 @@ impl Incidents {
         incidents
     }
 
-    /// Counts an event.
+    /// Counts an event that begins a flight, or breaks a tie or a damper.
     pub fn count_event(&mut self, event: &Event) {
-        self.flights.count_event(event);
-        self.breaks.count_event(event);
-    }
-}
-
-/// Complete separations of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Flights {
-    /// Number of times the last touching corner left the ground; bounces count again.
-    pub count: u32,
-    /// Time at which the first began (s).
-    pub first: Option<f64>,
-}
-
-impl Flights {
-    /// Counts an event that begins a flight.
-    fn count_event(&mut self, event: &Event) {
         let touched = match event.kind {
             EventKind::Landing(_) => true,
             EventKind::LiftOff(_)
@@ -235,10 +218,24 @@ impl Flights {
             | EventKind::Overturning => event.before != Regime::Separated,
         };
         if touched && event.after == Regime::Separated {
-            self.add(event.time);
+            self.flights.add(event.time);
+        }
+        if matches!(event.kind, EventKind::Restraint(restraints::RestraintEvent::Tie(_, _, tie::TieEvent::Break))) {
+            self.breaks.add(event.time);
         }
     }
+}
 
+/// The occurrences of an incident in a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Occurrences {
+    /// Their number.
+    pub count: u32,
+    /// Time of the first (s).
+    pub first: Option<f64>,
+}
+
+impl Occurrences {
     fn add(&mut self, time: f64) {
         self.count += 1;
         self.first.get_or_insert(time);
@@ -293,24 +290,5 @@ impl Lean {
             self.over_balance = simulation.peaks().theta / block.alpha;
         }
         Lean { end: simulation.state()[0], ..self }
-    }
-}
-
-/// Ties and dampers that broke in a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Breaks {
-    /// Their number.
-    pub count: u32,
-    /// Time at which the first broke (s).
-    pub first: Option<f64>,
-}
-
-impl Breaks {
-    /// Counts an event if a tie or a damper breaks.
-    fn count_event(&mut self, event: &Event) {
-        if matches!(event.kind, EventKind::Restraint(restraints::RestraintEvent::Tie(_, _, tie::TieEvent::Break))) {
-            self.count += 1;
-            self.first.get_or_insert(event.time);
-        }
     }
 }

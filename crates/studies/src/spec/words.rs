@@ -1,6 +1,6 @@
 //! A user's choices ↔ their words, the same on the command line, in study files, tables, messages and Python.
 
-use rocking_block::block::Foundation;
+use rocking_block::block::{Corner, Foundation};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::{OnOverturning, OnSeparation};
 
@@ -23,6 +23,10 @@ pub trait Words: Copy + PartialEq + 'static {
 impl Words for Foundation {
     const WORDS: &'static [(&'static str, Foundation)] =
         &[("viscoelastic", Foundation::Viscoelastic), ("rigid", Foundation::Rigid)];
+}
+
+impl Words for Corner {
+    const WORDS: &'static [(&'static str, Corner)] = &[("left", Corner::Left), ("right", Corner::Right)];
 }
 
 impl Words for PulseShape {

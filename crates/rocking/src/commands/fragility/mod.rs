@@ -12,9 +12,10 @@ use crate::options::choices;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::fit::FitOptions;
 use crate::options::measure::BlockScales;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::options::run::warn;
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::PictureOptions;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use report::{MeasureReport, SurfaceReport, summary, warning_of_left_out};
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
@@ -78,14 +79,10 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     }
     let outputs = [("plot", plot), ("ida", ida.as_deref())];
     let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
-    let outputs: Vec<_> = outputs.collect();
-    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs.iter().copied()))?;
-    let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let picture = plot.map(Pending::new).transpose()?;
-    let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
+    let mut outputs = Outputs::checked(&[NamedFile::new("the table", &options.table)], outputs)?;
 
     let mut table = options.cases()?;
-    let mut assess = |i: usize| options.assess(&mut table, i, format.is_some(), explicit);
+    let mut assess = |i: usize| options.assess(&mut table, i, plot.is_some(), explicit);
     let curves = (0..im.len()).map(&mut assess).collect::<anyhow::Result<Vec<_>>>()?;
     let mut warnings = Vec::from_iter(warning_of_left_out(&table.counts));
     for warning in curves.iter().flat_map(|curve| &curve.warnings) {
@@ -94,24 +91,21 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
             warnings.push(warning.clone());
         }
     }
-    let exported = curves.iter().flat_map(|curve| &curve.exported).map(|content| content.clone().into_bytes());
-    let mut pictures: Vec<(Pending, Vec<u8>)> = export_files.into_iter().zip(exported).collect();
-    let svg = curves.iter().find_map(|curve| curve.svg.as_ref());
-    if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
-        pictures.push((file, format.encode(svg)?));
+    for content in curves.iter().flat_map(|curve| &curve.exported) {
+        outputs.fill("export-to", || Ok(content.clone().into_bytes()))?;
     }
-    if let (Some(file), Some(format)) = (ida_picture, ida_format) {
+    if let Some(svg) = curves.iter().find_map(|curve| curve.svg.as_ref()) {
+        outputs.fill("plot", || Ok(format.encode(svg)?))?;
+    }
+    if let Some(format) = ida_format {
         // All columns identify the curves of an analysis.
         let rows = fit.table(&options.table)?;
         let curves = Ida::read(&rows, &im[0])?;
         let svg = charts::ida(&table.blocks, &curves, &rows.heading(&im[0])?)?;
-        pictures.push((file, format.encode(&svg)?));
+        outputs.fill("ida", || Ok(format.encode(&svg)?))?;
     }
-    Pending::write(pictures)?;
-    for warning in &warnings {
-        eprintln!("rocking: warning: {warning}");
-    }
-    let written = WrittenFiles::new(outputs);
+    let written = outputs.write()?;
+    warn(&warnings);
     let summary = summary(&table, fit, &curves);
     options.report.print("fragility", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }

@@ -12,9 +12,10 @@ use crate::options::explicit::ExplicitOptions;
 use crate::options::fit::FitOptions;
 use crate::options::input;
 use crate::options::measure::BlockScales;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::options::run::warn;
+use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use crate::output::summary::Object;
 use report::RateReport;
 use rocking_charts::fragility::probability_of;
@@ -104,7 +105,6 @@ struct Fragility {
 /// Runs the command.
 pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let FragilityOptions { table, empirical, fit, .. } = &options.fragility;
-    let plot = options.picture.plot.as_deref();
     fit.check(explicit)?;
     explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
     explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
@@ -115,12 +115,9 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
     let csv = options.csv.as_deref();
     csv.map_or(Ok(()), check_table)?;
     let format = options.picture.format()?;
-    let outputs = [("csv", csv), ("plot", plot)];
     let tables = table.iter().map(|path| NamedFile::new("--table", path));
     let inputs: Vec<_> = std::iter::once(NamedFile::new("the hazard curve", &options.hazard)).chain(tables).collect();
-    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
-    let picture = plot.map(Pending::new).transpose()?;
-    let csv_file = csv.map(Pending::new).transpose()?;
+    let mut outputs = Outputs::checked(&inputs, [("csv", csv), ("plot", options.picture.plot.as_deref())])?;
 
     let fragility = options.fragility.read(options.block.g)?;
     let (file, hazard) = options.hazard(&fragility, explicit)?;
@@ -134,22 +131,16 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
     let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
     let (fragility, found, years) = (&fragility, &found, &options.years);
     let report = RateReport { file, im: &heading, fragility, found, ends, years };
-    let mut written = Vec::new();
-    if let (Some(file), Some(format)) = (picture, format) {
+    outputs.fill("plot", || {
         let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
         let svg = rocking_charts::rate::rate(&report.lines(), found, &heading, &fragility.ordinate, band)?;
-        written.push((file, format.encode(&svg)?));
-    }
-    if let Some(file) = csv_file {
-        written.push((file, report.table().into_bytes()));
-    }
-    Pending::write(written)?;
+        Ok(format.encode(&svg)?)
+    })?;
+    outputs.fill("csv", || Ok(report.table().into_bytes()))?;
+    let written = outputs.write()?;
     let of_curve = fragility.assessment.iter().flat_map(|assessment| assessment.warnings(&heading));
     let warnings: Vec<String> = of_curve.chain(report.warnings()).collect();
-    for warning in &warnings {
-        eprintln!("rocking: warning: {warning}");
-    }
-    let written = WrittenFiles::new(outputs);
+    warn(&warnings);
     let summary = report.summary();
     options.report.print("rate", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }

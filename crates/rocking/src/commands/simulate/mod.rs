@@ -9,15 +9,16 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Parser};
 
+use crate::options::accelerograms::of_one_motion;
 use crate::options::block;
 use crate::options::checks::check;
 use crate::options::excitation::{Excitation, ExcitationOptions};
 use crate::options::explicit::ExplicitOptions;
 use crate::options::single_run;
-use crate::output::files::{NamedFile, Pending, check_distinct};
+use crate::output::files::Outputs;
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
-use crate::output::report::{ReportOptions, WrittenFiles};
+use crate::output::report::ReportOptions;
 use rocking_block::block::Foundation;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::loops;
@@ -36,6 +37,7 @@ const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../.
 
 /// Options of `rocking simulate`.
 #[derive(Parser)]
+#[command(mut_args(of_one_motion))]
 pub struct SimulateCommand {
     #[command(
         flatten,
@@ -97,7 +99,7 @@ struct InitialOptions {
 /// Runs the command.
 pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     options.refuse_without_effect(explicit)?;
-    let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
+    let format = options.picture.format()?;
     options.csv.as_deref().map_or(Ok(()), check_table)?;
     let loops_format = options.plot_loops.as_deref().map(PictureFormat::of).transpose()?;
     let (run, excitation) = options.run(explicit)?;
@@ -105,10 +107,7 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     explicit.refuse_unless(has_loops, &["plot-loops"], "without --damper, or a yield_force in --tie")?;
     let (csv, plot) = options.outputs()?;
     let outputs = [("csv", csv.as_deref()), ("plot", plot.as_deref()), ("plot-loops", options.plot_loops.as_deref())];
-    check_distinct(&options.excitation.accelerograms.files().named(), &NamedFile::of_options(outputs))?;
-    let csv_file = csv.as_deref().map(Pending::new).transpose()?;
-    let picture_file = plot.as_deref().map(Pending::new).transpose()?;
-    let loops_file = options.plot_loops.as_deref().map(Pending::new).transpose()?;
+    let mut outputs = Outputs::checked(&options.excitation.accelerograms.named(), outputs)?;
 
     const PARTS: u64 = 1000;
     let bar = Progress::new(PARTS, 0);
@@ -116,24 +115,19 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let (history, derivatives) = options.history(&run, progress)?;
     bar.clear();
 
-    let mut files = Vec::new();
-    if let Some(file) = csv_file {
-        let bytes = table::csv(&run.block, &history, &derivatives.parameters, 0..history.rows.len())
-            .context("the table cannot be written")?;
-        files.push((file, bytes));
+    outputs.fill("csv", || {
+        let bytes = table::csv(&run.block, &history, &derivatives.parameters, 0..history.rows.len());
+        bytes.context("the table cannot be written")
+    })?;
+    outputs
+        .fill("plot", || Ok(format.encode(&rocking_charts::history::history(&run.block, &history, &excitation)?)?))?;
+    if let Some(format) = loops_format {
+        outputs.fill("plot-loops", || Ok(format.encode(&loops::loops(&run.block, &history, &excitation)?)?))?;
     }
-    if let Some(file) = picture_file {
-        let svg = rocking_charts::history::history(&run.block, &history, &excitation)?;
-        files.push((file, format.encode(&svg)?));
-    }
-    if let (Some(file), Some(format)) = (loops_file, loops_format) {
-        files.push((file, format.encode(&loops::loops(&run.block, &history, &excitation)?)?));
-    }
-    Pending::write(files)?;
+    let written = outputs.write()?;
     if options.quiet {
         return Ok(());
     }
-    let written = WrittenFiles::new(outputs);
     let demand = options.friction_demand.map(|demand| (demand, run.longest_above(demand)));
     let warnings =
         is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
@@ -181,8 +175,9 @@ impl SimulateCommand {
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Run, String)> {
         let block = block::block(&self.block)?;
         let embedded = self.embedded(explicit)?;
-        let Excitation { ground, pulse, mut description } =
+        let Excitation { mut motions, pulse, mut description } =
             self.excitation.read(explicit, self.block.gravity(), embedded)?;
+        let (_, ground) = motions.swap_remove(0);
         if description.is_empty() {
             description = "free motion".into();
         }
