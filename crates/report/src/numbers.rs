@@ -28,14 +28,19 @@ pub fn percent(fraction: impl Borrow<f64>) -> String {
     format!("{text} %")
 }
 
-/// Writes an interval; an unbounded end becomes a word.
-pub fn interval([low, high]: [Option<f64>; 2]) -> String {
-    match (low, high) {
-        (None, None) => "unbounded".into(),
-        (Some(low), None) => format!("above {}", short(low)),
-        (None, Some(high)) => format!("below {}", short(high)),
-        (Some(low), Some(high)) => format!("{} to {}", short(low), short(high)),
+/// Writes the ends of a range, if it has any.
+fn ends(ends: [Option<f64>; 2], write: fn(f64) -> String) -> Option<String> {
+    match ends.map(|end| end.map(write)) {
+        [None, None] => None,
+        [Some(low), None] => Some(format!("above {low}")),
+        [None, Some(high)] => Some(format!("below {high}")),
+        [Some(low), Some(high)] => Some(format!("{low} to {high}")),
     }
+}
+
+/// Writes an interval; an unbounded end becomes a word.
+pub fn interval(interval: [Option<f64>; 2]) -> String {
+    ends(interval, short).unwrap_or_else(|| "unbounded".into())
 }
 
 /// Writes an annual rate (1/year).
@@ -46,12 +51,7 @@ pub fn rate(rate: impl Borrow<f64>) -> String {
 /// Writes the range of an annual rate (1/year), if it has an end.
 pub fn rate_range([low, high]: [Option<f64>; 2]) -> Option<String> {
     // A lower end below the least printed rate carries no information.
-    match (low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high) {
-        (None, None) => None,
-        (Some(low), None) => Some(format!("above {}", rate(low))),
-        (None, Some(high)) => Some(format!("below {}", rate(high))),
-        (Some(low), Some(high)) => Some(format!("{} to {}", rate(low), rate(high))),
-    }
+    ends([low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high], rate)
 }
 
 /// Writes a return period (years).
