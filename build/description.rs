@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use crate::fmi3::{self, Fmi3};
 use crate::positions::{self, apply};
-use crate::xml::{attribute, child};
+use crate::xml::{attribute, child, elements};
 
 /// The parts of modelDescription.xml that the build uses.
 pub struct Description {
@@ -60,11 +60,8 @@ const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61"
 pub fn read(text: &str) -> Result<Description, String> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
-    let variables = child(root, "ModelVariables")?
-        .children()
-        .filter(Node::is_element)
-        .map(|node| variable(root, node))
-        .collect::<Result<Vec<_>, _>>()?;
+    let variables = elements(child(root, "ModelVariables")?).map(|node| variable(root, node));
+    let variables = variables.collect::<Result<Vec<_>, _>>()?;
     let mut names = BTreeSet::new();
     for variable in &variables {
         if !names.insert(variable.name.as_str()) {
@@ -180,7 +177,7 @@ fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, Str
     for declaration in types.filter(|n| n.descendants().any(|n| n.has_tag_name("Item"))) {
         edits.push((declaration.range(), String::new()));
     }
-    let nodes = child(root, "ModelVariables")?.children().filter(Node::is_element);
+    let nodes = elements(child(root, "ModelVariables")?);
     for (node, variable) in nodes.zip(variables).filter(|(_, variable)| !variable.items.is_empty()) {
         let Variable { name, items, start, .. } = variable;
         let values: Vec<i32> = items.iter().map(|item| item.value).collect();
@@ -218,7 +215,7 @@ pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
 fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let structure = child(root, "ModelStructure")?;
     let indices = |list: &str| -> Result<Vec<usize>, String> {
-        child(structure, list)?.children().filter(Node::is_element).map(|node| index(node, "index")).collect()
+        elements(child(structure, list)?).map(|node| index(node, "index")).collect()
     };
     let numbers = |causalities: &[&str]| -> Vec<usize> {
         (1..).zip(variables).filter(|(_, v)| causalities.contains(&v.causality)).map(|(i, _)| i).collect()
@@ -238,7 +235,7 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
         ("Derivatives", &later, "no input and no state"),
         ("InitialUnknowns", &initially, "no input and no parameter"),
     ] {
-        for unknown in child(structure, list)?.children().filter(Node::is_element) {
+        for unknown in elements(child(structure, list)?) {
             for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
                 if !knowns.iter().any(|known| known == dependency) {
                     let index = index(unknown, "index")?;

@@ -9,7 +9,7 @@ use roxmltree::Node;
 
 use crate::description::{identifier, unique};
 use crate::positions::FMI3_DEPENDENCIES;
-use crate::xml::{attribute, child};
+use crate::xml::{attribute, child, elements, only_child};
 
 /// The parts of the description that only FMI 3.0 has.
 pub struct Fmi3 {
@@ -42,7 +42,7 @@ type Attributes<'a> = Vec<(&'a str, &'a str)>;
 /// Writes the file. The value references are those of FMI 2.0, followed by those of the variables only in FMI 3.0.
 pub fn write(root: Node) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
-    let nodes: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
+    let nodes: Vec<Node> = elements(child(of_fmi3, "ModelVariables")?).collect();
     let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
     file.description(root, of_fmi3, &nodes).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
     let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
@@ -219,14 +219,6 @@ impl File {
     fn event(&mut self, event: Event) -> Written {
         self.0.write_event(event).map_err(|error| error.to_string())
     }
-}
-
-fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children().filter(Node::is_element)
-}
-
-fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
-    elements(node).next().ok_or_else(|| format!("{} has no type", node.tag_name().name()))
 }
 
 fn attributes_of<'a>(node: Node<'a, '_>) -> Attributes<'a> {

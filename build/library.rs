@@ -30,38 +30,31 @@ impl Version {
         Ok(if variable("TARGET")? == WASM { &[Version::Wasm] } else { &[Version::Fmi2, Version::Fmi3] })
     }
 
-    /// Returns the name of the FMU's file.
-    pub fn file(self) -> &'static str {
-        match self {
-            Version::Fmi2 => "RockingBlock.fmu",
-            Version::Fmi3 => "RockingBlock-fmi3.fmu",
-            Version::Wasm => "RockingBlock-wasm.fmu",
-        }
+    /// Returns the names of the FMU.
+    pub fn names(self) -> Names {
+        let (file, environment, library) = match self {
+            Version::Fmi2 => ("RockingBlock.fmu", "ROCKING_BLOCK_FMU", "rocking-block-fmu2"),
+            Version::Fmi3 => ("RockingBlock-fmi3.fmu", "ROCKING_BLOCK_FMI3", "rocking-block-fmu3"),
+            Version::Wasm => ("RockingBlock-wasm.fmu", "ROCKING_BLOCK_WASM", "rocking-block-fmu3-wasm"),
+        };
+        Names { file, environment, library }
     }
+}
 
-    /// Returns the environment variable that gives the crate's tests the path of the FMU.
-    pub fn environment(self) -> &'static str {
-        match self {
-            Version::Fmi2 => "ROCKING_BLOCK_FMU",
-            Version::Fmi3 => "ROCKING_BLOCK_FMI3",
-            Version::Wasm => "ROCKING_BLOCK_WASM",
-        }
-    }
-
-    /// Returns the crate of the libraries that export the functions of this version.
-    pub fn library(self) -> &'static str {
-        match self {
-            Version::Fmi2 => "rocking-block-fmu2",
-            Version::Fmi3 => "rocking-block-fmu3",
-            Version::Wasm => "rocking-block-fmu3-wasm",
-        }
-    }
+/// The names of an FMU.
+pub struct Names {
+    /// Its file.
+    pub file: &'static str,
+    /// The environment variable that gives the crate's tests the path of the file.
+    pub environment: &'static str,
+    /// The crate of the libraries that export the functions of its version.
+    pub library: &'static str,
 }
 
 /// Compiles the binaries of all FMUs for the target, and returns them by path inside the FMU. The solver is compiled once for all.
 pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Vec<u8>>>, String> {
     let load = |path: PathBuf| std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
-    let file = |version: Version| version.library().replace('-', "_");
+    let file = |version: Version| version.names().library.replace('-', "_");
     if let [Version::Wasm] = versions {
         let component = |(identifier, feature): (&str, &str)| {
             let content = load(compile(out, versions, feature)?.join(file(Version::Wasm) + ".wasm"))?;
@@ -71,14 +64,16 @@ pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Ve
     }
     let folder = compile(out, versions, "")?;
     let os = variable("CARGO_CFG_TARGET_OS")?;
-    let (prefix, suffix) = match os.as_str() {
-        "windows" => ("", "dll"),
-        "macos" => ("lib", "dylib"),
-        _ => ("lib", "so"),
+    let (system, prefix, suffix) = match os.as_str() {
+        "windows" => ("windows", "", "dll"),
+        "macos" => ("darwin", "lib", "dylib"),
+        os => (os, "lib", "so"),
     };
+    let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
     let library = |&version: &Version| {
         let content = load(folder.join(format!("{prefix}{}.{suffix}", file(version))))?;
-        Ok(BTreeMap::from([(path_in_fmu(version)?, content)]))
+        let folder = folder_in_fmu(version, system, &architecture);
+        Ok(BTreeMap::from([(format!("binaries/{folder}/rocking_block.{suffix}"), content)]))
     };
     versions.iter().map(library).collect()
 }
@@ -92,7 +87,7 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
     let mut command = inner_cargo()?;
     command.args(["build", "--features", feature]);
     for version in versions {
-        command.args(["--package", version.library()]);
+        command.args(["--package", version.names().library]);
     }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
@@ -115,24 +110,16 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
     Ok(folder)
 }
 
-/// Returns the path of a native binary inside the FMU.
-fn path_in_fmu(version: Version) -> Result<String, String> {
-    let os = variable("CARGO_CFG_TARGET_OS")?;
-    let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
-    let (system, suffix) = match os.as_str() {
-        "macos" => ("darwin", "dylib"),
-        "windows" => ("windows", "dll"),
-        os => (os, "so"),
-    };
+/// Returns the folder of native binaries below that of all binaries of an FMU.
+fn folder_in_fmu(version: Version, system: &str, architecture: &str) -> String {
     // FMI 2.0 (2.0.4, 2.3) names these four; other names follow FMI 3.0 (3.0.1, 2.5.1.4).
-    let folder = match (version, os.as_str(), architecture.as_str()) {
+    match (version, system, architecture) {
         (Version::Fmi2, "linux", "x86_64") => "linux64".into(),
         (Version::Fmi2, "linux", "x86") => "linux32".into(),
         (Version::Fmi2, "windows", "x86_64") => "win64".into(),
-        (Version::Fmi2, "macos", "x86_64") => "darwin64".into(),
-        (_, _, architecture) => format!("{architecture}-{system}"),
-    };
-    Ok(format!("binaries/{folder}/rocking_block.{suffix}"))
+        (Version::Fmi2, "darwin", "x86_64") => "darwin64".into(),
+        _ => format!("{architecture}-{system}"),
+    }
 }
 
 /// Returns a cargo command without the environment of the outer cargo or clippy. The user's configuration stays.

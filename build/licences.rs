@@ -112,7 +112,7 @@ fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageI
     command.args(["--package", "rocking-block"]);
     // The glue of the other versions is the project's own.
     if let [wasm @ Version::Wasm] = versions {
-        command.args(["--package", wasm.library()]);
+        command.args(["--package", wasm.names().library]);
     }
     command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
     let tree = output_of(command)?;

@@ -26,13 +26,13 @@ pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
     let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
     let versions = Version::of_target()?;
     let fmus: Vec<(Version, PathBuf)> =
-        versions.iter().map(|&version| (version, profile.join(version.file()))).collect();
+        versions.iter().map(|&version| (version, profile.join(version.names().file))).collect();
     // A missing file makes cargo run this script again: an FMU if somebody removed it, and the stamp if the sources
     // changed and a `cargo check` did not pack them.
     let stamp = out.join("packed");
     println!("cargo::rerun-if-changed={}", stamp.display());
     for (version, fmu) in &fmus {
-        println!("cargo::rustc-env={}={}", version.environment(), fmu.display());
+        println!("cargo::rustc-env={}={}", version.names().environment, fmu.display());
         println!("cargo::rerun-if-changed={}", fmu.display());
     }
     if library::only_checking() {

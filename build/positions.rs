@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
-use crate::xml::{attribute, child};
+use crate::xml::{attribute, child, elements};
 
 /// A replacement of part of a text.
 pub type Edit = (Range<usize>, String);
@@ -26,7 +26,7 @@ pub fn write(text: &str) -> Result<String, String> {
     let root = document.root_element();
     let of_fmi2 = child(root, "ModelVariables")?;
     let of_fmi3 = child(child(root, "Fmi3")?, "ModelVariables")?;
-    let variables: Vec<Node> = [of_fmi2, of_fmi3].iter().flat_map(Node::children).filter(Node::is_element).collect();
+    let variables: Vec<Node> = elements(of_fmi2).chain(elements(of_fmi3)).collect();
     let mut names = Names { positions: BTreeMap::new(), groups: BTreeMap::new() };
     let mut edits = Vec::new();
     for (position, node) in (1..).zip(&variables) {
@@ -44,7 +44,7 @@ pub fn write(text: &str) -> Result<String, String> {
     }
     let structure = child(root, "ModelStructure")?;
     let groups = child(structure, "Groups")?;
-    for group in groups.children().filter(Node::is_element) {
+    for group in elements(groups) {
         let name = attribute(group, "name")?;
         let members = names.resolve(attribute(group, "members")?).map_err(|e| format!("group {name}: {e}"))?;
         if names.groups.insert(name, members).is_some() {
@@ -54,8 +54,8 @@ pub fn write(text: &str) -> Result<String, String> {
     // Including the indentation of what follows.
     let after = groups.next_sibling_element().ok_or("ModelStructure has nothing but groups")?;
     edits.push((groups.range().start..after.range().start, String::new()));
-    for list in structure.children().filter(|list| list.is_element() && *list != groups) {
-        for unknown in list.children().filter(Node::is_element) {
+    for list in elements(structure).filter(|list| *list != groups) {
+        for unknown in elements(list) {
             let name = unknown.attribute_node("name").ok_or("an unknown of ModelStructure has no name")?;
             edits.push((name.range(), format!("index=\"{}\"", names.position(name.value())?)));
             for attribute in ["dependencies", FMI3_DEPENDENCIES] {

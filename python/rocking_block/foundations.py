@@ -9,8 +9,9 @@ The values are those of `rocking foundations`. They are starting points: their s
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from rocking_block import _engine
 from rocking_block._words import chosen, number
@@ -93,8 +94,12 @@ def pairs(quantity: Quantity | None = None, surfaces: str = "") -> list[Pair]:
     0.57 0.7 measured Rabbat and Russell (1985)
     """
     wanted = None if quantity is None else chosen("quantity", quantity, get_args(Quantity))
-    found = [Pair(**row) for row in _engine.foundation_pairs()]
+    found = [_pair(**row) for row in json.loads(_engine.foundation_pairs())]
     return [pair for pair in found if wanted in (None, pair.quantity) and surfaces.lower() in pair.surfaces]
+
+
+def _pair(source: dict[str, Any], **row: Any) -> Pair:
+    return Pair(**row, source=source["name"], citation=source["citation"], doi=source["doi"])
 
 
 def pad(diameter: float, shape_factor: float, shear_modulus: float, bulk_modulus: float | None = None) -> Support:

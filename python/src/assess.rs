@@ -28,10 +28,7 @@ pub fn assess<'py>(
     let plan = Plan::read(name, study, &folder).map_err(invalid)?;
     let pool = pool(threads)?;
     let (numbers, text, files) = wait(py, tick, move |progress| {
-        let show = |_: &str, done, total| {
-            progress.show(done, total);
-            progress.end_if_abandoned();
-        };
+        let show = |_: &str, done, total| progress.advance(done, total);
         let keep = keep.as_ref().map(|(folder, program)| Kept { folder, program });
         let found = assessed(&plan, &pool, VectorWidth::widest(), keep, &show).map_err(|error| error.to_string())?;
         let files = rocking_report::files(&plan, &found).map_err(|error| error.to_string())?;

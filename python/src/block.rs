@@ -18,7 +18,7 @@ use crate::tie;
 pub const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::Rigid];
 
 /// The parameters of a block; the Python class of the same name adds the methods.
-#[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
+#[pyclass(frozen, subclass, extends = BlockNumbers, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The parameters as given.
@@ -55,14 +55,14 @@ impl Block {
     /// Returns the block of these parameters, which `_block.py` lists.
     #[new]
     #[pyo3(signature = (**parameters))]
-    fn new(py: Python, parameters: Option<&Bound<PyDict>>) -> PyResult<Block> {
+    fn new(py: Python, parameters: Option<&Bound<PyDict>>) -> PyResult<PyClassInitializer<Block>> {
         let mut spec = BlockSpec::default();
         for (name, value) in parameters.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
             set(&mut spec, name.extract()?, &value)?;
         }
         let block = Block::of(spec)?;
         warn_of_blocks(py, &[block.block], 2)?;
-        Ok(block)
+        Ok(block.with_numbers())
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -116,127 +116,6 @@ impl Block {
     }
 
     #[getter]
-    fn alpha(&self) -> f64 {
-        self.block.alpha
-    }
-
-    #[getter]
-    fn p(&self) -> f64 {
-        self.block.p
-    }
-
-    #[getter]
-    fn eta(&self) -> f64 {
-        self.of_supports(self.spec.eta.unwrap_or(self.block.eta()))
-    }
-
-    #[getter]
-    fn xi_v(&self) -> f64 {
-        self.of_supports(self.block.xi_v)
-    }
-
-    #[getter]
-    fn omega_v(&self) -> f64 {
-        self.of_supports(self.block.omega_v)
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn K(&self) -> f64 {
-        self.of_supports(self.block.stiffness)
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn C(&self) -> f64 {
-        self.of_supports(self.block.damping)
-    }
-
-    #[getter]
-    fn delta_s(&self) -> f64 {
-        self.of_supports(self.block.static_deflection())
-    }
-
-    #[getter]
-    fn theta_separation(&self) -> f64 {
-        self.of_supports(self.block.separation_angle())
-    }
-
-    #[getter]
-    fn width(&self) -> f64 {
-        2.0 * self.block.b
-    }
-
-    #[getter]
-    fn height(&self) -> f64 {
-        2.0 * self.block.h
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn R0(&self) -> f64 {
-        self.block.r0
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn I0(&self) -> f64 {
-        self.block.inertia()
-    }
-
-    #[getter]
-    fn mass(&self) -> f64 {
-        self.block.mass
-    }
-
-    #[getter]
-    fn gamma(&self) -> f64 {
-        self.block.gamma
-    }
-
-    #[getter]
-    fn epsilon(&self) -> f64 {
-        self.block.epsilon
-    }
-
-    #[getter]
-    fn g(&self) -> f64 {
-        self.block.gravity
-    }
-
-    #[getter]
-    fn e(&self) -> f64 {
-        self.block.restitution()
-    }
-
-    #[getter]
-    fn e_max(&self) -> f64 {
-        self.block.max_restitution()
-    }
-
-    #[getter]
-    fn eccentricity(&self) -> f64 {
-        self.block.eccentricity
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn alpha_L(&self) -> f64 {
-        self.block.alpha_of(Corner::Left)
-    }
-
-    #[getter]
-    #[allow(non_snake_case)]
-    fn alpha_R(&self) -> f64 {
-        self.block.alpha_of(Corner::Right)
-    }
-
-    #[getter]
-    fn friction(&self) -> f64 {
-        friction::to_user(self.block.friction)
-    }
-
-    #[getter]
     fn ties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         tie::of_kind(LinkKind::Tie, self.block.ties(), py)
     }
@@ -244,14 +123,6 @@ impl Block {
     #[getter]
     fn dampers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         tie::of_kind(LinkKind::Damper, self.block.ties(), py)
-    }
-
-    #[getter]
-    fn restitution_factor(&self) -> f64 {
-        match self.block.foundation {
-            Foundation::Rigid => self.block.restitution_factor,
-            Foundation::Viscoelastic => f64::NAN,
-        }
     }
 }
 
@@ -262,11 +133,72 @@ impl Block {
         Ok(Block { spec, block })
     }
 
-    /// Returns a value that a rigid base lacks.
-    fn of_supports(&self, value: f64) -> f64 {
-        match self.block.foundation {
-            Foundation::Viscoelastic => value,
-            Foundation::Rigid => f64::NAN,
+    /// Returns the block for Python, with its numbers.
+    pub fn with_numbers(self) -> PyClassInitializer<Block> {
+        PyClassInitializer::from(BlockNumbers::of(&self.block, &self.spec)).add_subclass(self)
+    }
+}
+
+/// The numbers of a block, attributes in Python; those that its foundation lacks are nan.
+#[pyclass(frozen, subclass, get_all, module = "rocking_block._engine")]
+#[allow(non_snake_case)]
+pub struct BlockNumbers {
+    alpha: f64,
+    alpha_L: f64,
+    alpha_R: f64,
+    p: f64,
+    eta: f64,
+    xi_v: f64,
+    omega_v: f64,
+    K: f64,
+    C: f64,
+    delta_s: f64,
+    theta_separation: f64,
+    width: f64,
+    height: f64,
+    R0: f64,
+    I0: f64,
+    mass: f64,
+    gamma: f64,
+    epsilon: f64,
+    g: f64,
+    e: f64,
+    e_max: f64,
+    restitution_factor: f64,
+    eccentricity: f64,
+    friction: f64,
+}
+
+impl BlockNumbers {
+    fn of(block: &engine::Block, spec: &BlockSpec) -> BlockNumbers {
+        let only_on =
+            |foundation: Foundation, value: f64| if block.foundation == foundation { value } else { f64::NAN };
+        let of_supports = |value: f64| only_on(Foundation::Viscoelastic, value);
+        BlockNumbers {
+            alpha: block.alpha,
+            alpha_L: block.alpha_of(Corner::Left),
+            alpha_R: block.alpha_of(Corner::Right),
+            p: block.p,
+            eta: of_supports(spec.eta.unwrap_or(block.eta())),
+            xi_v: of_supports(block.xi_v),
+            omega_v: of_supports(block.omega_v),
+            K: of_supports(block.stiffness),
+            C: of_supports(block.damping),
+            delta_s: of_supports(block.static_deflection()),
+            theta_separation: of_supports(block.separation_angle()),
+            width: 2.0 * block.b,
+            height: 2.0 * block.h,
+            R0: block.r0,
+            I0: block.inertia(),
+            mass: block.mass,
+            gamma: block.gamma,
+            epsilon: block.epsilon,
+            g: block.gravity,
+            e: block.restitution(),
+            e_max: block.max_restitution(),
+            restitution_factor: only_on(Foundation::Rigid, block.restitution_factor),
+            eccentricity: block.eccentricity,
+            friction: friction::to_user(block.friction),
         }
     }
 }

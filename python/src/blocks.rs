@@ -48,7 +48,7 @@ impl Blocks {
         let count = columns.first().map_or(0, |(_, values)| values.len());
         let blocks = (0..count).map(block).collect::<PyResult<Vec<_>>>()?;
         warn_of_blocks(py, &blocks.iter().map(|block| block.block).collect::<Vec<_>>(), 2)?;
-        blocks.into_iter().map(|block| Py::new(py, block)).collect::<PyResult<_>>().map(Blocks)
+        blocks.into_iter().map(|block| Py::new(py, block.with_numbers())).collect::<PyResult<_>>().map(Blocks)
     }
 
     /// Returns the blocks of a list.

@@ -1,7 +1,6 @@
-//! Friction, restitution and supports with their sources → rows and numbers.
+//! Friction, restitution and supports with their sources → JSON and numbers.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rocking_studies::foundations::{Pad, Soil, Support, pairs};
 
 use crate::options::invalid;
@@ -14,24 +13,10 @@ fn values(support: Support) -> Values {
     (stiffness, damping.unwrap_or(f64::NAN), rocking_stiffness.unwrap_or(f64::NAN))
 }
 
-/// Returns the pairs of surfaces as dictionaries.
+/// Returns the pairs of surfaces as JSON.
 #[pyfunction]
-pub fn foundation_pairs(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    let row = |pair: &rocking_studies::foundations::Pair| {
-        let row = PyDict::new(py);
-        row.set_item("quantity", pair.quantity.name())?;
-        row.set_item("surfaces", &pair.surfaces)?;
-        row.set_item("state", &pair.state)?;
-        row.set_item("low", pair.low)?;
-        row.set_item("high", pair.high)?;
-        row.set_item("kind", pair.kind.word())?;
-        row.set_item("basis", &pair.basis)?;
-        row.set_item("source", &pair.source.name)?;
-        row.set_item("citation", &pair.source.citation)?;
-        row.set_item("doi", pair.source.doi.as_deref())?;
-        Ok(row)
-    };
-    pairs().iter().map(row).collect()
+pub fn foundation_pairs() -> PyResult<String> {
+    serde_json::to_string(pairs()).map_err(invalid)
 }
 
 /// Returns the support of a rubber pad.

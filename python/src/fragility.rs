@@ -7,6 +7,7 @@ use rocking_studies::fragility::{
     openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
+use rocking_studies::statistics::range;
 
 use crate::options::{choice, finite, invalid, whole};
 use crate::work::wait;
@@ -54,7 +55,7 @@ impl CaseStore {
 }
 
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.
-#[pyclass(frozen, subclass, module = "rocking_block._engine")]
+#[pyclass(frozen, subclass, extends = CurveNumbers, module = "rocking_block._engine")]
 pub struct Fragility(pub Assessment);
 
 #[pymethods]
@@ -72,34 +73,16 @@ impl Fragility {
         samples: Option<i64>,
         seed: i64,
         tick: &Bound<PyAny>,
-    ) -> PyResult<Fragility> {
+    ) -> PyResult<PyClassInitializer<Fragility>> {
         let link = choice("link", link, &[Link::Probit, Link::Logit])?;
         finite("ci", ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
         let seed = whole("seed", seed, 0..=i64::MAX)?;
         let samples = samples.map(|samples| whole("samples", samples, 2..=1_000_000)).transpose()?;
         let uncertainty = samples.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples as u32, seed));
         let (store, motions) = (std::mem::take(&mut store.0), Motions::of_first(first));
-        let assessment = wait(py, tick, move |_| Assessment::of(store, &motions, link, ci, uncertainty))?;
-        Ok(Fragility(assessment.map_err(invalid)?))
-    }
-
-    /// Number of rows in the fit.
-    #[getter]
-    fn rows(&self) -> usize {
-        self.0.rows
-    }
-
-    /// Sum of the fractions of the rows.
-    #[getter]
-    fn exceeding(&self) -> f64 {
-        self.0.data.observations().iter().map(|row| row.weight * row.fraction).sum()
-    }
-
-    /// Least and greatest measure.
-    #[getter]
-    fn range(&self) -> Ends {
-        let measures = self.0.marks().iter().map(|row| row.measures[0]);
-        measures.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), measure| (low.min(measure), high.max(measure)))
+        let found = wait(py, tick, move |_| Assessment::of(store, &motions, link, ci, uncertainty))?;
+        let found = found.map_err(invalid)?;
+        Ok(PyClassInitializer::from(CurveNumbers::of(&found)).add_subclass(Fragility(found)))
     }
 
     /// Returns measures and fractions of rows, in the order of their measures. Of many rows they are some 10,000.
@@ -109,77 +92,6 @@ impl Fragility {
             PyArray1::from_iter(py, rows.iter().map(|row| row.measures[0])),
             PyArray1::from_iter(py, rows.iter().map(|row| row.fraction)),
         ]
-    }
-
-    #[getter]
-    fn median(&self) -> f64 {
-        self.0.fit.median()
-    }
-
-    #[getter]
-    fn beta(&self) -> f64 {
-        self.0.fit.dispersion()
-    }
-
-    #[getter]
-    fn median_ci(&self) -> Ends {
-        ends(self.0.median, 0.0, f64::INFINITY)
-    }
-
-    #[getter]
-    fn beta_ci(&self) -> Ends {
-        // If the probability falls as the measure grows, the dispersion is negative.
-        match self.0.fit.dispersion() > 0.0 {
-            true => ends(self.0.dispersion, 0.0, f64::INFINITY),
-            false => ends(self.0.dispersion, f64::NEG_INFINITY, 0.0),
-        }
-    }
-
-    #[getter]
-    fn log_likelihood(&self) -> f64 {
-        self.0.fit.log_likelihood
-    }
-
-    #[getter]
-    fn coefficients(&self) -> (f64, f64) {
-        (self.0.fit.coefficients[0], self.0.fit.coefficients[1])
-    }
-
-    #[getter]
-    fn standard_errors(&self) -> (f64, f64) {
-        let errors = self.0.standard_errors();
-        (errors[0], errors[1])
-    }
-
-    #[getter]
-    fn auc(&self) -> f64 {
-        self.0.auc
-    }
-
-    #[getter]
-    fn brier(&self) -> f64 {
-        self.0.brier
-    }
-
-    /// Deviance, degrees of freedom and p-value; none for fewer than three groups of rows.
-    #[getter]
-    fn goodness(&self) -> Option<(f64, usize, f64)> {
-        self.0.goodness().map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p))
-    }
-
-    #[getter]
-    fn efficiency(&self) -> f64 {
-        self.0.efficiency.unwrap_or(f64::NAN)
-    }
-
-    #[getter]
-    fn rocking(&self) -> usize {
-        self.0.rocking
-    }
-
-    #[getter]
-    fn independence(&self) -> String {
-        self.0.independence.to_string()
     }
 
     /// Returns warnings of missing intervals, and of a curve that falls; `heading` is the name and unit of the measure.
@@ -207,6 +119,62 @@ impl Fragility {
         let found = py.detach(|| self.0.band(&measures));
         let (low, high): (Vec<f64>, Vec<f64>) = found.into_iter().map(|interval| ends(interval, 0.0, 1.0)).unzip();
         Ok([PyArray1::from_vec(py, low), PyArray1::from_vec(py, high)])
+    }
+}
+
+/// The numbers of a curve, attributes in Python.
+#[pyclass(frozen, subclass, get_all, module = "rocking_block._engine")]
+pub struct CurveNumbers {
+    /// Number of rows in the fit.
+    rows: usize,
+    /// Sum of the fractions of the rows.
+    exceeding: f64,
+    /// Least and greatest measure.
+    range: Ends,
+    median: f64,
+    median_ci: Ends,
+    beta: f64,
+    beta_ci: Ends,
+    coefficients: (f64, f64),
+    standard_errors: (f64, f64),
+    log_likelihood: f64,
+    auc: f64,
+    brier: f64,
+    /// Deviance, degrees of freedom and p-value; none for fewer than three groups of rows.
+    goodness: Option<(f64, usize, f64)>,
+    efficiency: f64,
+    rocking: usize,
+    independence: String,
+}
+
+impl CurveNumbers {
+    fn of(found: &Assessment) -> CurveNumbers {
+        let [least, greatest] = range(found.marks().iter().map(|row| row.measures[0])).unwrap_or([f64::NAN; 2]);
+        let (beta, errors) = (found.fit.dispersion(), found.standard_errors());
+        CurveNumbers {
+            rows: found.rows,
+            exceeding: found.data.observations().iter().map(|row| row.weight * row.fraction).sum(),
+            range: (least, greatest),
+            median: found.fit.median(),
+            median_ci: ends(found.median, 0.0, f64::INFINITY),
+            beta,
+            // If the probability falls as the measure grows, the dispersion is negative.
+            beta_ci: match beta > 0.0 {
+                true => ends(found.dispersion, 0.0, f64::INFINITY),
+                false => ends(found.dispersion, f64::NEG_INFINITY, 0.0),
+            },
+            coefficients: (found.fit.coefficients[0], found.fit.coefficients[1]),
+            standard_errors: (errors[0], errors[1]),
+            log_likelihood: found.fit.log_likelihood,
+            auc: found.auc,
+            brier: found.brier,
+            goodness: found
+                .goodness()
+                .map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p)),
+            efficiency: found.efficiency.unwrap_or(f64::NAN),
+            rocking: found.rocking,
+            independence: found.independence.to_string(),
+        }
     }
 }
 

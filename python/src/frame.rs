@@ -17,8 +17,9 @@ fn of_engine(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<fr
 
 /// Returns the block that rocks like the frame.
 #[pyfunction]
-pub fn frame_block(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<Block> {
-    Block::of(BlockSpec::of(&of_engine(columns, column, beam_mass)?.block))
+pub fn frame_block(py: Python, columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<Py<Block>> {
+    let block = Block::of(BlockSpec::of(&of_engine(columns, column, beam_mass)?.block))?;
+    Py::new(py, block.with_numbers())
 }
 
 /// Returns the columns of a frame's response from those of its block: `u`, `v`, `u_ddot`, `v_ddot`, `H`, `N`, `a_gx`, `a_gz`.

@@ -97,10 +97,7 @@ pub fn history<'py>(
     }
     const PARTS: u64 = 1000;
     let computed = wait(py, tick, move |progress| {
-        let mut show = |fraction: f64| {
-            progress.show((fraction * PARTS as f64) as u64, PARTS);
-            progress.end_if_abandoned();
-        };
+        let mut show = |fraction: f64| progress.advance((fraction * PARTS as f64) as u64, PARTS);
         if gradients.is_empty() {
             return Some(run.history(&mut show).map(|history| (history, Gradients::default())));
         }

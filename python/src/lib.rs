@@ -53,39 +53,24 @@ mod _engine {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::assess::assess;
-    #[pymodule_export]
-    use super::block::Block;
-    #[pymodule_export]
-    use super::blocks::{Blocks, parameter_unit};
-    #[pymodule_export]
-    use super::building::Building;
-    #[pymodule_export]
-    use super::fit::fit;
-    #[pymodule_export]
-    use super::foundations::{foundation_pairs, pad_support, soil_support};
-    #[pymodule_export]
-    use super::fragility::{CaseStore, Fragility, export_fragility};
-    #[pymodule_export]
-    use super::frame::{frame_block, frame_response};
-    #[pymodule_export]
-    use super::history::history;
-    #[pymodule_export]
-    use super::ida::Ida;
-    #[pymodule_export]
-    use super::options::{check_pulse, pulse_acceleration, pulse_duration};
-    #[pymodule_export]
-    use super::pushover::pushover;
-    #[pymodule_export]
-    use super::record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor};
-    #[pymodule_export]
-    use super::risk::{AnnualRate, check_hazard, measure_name, measure_scale, read_hazard};
-    #[pymodule_export]
-    use super::search::{search_damping, search_overturning};
-    #[pymodule_export]
-    use super::studies::{Study, outcomes, part_file_name};
-    #[pymodule_export]
-    use super::table::{is_needed, read_batches, read_table, table_files};
-    #[pymodule_export]
-    use super::tie::link_numbers;
+    use super::{
+        assess::assess,
+        block::Block,
+        blocks::{Blocks, parameter_unit},
+        building::Building,
+        fit::fit,
+        foundations::{foundation_pairs, pad_support, soil_support},
+        fragility::{CaseStore, Fragility, export_fragility},
+        frame::{frame_block, frame_response},
+        history::history,
+        ida::Ida,
+        options::{check_pulse, pulse_acceleration, pulse_duration},
+        pushover::pushover,
+        record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor},
+        risk::{AnnualRate, check_hazard, measure_name, measure_scale, read_hazard},
+        search::{search_damping, search_overturning},
+        studies::{Study, outcomes, part_file_name},
+        table::{is_needed, read_batches, read_table, table_files},
+        tie::link_numbers,
+    };
 }

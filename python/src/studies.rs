@@ -43,6 +43,10 @@ type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 /// The columns of a table, and the reason of the first failed run.
 type Columns<'py> = (Vec<Column<'py>>, Option<String>);
 
+fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
+    Ok((columns(py, rows.table)?, rows.failure.map(|failure| failure.to_string())))
+}
+
 /// Makes rows of several runs each in batches, in order. The thread unwinds once they are abandoned.
 fn batches<T: Send>(
     pool: &ThreadPool,
@@ -59,13 +63,12 @@ fn batches<T: Send>(
         progress.end_if_abandoned();
         (numbers.end - numbers.start, make(numbers))
     };
-    let completed = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |(rows, batch)| {
+    let Ok(()) = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |(rows, batch)| {
         take(batch);
         done += rows;
         progress.show(done, count);
         Ok::<(), Infallible>(())
     });
-    completed.unwrap_or_else(|never| match never {});
 }
 
 /// Computes the outcome of each block under each ground motion. Rows are ordered block by block, then scale by scale, then pair by pair.
@@ -141,7 +144,7 @@ pub fn outcomes<'py>(
         batches(&pool, count, 1, progress, make, |batch| made.append(batch));
         made
     })?;
-    Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
+    for_python(py, made)
 }
 
 /// A row of the outcomes: the ground motion, the factor on it, and the block.
@@ -264,8 +267,7 @@ impl Study {
     ) -> PyResult<Columns<'py>> {
         let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
         let Some(out) = out else {
-            let made = wait(py, tick, move |progress| made(&*study, &pool, progress))?;
-            return Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())));
+            return for_python(py, wait(py, tick, move |progress| made(&*study, &pool, progress))?);
         };
         let busy = Arc::new(Mutex::new(()));
         let writing = Arc::clone(&busy);
@@ -289,7 +291,7 @@ impl Study {
     ) -> PyResult<Columns<'py>> {
         let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
         let made = wait(py, tick, move |progress| made(&Part::new(&*study, number), &pool, progress))?;
-        Ok((columns(py, made.table)?, made.failure.map(|failure| failure.to_string())))
+        for_python(py, made)
     }
 
     /// Returns a part as CSV, the number of its rows, and the reason of the first failed run.

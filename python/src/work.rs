@@ -36,14 +36,9 @@ impl Progress {
         self.end_if_abandoned();
     }
 
-    /// Returns true if the caller has stopped waiting for the result.
-    pub fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Ordering::Relaxed)
-    }
-
     /// Unwinds the thread, without a panic message, if the caller has stopped waiting for its result.
     pub fn end_if_abandoned(&self) {
-        if self.is_abandoned() {
+        if self.abandoned.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Abandoned));
         }
     }

@@ -323,6 +323,12 @@ pub fn rotations(values: impl Iterator<Item = f64>) -> Range<f64> {
     start.max(-MAX_ROTATION)..end.min(MAX_ROTATION)
 }
 
+/// Returns the ranges of abscissa and ordinate for curves, as [`range`] does.
+pub fn extents(curves: &[Curve]) -> [Range<f64>; 2] {
+    let points = || curves.iter().flat_map(|curve| curve.segments.iter().flatten());
+    [range(points().map(|point| point.0)), range(points().map(|point| point.1))]
+}
+
 /// Returns a range that contains zero, these values and a margin.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));

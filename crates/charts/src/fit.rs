@@ -1,6 +1,6 @@
 //! A fit to tests → measured and fitted values and their residuals over time.
 
-use crate::chart::{Chart, Curve, range};
+use crate::chart::{Chart, Curve, extents};
 use crate::formula::formula;
 use crate::history::{block_line, thinned};
 use crate::line_style::LineStyle;
@@ -32,30 +32,17 @@ fn charts<'a>(number: usize, test: &TestFit, fit: &Fit) -> [Chart<'a>; 2] {
     let start = times.first().copied().unwrap_or(0.0);
     let end = times.last().copied().unwrap_or(1.0);
     let rows: Vec<[f64; 4]> = (0..times.len()).map(|i| [times[i], measured[i], fitted[i], residuals[i]]).collect();
-    let line = |value: usize| thinned(&rows, |row| row[0], |row| row[value]);
+    let curve = |style, value: usize| Curve::new(style, vec![thinned(&rows, |row| row[0], |row| row[value])]);
     let of_test = if fit.tests.len() > 1 { format!("test {}: ", number + 1) } else { String::new() };
-    let ends = |lines: &[Vec<(f64, f64)>]| range(lines.iter().flatten().map(|point| point.1));
-    let values = [line(1), line(2)];
-    let y = ends(&values);
-    let styles = [LineStyle::WIDE_GREY, LineStyle::THIN];
-    let curves = values.into_iter().zip(styles).map(|(points, style)| Curve::new(style, vec![points])).collect();
-    let residual = line(3);
-    let below = ends(std::slice::from_ref(&residual));
+    let chart = |title: String, x, curves: Vec<Curve>| {
+        let [_, y] = extents(&curves);
+        Chart { title, x: (x, start..end), y: ("", y), curves, ..Chart::default() }
+    };
+    // An underscore would mark a subscript.
+    let title = format!("{of_test}{} ({unit})", output.replace('_', " "));
+    let below = format!("measured less fitted; Durbin–Watson {durbin_watson:.2}, white noise 2");
     [
-        Chart {
-            // An underscore would mark a subscript.
-            title: format!("{of_test}{} ({unit})", output.replace('_', " ")),
-            x: ("", start..end),
-            y: ("", y),
-            curves,
-            ..Chart::default()
-        },
-        Chart {
-            title: format!("measured less fitted; Durbin–Watson {durbin_watson:.2}, white noise 2"),
-            x: ("time (s)", start..end),
-            y: ("", below),
-            curves: vec![Curve::new(LineStyle::THIN, vec![residual])],
-            ..Chart::default()
-        },
+        chart(title, "", vec![curve(LineStyle::WIDE_GREY, 1), curve(LineStyle::THIN, 2)]),
+        chart(below, "time (s)", vec![curve(LineStyle::THIN, 3)]),
     ]
 }

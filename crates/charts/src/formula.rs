@@ -68,7 +68,7 @@ pub fn marked_width(marked: &str, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resvg::usvg::{Options, Tree};
+    use crate::glyphs::tests::bounds_of as bounds;
 
     /// Writes a label in a text element, like plotters.
     fn drawn(label: &str) -> String {
@@ -77,13 +77,6 @@ mod tests {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"2000\" height=\"200\">\n<text x=\"20\" y=\"100\" \
              font-family=\"DejaVu Sans\" font-size=\"40\">\n{text}\n</text>\n</svg>"
         ))
-    }
-
-    /// Returns left, top, right and bottom of the only text of a drawing.
-    fn bounds(svg: &str) -> [f32; 4] {
-        let tree = Tree::from_str(&glyphs::outlined(svg).unwrap(), &Options::default()).unwrap();
-        let bounds = tree.root().abs_bounding_box();
-        [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
     }
 
     /// Subscripts are small and lowered; the text after them is on the base line again.

@@ -10,7 +10,8 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{
-    Assessment, DESCRIBED, Goodness, Ida, Limit, Link, Observation, Response, Surface, SweepTable, split_heading,
+    Assessment, DESCRIBED, Goodness, Ida, Interval, Limit, Link, Observation, Response, Surface, SweepTable,
+    split_heading,
 };
 use rocking_studies::statistics::{self, normal};
 
@@ -41,11 +42,10 @@ pub fn curve(
     let observations = found.marks();
     let measures = || observations.iter().map(|row| row.measures[0]);
     let x = range(measures());
-    let at: Vec<f64> = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS)).collect();
+    let at = spread(x.end, POINTS);
     let side = x.end / 120.0;
     let curve = at.iter().map(|&measure| (measure, found.fit.probability(&[measure]))).collect();
-    let band = at.iter().zip(found.band(&at));
-    let band = band.map(|(&measure, [low, high])| (measure, low.unwrap_or(0.0), high.unwrap_or(1.0)));
+    let band = band(&at, &found.band(&at));
     // Ticks of rows with the same measure stand side by side.
     let tick = |(number, row): (usize, &Observation)| {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -75,7 +75,7 @@ pub fn curve(
     let chart = Chart {
         x: (&axis, x),
         y: (&ordinate, -0.1..1.1),
-        areas: vec![band.collect()],
+        areas: vec![band],
         curves: vec![Curve::new(LineStyle::BLACK, vec![curve])],
         marks: ticks.chain(circles).collect(),
         notes: groups
@@ -95,11 +95,22 @@ pub fn curve(
     page(&[title, misfit(found, &unit), blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
+/// Returns measures from above zero to `end` at even distances.
+pub(crate) fn spread(end: f64, points: u32) -> Vec<f64> {
+    (1..=points).map(|point| end * f64::from(point) / f64::from(points)).collect()
+}
+
+/// Returns the area of intervals of a probability at these measures.
+pub(crate) fn band(at: &[f64], intervals: &[Interval]) -> Vec<(f64, f64, f64)> {
+    let ends = |(&measure, [low, high]): (&f64, &Interval)| (measure, low.unwrap_or(0.0), high.unwrap_or(1.0));
+    at.iter().zip(intervals).map(ends).collect()
+}
+
 /// Names the groups of rows outside the band by more than half a row. The test of the fit follows.
 fn misfit(found: &Assessment, unit: &str) -> String {
     let measures: Vec<f64> = found.groups.iter().map(|group| group.measure).collect();
-    let bands = found.band(&measures).into_iter().map(|[low, high]| [low.unwrap_or(0.0), high.unwrap_or(1.0)]);
-    let outside = found.groups.iter().zip(bands).filter(|(group, [low, high])| {
+    let bands = band(&measures, &found.band(&measures));
+    let outside = found.groups.iter().zip(bands).filter(|(group, (_, low, high))| {
         let half = 0.5 / group.rows as f64;
         group.fraction + half < *low || group.fraction - half > *high
     });
@@ -123,8 +134,8 @@ fn misfit(found: &Assessment, unit: &str) -> String {
 pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> Result<String, PictureError> {
     let measures = curves.iter().flat_map(|(_, found)| found.marks()).map(|row| row.measures[0]);
     let x = range(measures);
-    let at = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS));
-    let line = |found: &Assessment| at.clone().map(|measure| (measure, found.fit.probability(&[measure]))).collect();
+    let at = spread(x.end, POINTS);
+    let line = |found: &Assessment| at.iter().map(|&measure| (measure, found.fit.probability(&[measure]))).collect();
     let styles = (0..curves.len()).map(LineStyle::of);
     let drawn = curves.iter().zip(styles.clone()).map(|((_, found), style)| Curve::new(style, vec![line(found)]));
     let legend: Vec<_> =

@@ -187,9 +187,16 @@ impl OutlineBuilder for Pen<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use resvg::usvg::{Options, Tree};
+
+    /// Returns left, top, right and bottom of a drawing's texts.
+    pub fn bounds_of(svg: &str) -> [f32; 4] {
+        let tree = Tree::from_str(&outlined(svg).unwrap(), &Options::default()).unwrap();
+        let bounds = tree.root().abs_bounding_box();
+        [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
+    }
 
     /// Returns left, top, right and bottom of a text element of size 40 at (500, 100).
     fn bounds(attributes: &str, content: &str) -> [f32; 4] {
@@ -197,8 +204,7 @@ mod tests {
             "<svg xmlns=\"{SVG}\" width=\"1000\" height=\"200\"><text x=\"500\" y=\"100\" font-size=\"40\" \
              {attributes}>\n{content}\n</text></svg>"
         );
-        let bounds = Tree::from_str(&outlined(&svg).unwrap(), &Options::default()).unwrap().root().abs_bounding_box();
-        [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
+        bounds_of(&svg)
     }
 
     fn close(a: f32, b: f32) -> bool {

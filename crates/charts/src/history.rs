@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::chart::{Chart, Curve, MAX_ROTATION, Tile, range, rotations};
+use crate::chart::{Chart, Curve, MAX_ROTATION, Tile, extents, rotations};
 use crate::formula::formula;
 use crate::labels;
 use crate::line_style::LineStyle;
@@ -117,7 +117,7 @@ fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Ser
     let curve = |&(_, style, value): &Series| Curve::new(style, vec![thinned(&history.rows, |row| row.time, value)]);
     chart.curves = series.iter().map(curve).collect();
     if chart.y.1.is_empty() {
-        chart.y.1 = range(chart.curves.iter().flat_map(|curve| &curve.segments[0]).map(|point| point.1));
+        [_, chart.y.1] = extents(&chart.curves);
     }
     (height, legend, chart)
 }

@@ -1,6 +1,6 @@
 //! A history → the forces of dampers and of ties that yield over their elongations.
 
-use crate::chart::{Chart, Curve, range};
+use crate::chart::{Chart, Curve, extents};
 use crate::formula::formula;
 use crate::history::{LINKS, block_line, link_names};
 use crate::page::{Key, Symbol, page, with_legend};
@@ -36,12 +36,10 @@ pub fn loops(block: &Block, history: &History, title: &str) -> Result<String, Pi
         Curve::new(LINKS[number], segments.map(|rows| rows.iter().map(point).collect()).collect())
     };
     let curves: Vec<Curve> = numbers.iter().map(curve).collect();
-    let points = || curves.iter().flat_map(|curve| curve.segments.iter().flatten());
-    let over = |coordinate: fn(&(f64, f64)) -> f64| range(points().map(coordinate));
-    let (x, y) = (("elongation (mm)", over(|point| point.0)), ("T/(M g)", over(|point| point.1)));
+    let [x, y] = extents(&curves);
     let legend: Vec<Key> =
         numbers.iter().map(|&number| (Symbol::Curve(LINKS[number]), names[number].clone())).collect();
-    let chart = Chart { x, y, curves, ..Chart::default() };
+    let chart = Chart { x: ("elongation (mm)", x), y: ("T/(M g)", y), curves, ..Chart::default() };
     page(&[title.into(), formula(&block_line(block))], &[], HEIGHT, |root, body| {
         chart.draw(root, &with_legend(body, &legend)?)
     })

@@ -12,15 +12,8 @@ use rocking_studies::spec::words::Words;
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The file name ends in neither `.svg` nor `.png`.
-    #[error("{path}: found {found}; expected a picture as .svg or .png; {advice}")]
-    Extension {
-        /// The file.
-        path: String,
-        /// Its extension.
-        found: String,
-        /// Advice for the expected result.
-        advice: &'static str,
-    },
+    #[error("{0}")]
+    Extension(String),
     /// The drawing failed.
     #[error("the picture cannot be drawn: {0}")]
     Drawing(String),
@@ -46,20 +39,17 @@ impl PictureFormat {
     /// [`PictureError::Extension`].
     pub fn of(path: &Path) -> Result<PictureFormat, PictureError> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("svg") => Ok(PictureFormat::Svg),
-            Some("png") => Ok(PictureFormat::Png),
-            other => Err(PictureError::Extension {
-                path: path.display().to_string(),
-                found: other.map_or("no extension".into(), |extension| format!(".{extension}")),
-                advice: match other {
-                    Some("pdf" | "eps" | "ps" | "emf") => "write .svg and convert it with rsvg-convert or Inkscape",
-                    Some("csv" | "txt" | "tsv" | "dat") => "use --csv for the table",
-                    Some(_) => "write .png, or .svg for a scalable drawing",
-                    None => "--plot-format chooses one for a name without extension",
-                },
-            }),
-        }
+        let advice = match extension.as_deref() {
+            Some("svg") => return Ok(PictureFormat::Svg),
+            Some("png") => return Ok(PictureFormat::Png),
+            Some("pdf" | "eps" | "ps" | "emf") => "write .svg and convert it with rsvg-convert or Inkscape",
+            Some("csv" | "txt" | "tsv" | "dat") => "use --csv for the table",
+            Some(_) => "write .png, or .svg for a scalable drawing",
+            None => "--plot-format chooses one for a name without extension",
+        };
+        let found = extension.map_or("no extension".into(), |extension| format!(".{extension}"));
+        let path = path.display();
+        Err(PictureError::Extension(format!("{path}: found {found}; expected a picture as .svg or .png; {advice}")))
     }
 
     /// Encodes a drawing.

@@ -1,6 +1,6 @@
 //! A record and the pulse fitted to it → accelerations and velocities over time.
 
-use crate::chart::{Chart, Curve, range};
+use crate::chart::{Chart, Curve, extents};
 use crate::formula::formula;
 use crate::history::thinned;
 use crate::line_style::LineStyle;
@@ -25,11 +25,11 @@ pub fn pulse_fit(samples: &[FitSample], fit: &PulseFit, title: &str) -> Result<S
     let start = shown.first().map_or(0.0, |sample| sample.time);
     let end = shown.last().map_or(1.0, |sample| sample.time);
     let chart = |x: &'static str, y: &'static str, values: [&dyn Fn(&FitSample) -> f64; 2]| {
-        let lines = values.map(|value| thinned(&shown, |sample| sample.time, value));
-        let y = (y, range(lines.iter().flatten().map(|point| point.1)));
-        let curves = lines.into_iter().zip([LineStyle::FAINT, LineStyle::BLACK]);
-        let curves = curves.map(|(points, style)| Curve::new(style, vec![points])).collect();
-        Chart { x: (x, start..end), y, curves, ..Chart::default() }
+        let line = |value| vec![thinned(&shown, |sample| sample.time, value)];
+        let [record, pulse] = values.map(line);
+        let curves = vec![Curve::new(LineStyle::FAINT, record), Curve::new(LineStyle::BLACK, pulse)];
+        let [_, range] = extents(&curves);
+        Chart { x: (x, start..end), y: (y, range), curves, ..Chart::default() }
     };
     let accelerations =
         chart("", "acceleration (m/s²)", [&|sample| sample.acceleration[0], &|sample| sample.acceleration[1]]);

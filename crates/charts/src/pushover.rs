@@ -1,7 +1,7 @@
 //! The curve of a slow rotation, and its cycle → a page.
 
 use crate::canvas::Mark;
-use crate::chart::{Chart, Curve, range};
+use crate::chart::{Chart, Curve, extents};
 use crate::formula::formula;
 use crate::history::block_line;
 use crate::line_style::LineStyle;
@@ -40,9 +40,7 @@ pub fn pushover(block: &Block, pushover: &Pushover) -> Result<String, PictureErr
         curves.push(Curve::new(LineStyle::of(2), line(&cycle.rows)));
         legend.push((Symbol::Curve(LineStyle::of(2)), format!("cycle of ±{} rad", significant(cycle.amplitude, 4))));
     }
-    let points = || curves.iter().flat_map(|curve| curve.segments.iter().flatten());
-    let x = range(points().map(|point| point.0));
-    let y = range(points().map(|point| point.1));
+    let [x, y] = extents(&curves);
     let aside = [0.008 * (x.end - x.start), 0.035 * (y.end - y.start)];
     let (mut marks, mut notes, mut explained) = (Vec::new(), Vec::new(), Vec::new());
     for (number, group) in groups(&pushover.landmarks).into_iter().enumerate() {

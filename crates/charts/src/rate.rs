@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::chart::{Chart, Curve, Tile};
-use crate::fragility::axis;
+use crate::fragility::{axis, band, spread};
 use crate::line_style::LineStyle;
 use crate::numerals::significant;
 use crate::page::{Symbol, stacked};
@@ -25,7 +25,7 @@ const POWERS: [&str; 15] = [
 
 /// Draws the hazard curve and the fragility curve with its band. The measures from which the rate comes are marked.
 ///
-/// `heading` is name and unit of the measure, `limit` the name of the probability; `band` gives the ends of the confidence interval
+/// `heading` is name and unit of the measure, `limit` the name of the probability; `intervals` gives the ends of the confidence interval
 /// at measures.
 ///
 /// # Errors
@@ -35,18 +35,18 @@ pub fn rate(
     found: &AnnualRate,
     heading: &str,
     limit: &str,
-    band: impl Fn(&[f64]) -> Option<Vec<Interval>>,
+    intervals: impl Fn(&[f64]) -> Option<Vec<Interval>>,
 ) -> Result<String, PictureError> {
     let [least, greatest] = found.hazard_range();
     let reach = found.quantile(0.995).unwrap_or(greatest).min(1.6 * greatest);
     let x = 0.0..reach.max(0.5 * greatest).min(2.0 * reach.max(least));
-    let at: Vec<f64> = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS)).collect();
+    let at = spread(x.end, POINTS);
     let (axis, _) = axis(heading);
     let upper = hazard(found, &at, &x);
     let middle = Chart {
         x: ("", x.clone()),
         y: (limit, -0.05..1.05),
-        areas: band(&at).map(|band| areas(&at, &band)).unwrap_or_default(),
+        areas: intervals(&at).map(|found| band(&at, &found)).into_iter().collect(),
         curves: vec![Curve::new(LineStyle::BLACK, vec![at.iter().map(|&m| (m, found.curve.probability(m))).collect()])],
         ..Chart::default()
     };
@@ -96,11 +96,6 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
         names: names.iter().rev().step_by(step.max(1)).copied().collect(),
         ..Chart::default()
     }
-}
-
-fn areas(at: &[f64], band: &[Interval]) -> Vec<Vec<(f64, f64, f64)>> {
-    let point = |(&m, [low, high]): (&f64, &Interval)| (m, low.unwrap_or(0.0), high.unwrap_or(1.0));
-    vec![at.iter().zip(band).map(point).collect()]
 }
 
 fn deaggregation<'a>(found: &AnnualRate, axis: &'a str, x: &Range<f64>) -> Chart<'a> {

@@ -4,9 +4,8 @@
 
 use std::ops::Range;
 
-use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, Tile, rotations};
+use crate::chart::{Chart, Curve, EVEN_BALANCE, Tile, rotations};
 use crate::line_style::LineStyle;
-use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, stacked};
 use crate::picture::PictureError;
 use crate::spectrum::{self, Abscissa, Curves};
@@ -116,12 +115,9 @@ fn peaks(
     let both = spectrum.motions.iter().any(|(_, ground)| ground.vertical.is_some() != group.vertical);
     let direction = if both { format!("; {}", group.direction()) } else { String::new() };
     let base = spectrum::base_name(spectrum.bases[group.base]);
-    let mut title = format!("{base}{direction}; {} records", group.motions.len());
-    if highest > MAX_ROTATION {
-        title += &format!("; peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4));
-    }
+    let beyond = spectrum::beyond(highest).map(|beyond| format!("; {beyond}")).unwrap_or_default();
     Chart {
-        title,
+        title: format!("{base}{direction}; {} records{beyond}", group.motions.len()),
         x: ("", range),
         y: ("peak |θ|/α", y),
         areas,

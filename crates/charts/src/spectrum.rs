@@ -99,9 +99,15 @@ pub fn spectrum(spectrum: &Spectrum, curves: &Curves, title: &str) -> Result<Str
     let count = curves.curves.len();
     let mut legend: Vec<_> = (0..count).map(|i| (Symbol::Curve(LineStyle::of(i)), name(spectrum, i))).collect();
     legend.extend(curves.fills());
-    let chart = curves.chart(curves.beyond());
+    let chart = curves.chart(beyond(curves.highest()).unwrap_or_default());
     let heading = [heading(spectrum, title), block_line(spectrum)];
     page(&heading, &legend, 12_000 + bars_height(count), |root, body| chart.draw(root, body))
+}
+
+/// Describes peaks beyond the ordinate.
+pub(super) fn beyond(highest: f64) -> Option<String> {
+    let text = || format!("peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4));
+    (highest > MAX_ROTATION).then(text)
 }
 
 /// Marks the formulas of a title, except in names of record files.
@@ -170,16 +176,6 @@ impl Curves {
     pub(super) fn highest(&self) -> f64 {
         let segments = (0..self.curves.len()).flat_map(|curve| self.segments(curve));
         segments.filter(|segment| segment.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
-    }
-
-    /// Describes peaks beyond the ordinate, or returns an empty text.
-    fn beyond(&self) -> String {
-        match self.highest() {
-            highest if highest > MAX_ROTATION => {
-                format!("peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4))
-            }
-            _ => String::new(),
-        }
     }
 
     /// Returns the legend of the outcome bars.

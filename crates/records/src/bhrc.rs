@@ -5,7 +5,7 @@ use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
 use super::raw::{Raw, StatedStep};
-use super::text::{FileText, Values, fixed_width, is_end_mark, squeezed};
+use super::text::{FileText, before_end_mark, fixed_columns, fixed_width, squeezed, title};
 use super::volume;
 
 /// Number of lines of a header: text, integers and reals.
@@ -29,7 +29,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let lines = channels::choose(source, wanted, component)?;
     let mut raw = Raw::new(Format::Bhrc);
     // Time of the earthquake, component, station.
-    raw.title = volume::title(&lines, [2, 6, 7]);
+    raw.title = title(&lines, &[2, 6, 7]);
     let (start, first) = lines.first().copied().unwrap_or((1, ""));
     let missing = |expected: &str| source.header_error(start, first, format!("a BHRC file, with {expected}"));
     raw.count = Some(volume::points(&lines).ok_or_else(|| missing("a count as NO. OF POINTS =  15616"))?);
@@ -40,15 +40,6 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let rate = rate.ok_or_else(|| source.header_error(line, reals, "the sampling rate (real header, 7th value)"))?;
     raw.time_step = Some(StatedStep::exact(line, 1.0 / rate));
 
-    let mut values = Values::new(source);
-    for &(line, text) in lines.get(HEADER_LINES..).unwrap_or_default() {
-        if is_end_mark(text) {
-            break;
-        }
-        for field in fixed_width(text, WIDTH) {
-            values.push(line, field)?;
-        }
-    }
-    raw.values = values.finish()?;
+    raw.values = fixed_columns(source, before_end_mark(&lines, HEADER_LINES), WIDTH)?;
     Ok(raw)
 }

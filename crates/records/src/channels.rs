@@ -11,7 +11,12 @@ pub(super) type Lines<'s> = Vec<(usize, &'s str)>;
 const LONGEST_NAME: usize = 70;
 
 /// Returns the index of the wanted channel; a file of several channels needs a choice.
-pub(super) fn index(source: &FileText<'_>, names: &[String], wanted: Option<&Choice>) -> Result<usize, RecordError> {
+pub(super) fn index(
+    source: &FileText<'_>,
+    names: &[impl AsRef<str>],
+    wanted: Option<&Choice>,
+) -> Result<usize, RecordError> {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     let count = names.len();
     let named = |name: &str| {
         let mut equal = (0..count).filter(|&index| names.get(index).is_some_and(|n| n.eq_ignore_ascii_case(name)));

@@ -2,14 +2,12 @@
 //!
 //! Commas, semicolons, tabs or blanks separate the columns.
 
-use std::borrow::Cow;
-
 use super::clock::Instant;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::{Choice, ReadOptions, Setting};
 use super::raw::Raw;
-use super::table::{Heading, Layout, Separator, blank_separated, is_block, is_comment, layout};
+use super::table::{Heading, Layout, Separator, blank_separated, is_block, is_comment, is_second, layout};
 use super::text::{FileText, HEAD_LINES, Values, first_of, print_quantum, quoted};
 use super::time_axis::TimeAxis;
 use super::unit::Unit;
@@ -71,12 +69,7 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
         Separator::Byte(separator) => {
             delimited(source, layout.first_row, separator, |line, fields| {
                 let width = fields.len() - fields.iter().rev().take_while(|field| field.is_empty()).count();
-                let field = |index: usize| {
-                    let field = fields.get(index).copied().unwrap_or("");
-                    // Commas that do not separate columns are decimal commas.
-                    let is_decimal = separator != b',' && field.contains(',');
-                    if is_decimal { Cow::Owned(field.replace(',', ".")) } else { Cow::Borrowed(field) }
-                };
+                let field = |index: usize| layout.separator.with_points(fields.get(index).copied().unwrap_or(""));
                 visit(line, width, time.map(field).as_deref(), &field(acceleration))
             })?;
         }
@@ -101,9 +94,7 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
 fn check_seconds(source: &FileText<'_>, layout: &Layout<'_>, time: Option<usize>) -> Result<(), RecordError> {
     let unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
     match unit {
-        Some(unit) if !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds") => {
-            Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"))
-        }
+        Some(unit) if !is_second(unit) => Err(source.header_error(layout.header, unit, "times in seconds, as t [s]")),
         Some(_) | None => Ok(()),
     }
 }

@@ -8,7 +8,7 @@ use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
 use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
-use super::text::{FileText, Values, fixed_width, is_end_mark, quoted, squeezed};
+use super::text::{FileText, before_end_mark, fixed_columns, fixed_width, quoted, title};
 
 /// Index of the time step (ms) within the real header.
 const TIME_STEP: usize = 61;
@@ -30,8 +30,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
         return Err(source.not_acceleration(start, format!("a COSMOS file of the kind {}", quoted(first))));
     }
     // Line 2: earthquake; line 5: station; line 9: channel.
-    raw.title =
-        [1, 4, 8].iter().filter_map(|&i| lines.get(i)).map(|(_, line)| squeezed(line)).collect::<Vec<_>>().join("; ");
+    raw.title = title(lines, &[1, 4, 8]);
 
     let announced = |key: &str| {
         let index = lines.iter().position(|(_, text)| text.to_ascii_lowercase().contains(key));
@@ -43,11 +42,8 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let (index, line, text) =
         announced("real-header values follow").ok_or_else(|| missing("… Real-header values follow …"))?;
     let width = width_of_format(text).ok_or_else(|| source.header_error(line, text, "a format as Format= (6F13.6)"))?;
-    let mut reals = lines
-        .get(index + 1..)
-        .unwrap_or_default()
-        .iter()
-        .flat_map(|&(line, text)| fixed_width(text, width).map(move |field| (line, field)));
+    let reals = lines.iter().skip(index + 1);
+    let mut reals = reals.flat_map(|&(line, text)| fixed_width(text, width).map(move |field| (line, field)));
     let (line, field) = reals.nth(TIME_STEP).unwrap_or((line, ""));
     let time_step = source
         .number(line, field)
@@ -69,28 +65,17 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     raw.count = Some(StatedCount { line, key: "acceleration pts", value });
     let width = width_of_format(text).ok_or_else(|| source.header_error(line, text, format!("a format {expected}")))?;
     let unit = text.split_once("units=").map_or("", |(_, rest)| rest.split(['(', ',']).next().unwrap_or(""));
-    let unit = unit.trim().trim_end_matches('.');
-    let unit = source.unit(line, unit)?;
-    let unit = unit.ok_or_else(|| source.header_error(line, text, format!("a unit {expected}")))?;
-    raw.unit = Some((line, unit));
+    let unit = source.stated_unit(line, text, unit.trim().trim_end_matches('.'), &format!("a unit {expected}"))?;
+    raw.unit = Some(unit);
 
     // "Processed: 06/17/2005, PDT      Max =  -161.962 cm/sec2  at  27.850 sec"
     raw.peak = lines.get(10).and_then(|&(line, text)| {
         let mut words = text.split_once("Max =")?.1.split_whitespace();
         let peak = StatedPeak::printed(line, words.next()?)?;
-        (words.next()?.parse() == Ok(unit)).then_some(peak)
+        (words.next()?.parse() == Ok(unit.1)).then_some(peak)
     });
 
-    let mut values = Values::new(source);
-    for &(line, text) in lines.get(index + 1..).unwrap_or_default() {
-        if is_end_mark(text) {
-            break;
-        }
-        for field in fixed_width(text, width) {
-            values.push(line, field)?;
-        }
-    }
-    raw.values = values.finish()?;
+    raw.values = fixed_columns(source, before_end_mark(lines, index + 1), width)?;
     Ok(raw)
 }
 

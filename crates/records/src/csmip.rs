@@ -8,7 +8,7 @@ use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
 use super::raw::Raw;
-use super::text::FileText;
+use super::text::{FileText, title};
 use super::volume;
 
 /// Returns whether the first line belongs to an uncorrected record.
@@ -24,7 +24,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let mut raw = Raw::new(Format::Csmip);
     let is_volume_one = is_volume_one(first);
     // Earthquake, station, channel.
-    raw.title = volume::title(lines, if is_volume_one { [1, 5, 6] } else { [2, 6, 7] });
+    raw.title = title(lines, if is_volume_one { &[1, 5, 6] } else { &[2, 6, 7] });
     match volume::block(lines) {
         Some(index) => volume::block_values(&mut raw, source, lines, index)?,
         None if is_volume_one => volume::pairs(&mut raw, source, lines)?,

@@ -33,8 +33,8 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
             }
             "#RecordLength(sec)" => length = number(value).map(|length| (line, length)),
             "#AmplitudeUnit" => {
-                let unit = source.unit(line, value.split_whitespace().next().unwrap_or("").trim_end_matches('.'))?;
-                raw.unit = Some((line, unit.ok_or_else(|| source.header_error(line, text, "a unit as gal"))?));
+                let unit = value.split_whitespace().next().unwrap_or("").trim_end_matches('.');
+                raw.unit = Some(source.stated_unit(line, text, unit, "a unit as gal")?);
             }
             // "Time U(+); N(+); E(+)"
             "#DataSequence" => {
@@ -45,7 +45,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
             _ => peaks.extend(key.strip_prefix("#AmplitudeMAX.").map(|name| (name.trim(), line, value))),
         }
     }
-    let missing = |key: &str| source.header_error(last, "the end of the header", format!("a line {key} before it"));
+    let missing = |key: &str| source.missing_line(last, key);
     let (rate_line, rate) = rate.ok_or_else(|| missing("#SampleRate(Hz): 100"))?;
     raw.time_step = Some(StatedStep::exact(rate_line, 1.0 / rate));
     let (line, length) = length.ok_or_else(|| missing("#RecordLength(sec): 120"))?;

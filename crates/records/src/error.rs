@@ -24,7 +24,7 @@ pub enum RecordError {
         /// Found and expected content.
         message: String,
     },
-    /// A line violates the format.
+    /// A line violates the format, contradicts the rest of the file, or announces something else than accelerations.
     #[error("{file}, line {line}: {message}")]
     Line {
         /// Name of the file.
@@ -33,38 +33,6 @@ pub enum RecordError {
         line: usize,
         /// Found and expected content.
         message: String,
-    },
-    /// The file is not text.
-    #[error("{file}: found {found}, expected an accelerogram as ASCII, Latin-1 or UTF-8 text")]
-    NotText {
-        /// Name of the file.
-        file: String,
-        /// Apparent content.
-        found: &'static str,
-    },
-    /// The file has velocities, displacements, a spectrum or instrument counts.
-    #[error("{file}, line {line}: found {found}, expected an acceleration time history")]
-    NotAcceleration {
-        /// Name of the file.
-        file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Content that the line announces.
-        found: String,
-    },
-    /// The count of the header differs from the number of values.
-    #[error("{file}, line {line}: found {counted} values in the file, expected {stated}, the header's {key}")]
-    Count {
-        /// Name of the file.
-        file: String,
-        /// Line of the count, from 1.
-        line: usize,
-        /// Name of the count in the header.
-        key: &'static str,
-        /// Count in the header.
-        stated: usize,
-        /// Number of values.
-        counted: usize,
     },
     /// The time column is not evenly spaced.
     #[error("{file}, line {line}: found time {found} s, expected {expected} s (even steps of {time_step} s)")]

@@ -45,9 +45,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
                 raw.time_step = Some(StatedStep::exact(line, value));
             }
             "UNITS" => {
-                let unit = source.unit(line, value)?;
-                let error = || source.header_error(line, text, "a unit among g, m/s2, cm/s2");
-                raw.unit = Some((line, unit.ok_or_else(error)?));
+                raw.unit = Some(source.stated_unit(line, text, value, "a unit among g, m/s2, cm/s2")?);
             }
             "PGA_CM/S^2" => raw.peak = StatedPeak::printed(line, value),
             // In lower case from DYNA 1.2 of AFAD.

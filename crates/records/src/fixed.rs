@@ -64,6 +64,10 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
     raw.title = header.unwrap_or_default();
     let (mut axis, mut values) = (TimeAxis::new(), Values::new(source));
     let (mut short, mut last) = (None, None);
+    let other_width = |(line, count): (usize, usize)| {
+        let found = format!("{count} columns of {} characters", layout.width);
+        source.header_error(line, &found, format!("{}, as in the layout", layout.columns))
+    };
     for (line, text) in source.lines().skip(skip) {
         if text.trim().is_empty() {
             continue;
@@ -74,9 +78,8 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
         last = Some((line, text));
         let fields: Vec<&str> = layout.split(text).collect();
         // Only the last line may be short, and none if a column is chosen.
-        if let Some((line, count)) = short.or((fields.len() > layout.columns).then_some((line, fields.len()))) {
-            let found = format!("{count} columns of {} characters", layout.width);
-            return Err(source.header_error(line, &found, format!("{}, as in the layout", layout.columns)));
+        if let Some(row) = short.or((fields.len() > layout.columns).then_some((line, fields.len()))) {
+            return Err(other_width(row));
         }
         if fields.len() < layout.columns {
             short = Some((line, fields.len()));
@@ -91,9 +94,8 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
             }
         }
     }
-    if let (Some((line, count)), Some(_)) = (short, chosen) {
-        let found = format!("{count} columns of {} characters", layout.width);
-        return Err(source.header_error(line, &found, format!("{}, as in the layout", layout.columns)));
+    if let (Some(row), Some(_)) = (short, chosen) {
+        return Err(other_width(row));
     }
     (raw.start_time, raw.time_step) = axis.even_spacing(source)?;
     raw.values = values.finish()?;

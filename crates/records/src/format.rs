@@ -42,69 +42,43 @@ pub enum Format {
 }
 
 impl Format {
-    pub(super) const ALL: [Format; 16] = [
-        Format::Peer,
-        Format::Smc,
-        Format::Columns,
-        Format::Cosmos,
-        Format::Csmip,
-        Format::Esm,
-        Format::Knet,
-        Format::Geonet,
-        Format::Nsmn,
-        Format::Unam,
-        Format::Renadic,
-        Format::Bhrc,
-        Format::Usc,
-        Format::Jma,
-        Format::Cwb,
-        Format::Fixed,
-    ];
-
-    /// Formats whose files may have several channels.
-    pub(super) const WITH_CHANNELS: [Format; 10] = [
-        Format::Cosmos,
-        Format::Csmip,
-        Format::Knet,
-        Format::Geonet,
-        Format::Nsmn,
-        Format::Unam,
-        Format::Renadic,
-        Format::Bhrc,
-        Format::Jma,
-        Format::Cwb,
-    ];
-
     /// Names that [`Format::from_str`] reads, for messages.
     pub const NAMES: &'static str =
         "peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, fixed";
 
-    /// Returns the title, and the words that [`Format::from_str`] reads.
-    fn title_and_words(self) -> (&'static str, &'static [&'static str]) {
+    /// Returns whether the files of this format may have several channels.
+    pub(super) fn has_channels(self) -> bool {
         match self {
-            Format::Peer => ("PEER AT2", &["peer", "at2"]),
-            Format::Smc => ("SMC", &["smc"]),
-            Format::Columns => ("columns", &["columns", "csv", "txt"]),
-            Format::Cosmos => ("COSMOS", &["cosmos"]),
-            Format::Csmip => ("CSMIP", &["csmip", "dmg", "cesmd"]),
-            Format::Esm => ("ESM ASC", &["esm", "asc", "itaca", "dyna", "afad", "tadas"]),
-            Format::Knet => ("K-NET", &["knet", "k-net", "kiknet", "kik-net"]),
-            Format::Geonet => ("GeoNet", &["geonet"]),
-            Format::Nsmn => ("NSMN", &["nsmn"]),
-            Format::Unam => ("UNAM", &["unam", "racm"]),
-            Format::Renadic => ("RENADIC", &["renadic"]),
-            Format::Bhrc => ("BHRC", &["bhrc"]),
-            Format::Usc => ("USC", &["usc"]),
-            Format::Jma => ("JMA", &["jma"]),
-            Format::Cwb => ("CWB", &["cwb", "cwa"]),
-            Format::Fixed => ("fixed width", &["fixed"]),
+            Format::Peer | Format::Smc | Format::Columns | Format::Esm | Format::Usc | Format::Fixed => false,
+            Format::Cosmos | Format::Csmip | Format::Knet | Format::Geonet | Format::Nsmn => true,
+            Format::Unam | Format::Renadic | Format::Bhrc | Format::Jma | Format::Cwb => true,
         }
     }
 }
 
+/// All formats with their titles and the words that [`Format::from_str`] reads.
+pub(super) const FORMATS: [(Format, &str, &[&str]); 16] = [
+    (Format::Peer, "PEER AT2", &["peer", "at2"]),
+    (Format::Smc, "SMC", &["smc"]),
+    (Format::Columns, "columns", &["columns", "csv", "txt"]),
+    (Format::Cosmos, "COSMOS", &["cosmos"]),
+    (Format::Csmip, "CSMIP", &["csmip", "dmg", "cesmd"]),
+    (Format::Esm, "ESM ASC", &["esm", "asc", "itaca", "dyna", "afad", "tadas"]),
+    (Format::Knet, "K-NET", &["knet", "k-net", "kiknet", "kik-net"]),
+    (Format::Geonet, "GeoNet", &["geonet"]),
+    (Format::Nsmn, "NSMN", &["nsmn"]),
+    (Format::Unam, "UNAM", &["unam", "racm"]),
+    (Format::Renadic, "RENADIC", &["renadic"]),
+    (Format::Bhrc, "BHRC", &["bhrc"]),
+    (Format::Usc, "USC", &["usc"]),
+    (Format::Jma, "JMA", &["jma"]),
+    (Format::Cwb, "CWB", &["cwb", "cwa"]),
+    (Format::Fixed, "fixed width", &["fixed"]),
+];
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.title_and_words().0)
+        f.pad(FORMATS.iter().find(|(format, ..)| format == self).map_or("", |(_, title, _)| title))
     }
 }
 
@@ -117,7 +91,7 @@ impl FromStr for Format {
     type Err = UnknownFormat;
 
     fn from_str(text: &str) -> Result<Format, UnknownFormat> {
-        let is_named = |format: &Format| format.title_and_words().1.iter().any(|word| text.eq_ignore_ascii_case(word));
-        Format::ALL.into_iter().find(is_named).ok_or_else(|| UnknownFormat(text.to_owned()))
+        let named = FORMATS.iter().find(|(.., words)| words.iter().any(|word| text.eq_ignore_ascii_case(word)));
+        named.map(|(format, ..)| *format).ok_or_else(|| UnknownFormat(text.to_owned()))
     }
 }

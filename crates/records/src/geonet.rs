@@ -6,8 +6,7 @@ use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
 use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
-use super::text::{FileText, Values, fixed_width, number};
-use super::volume;
+use super::text::{FileText, fixed_columns, fixed_width, number, title};
 
 /// Number of lines of a header: text, integers and reals.
 const HEADER_LINES: usize = 16 + 4 + 6;
@@ -53,7 +52,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
 
     let mut raw = Raw::new(Format::Geonet);
     // Station, time of the earthquake, component.
-    raw.title = volume::title(lines, [2, 7, COMPONENT]);
+    raw.title = title(lines, &[2, 7, COMPONENT]);
     let [value, ..] = counts(source, lines)?;
     let line = lines.get(COUNTS).map_or(1, |&(line, _)| line);
     raw.count = Some(StatedCount { line, key: "4th integer", value });
@@ -77,17 +76,11 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let (line, text) = lines.get(PEAK).copied().unwrap_or((1, ""));
     let mut words = text.split_whitespace().skip(2);
     raw.peak = words.next().and_then(|peak| StatedPeak::printed(line, peak));
-    let unit = source.unit(line, words.next().unwrap_or(""))?;
-    raw.unit =
-        Some((line, unit.ok_or_else(|| source.header_error(line, text, "a peak with its unit, as 2394.8 mm/s/s"))?));
+    let unit = words.next().unwrap_or("");
+    raw.unit = Some(source.stated_unit(line, text, unit, "a peak with its unit, as 2394.8 mm/s/s")?);
 
-    let mut values = Values::new(source);
-    for &(line, text) in lines.get(HEADER_LINES..).unwrap_or_default() {
-        for field in fixed_width(text, WIDTH) {
-            values.push(line, field)?;
-        }
-    }
-    raw.values = values.finish()?.into_iter().map(|value| value * factor).collect();
+    let values = fixed_columns(source, lines.iter().skip(HEADER_LINES).copied(), WIDTH)?;
+    raw.values = values.into_iter().map(|value| value * factor).collect();
     Ok(raw)
 }
 

@@ -37,8 +37,8 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
                 raw.time_step = Some(StatedStep::exact(line, 1.0 / rate));
             }
             "UNIT" => {
-                let unit = source.unit(line, value.split('(').next().unwrap_or(""))?;
-                raw.unit = Some((line, unit.ok_or_else(|| source.header_error(line, text, "a unit as gal(cm/s/s)"))?));
+                let unit = value.split('(').next().unwrap_or("");
+                raw.unit = Some(source.stated_unit(line, text, unit, "a unit as gal(cm/s/s)")?);
             }
             _ => {}
         }

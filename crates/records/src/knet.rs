@@ -69,8 +69,7 @@ fn read_ascii(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, Rec
             _ => {}
         }
     }
-    let missing =
-        |key: &str| source.header_error(last, "the end of the header", format!("a line of {key:?} before it"));
+    let missing = |key: &str| source.missing_line(last, &format!("of {key:?}"));
     let scale = scale.ok_or_else(|| missing("Scale Factor"))?;
     let (rate_line, rate) = rate.ok_or_else(|| missing("Sampling Freq(Hz)"))?;
     let (line, duration) = duration.ok_or_else(|| missing("Duration Time(s)"))?;
@@ -105,21 +104,17 @@ fn read_csv(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, Recor
     let after = |key: &str, lines: usize| {
         let index = header.iter().position(|(_, text)| squeezed(text).eq_ignore_ascii_case(key));
         let found = index.and_then(|index| header.get(index + lines));
-        let missing =
-            || source.header_error(header.len().max(1), "the end of the header", format!("a line {key} before it"));
+        let missing = || source.missing_line(header.len().max(1), key);
         found.map(|&(line, text)| (line, text.trim_start_matches('#').trim())).ok_or_else(missing)
     };
     let (names_line, names) = header.last().copied().unwrap_or((1, ""));
     let names: Vec<&str> = names.strip_prefix(NAMES).unwrap_or_default().split(',').map(str::trim).collect();
-    let (words, units): (Vec<String>, Vec<&str>) = names
-        .iter()
-        .map(|name| name.split_once('(').unwrap_or((name, "")))
-        .map(|(word, unit)| (word.to_owned(), unit))
-        .unzip();
+    let (words, units): (Vec<&str>, Vec<&str>) =
+        names.iter().map(|name| name.split_once('(').unwrap_or((name, ""))).unzip();
     let chosen = channels::index(source, &words, wanted)?;
     let unit = units.get(chosen).map_or("", |unit| unit.trim_end_matches(')'));
-    let expected = || source.header_error(names_line, &names.join(","), "a unit after each name, as N-S(gal)");
-    raw.unit = Some((names_line, source.unit(names_line, unit)?.ok_or_else(expected)?));
+    let expected = "a unit after each name, as N-S(gal)";
+    raw.unit = Some(source.stated_unit(names_line, &names.join(","), unit, expected)?);
 
     let (line, rate) = after("#SamplingFrequency(Hz)", 1)?;
     let (rate_line, rate) = sampling_rate(source, line, rate)?;
@@ -132,8 +127,8 @@ fn read_csv(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, Recor
     let offset = source.number(line, offset.trim())?;
     let (_, station) = after("#Station", 2)?;
     let (_, event) = after("#Event", 2)?;
-    let first = |list: &str| list.split(',').next().unwrap_or_default().trim().to_owned();
-    raw.title = [first(station), first(event), words.get(chosen).cloned().unwrap_or_default()].join(", ");
+    let [station, event] = [station, event].map(|list| list.split(',').next().unwrap_or_default().trim());
+    raw.title = [station, event, words.get(chosen).copied().unwrap_or_default()].join(", ");
 
     let rows = Rows { columns: names.len() + 2, time: Some(1), chosen: chosen + 2 };
     let (values, axis) = rows.read(source, source.lines().skip(header.len()), |text| text.split(',').map(str::trim))?;

@@ -40,13 +40,11 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
                 let Some(unit) = text.strip_prefix(PEAKS).and_then(|rest| rest.split(')').next()) else { continue };
                 peak_line = line;
                 peaks = value.split_whitespace().collect();
-                let expected = || source.header_error(line, text, "a unit as RAW PGA VALUES (gal)");
-                raw.unit = Some((line, source.unit(line, unit)?.ok_or_else(expected)?));
+                raw.unit = Some(source.stated_unit(line, text, unit, "a unit as RAW PGA VALUES (gal)")?);
             }
         }
     }
-    let components: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
-    let chosen = channels::index(source, &components, wanted)?;
+    let chosen = channels::index(source, &names, wanted)?;
     let name = names.get(chosen).copied().unwrap_or_default();
     let peak =
         peaks.iter().position(|word| word.trim_matches(['(', ')']) == name).and_then(|index| peaks.get(index + 1));

@@ -5,7 +5,7 @@ use std::{convert::Infallible, fmt, str::FromStr};
 use serde::Deserialize;
 
 use super::fixed_layout::FixedLayout;
-use super::format::Format;
+use super::format::{FORMATS, Format};
 use super::processing::Processing;
 use super::unit::Unit;
 
@@ -184,20 +184,17 @@ pub enum Setting {
 impl Setting {
     /// Lists the formats that use this setting.
     #[must_use]
-    pub fn formats(self) -> &'static [Format] {
-        match self {
-            Setting::Format
-            | Setting::Unit
-            | Setting::TimeStep
-            | Setting::Baseline
-            | Setting::BandPass
-            | Setting::Resample => &Format::ALL,
-            Setting::Channel => &Format::WITH_CHANNELS,
-            Setting::Layout | Setting::Skip => &[Format::Fixed],
+    pub fn formats(self) -> Vec<Format> {
+        let uses = |format: &Format| match self {
+            Setting::Format | Setting::Unit | Setting::TimeStep => true,
+            Setting::Baseline | Setting::BandPass | Setting::Resample => true,
+            Setting::Channel => format.has_channels(),
+            Setting::Layout | Setting::Skip => *format == Format::Fixed,
             Setting::ValueScale | Setting::TimeColumn | Setting::AccelerationColumn => {
-                &[Format::Columns, Format::Fixed]
+                matches!(format, Format::Columns | Format::Fixed)
             }
-        }
+        };
+        FORMATS.iter().map(|(format, ..)| *format).filter(uses).collect()
     }
 }
 

@@ -15,9 +15,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     let head = source.head();
     let header_lines = head.iter().position(|line| has_npts(line)).map_or(0, |index| index + 1);
     for (line, text) in source.lines().take(header_lines) {
-        if let Some(unit) = unit_of(source, line, text)? {
-            raw.unit = Some((line, unit));
-        }
+        raw.unit = unit_of(source, line, text)?.or(raw.unit);
         if line == header_lines {
             let (count, time_step) = npts_and_dt(source, line, text)?;
             raw.count = Some(StatedCount { line, key: "NPTS", value: count });
@@ -102,7 +100,7 @@ fn npts_and_dt(source: &FileText<'_>, line: usize, text: &str) -> Result<(usize,
 }
 
 /// Returns the unit stated in a header line, as "… IN UNITS OF G.". Others write "The units are (g)" or "Acceleration in g".
-fn unit_of(source: &FileText<'_>, line: usize, text: &str) -> Result<Option<Unit>, RecordError> {
+fn unit_of(source: &FileText<'_>, line: usize, text: &str) -> Result<Option<(usize, Unit)>, RecordError> {
     let upper = text.to_ascii_uppercase();
     for (name, found) in [("VELOCITY", "a velocity"), ("DISPLACEMENT", "a displacement")] {
         let time_history = [" TIME HIST", " TIME SERIES", " HISTORY", " IN "];
@@ -118,6 +116,5 @@ fn unit_of(source: &FileText<'_>, line: usize, text: &str) -> Result<Option<Unit
         return Ok(None);
     };
     let stated = stated.trim_matches(['(', ')', '[', ']', '.', ',', ';', ':']);
-    let unit = source.unit(line, stated)?;
-    unit.map(Some).ok_or_else(|| source.header_error(line, text, "a unit among g, m/s2, cm/s2"))
+    source.stated_unit(line, text, stated, "a unit among g, m/s2, cm/s2").map(Some)
 }

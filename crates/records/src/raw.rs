@@ -102,7 +102,9 @@ impl Raw {
         if let Some(StatedCount { line, key, value }) = self.count
             && value != self.values.len()
         {
-            return Err(RecordError::Count { file: file(), line, key, stated: value, counted: self.values.len() });
+            let counted = self.values.len();
+            let message = format!("found {counted} values in the file, expected {value}, the header's {key}");
+            return Err(source.line_error(line, message));
         }
         if self.values.len() < 2 {
             let message = format!("found {} values, expected at least 2", self.values.len());
@@ -125,7 +127,7 @@ impl Raw {
         };
         let unit = match (self.unit, options.unit) {
             (Some((line, found)), Some(given)) if found != given => {
-                let expected = found.plain();
+                let expected = found.to_string().replace('²', "2");
                 let found = format!("the file is in {found} but {given} was given");
                 return Err(source.needs_setting(Some(line), found, Setting::Unit, expected));
             }

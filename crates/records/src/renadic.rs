@@ -5,7 +5,7 @@ use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
 use super::raw::Raw;
-use super::text::FileText;
+use super::text::{FileText, title};
 use super::volume;
 
 /// Returns whether a line is the one of the network, the eighth.
@@ -19,7 +19,7 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let lines = channels::choose(source, wanted, name)?;
     let mut raw = Raw::new(Format::Renadic);
     // Earthquake, station, channel.
-    raw.title = volume::title(&lines, [1, 5, 6]);
+    raw.title = title(&lines, &[1, 5, 6]);
     volume::pairs(&mut raw, source, &lines)?;
     Ok(raw)
 }

@@ -6,7 +6,7 @@
 use super::error::RecordError;
 use super::format::Format;
 use super::raw::{Raw, StatedCount, StatedStep};
-use super::text::{FileText, Values, fixed_width, quoted, squeezed};
+use super::text::{FileText, fixed_columns, fixed_width, quoted, title};
 use super::unit::Unit;
 
 const TEXT_LINES: usize = 11;
@@ -40,23 +40,19 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Smc);
     raw.unit = Some((1, Unit::CentimetrePerSecondSquared));
     let mut lines = source.lines();
-    let text: Vec<&str> = lines.by_ref().take(TEXT_LINES).map(|(_, line)| line).collect();
-    let kind = text.first().copied().unwrap_or_default();
+    let text: Vec<(usize, &str)> = lines.by_ref().take(TEXT_LINES).collect();
+    let kind = text.first().map_or("", |(_, text)| text);
     if !kind.to_ascii_uppercase().contains("ACCELEROGRAM") {
         return Err(source.not_acceleration(1, format!("an SMC file of the kind {}", quoted(kind))));
     }
     // Line 4: date and earthquake; line 6: "station = … component = …".
-    raw.title =
-        [3, 5].iter().filter_map(|&index| text.get(index)).map(|line| squeezed(line)).collect::<Vec<_>>().join("; ");
+    raw.title = title(&text, &[3, 5]);
 
-    let mut integers: Vec<(usize, &str)> = Vec::new();
-    for (line, text) in lines.by_ref().take(INTEGER_LINES) {
-        integers.extend(fixed_width(text, 10).map(|field| (line, field)));
-    }
-    let mut reals: Vec<(usize, &str)> = Vec::new();
-    for (line, text) in lines.by_ref().take(REAL_LINES) {
-        reals.extend(fixed_width(text, 15).map(|field| (line, field)));
-    }
+    let mut header = |count: usize, width: usize| -> Vec<(usize, &str)> {
+        let rows = lines.by_ref().take(count);
+        rows.flat_map(|(line, text)| fixed_width(text, width).map(move |field| (line, field))).collect()
+    };
+    let (integers, reals) = (header(INTEGER_LINES, 10), header(REAL_LINES, 15));
     let count = |index: usize, expected: &str| {
         let (line, field) = integers.get(index).copied().unwrap_or((TEXT_LINES + 1, ""));
         field.parse::<usize>().map(|value| (line, value)).map_err(|_| source.header_error(line, field, expected))
@@ -86,13 +82,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
             return Err(source.header_error(line, text, format!("one of {comments} comment lines that start with |")));
         }
     }
-    let mut values = Values::new(source);
-    for (line, text) in lines {
-        for field in fixed_width(text, 10) {
-            values.push(line, field)?;
-        }
-    }
-    raw.values = values.finish()?;
+    raw.values = fixed_columns(source, lines, 10)?;
     // Times and accelerations alternate in records of digitized film, which are not evenly spaced.
     let times: Vec<f64> = raw.values.iter().copied().step_by(2).take(PAIRS).collect();
     if rate == undefined && times.len() == PAIRS && times.is_sorted_by(|a, b| a < b) {

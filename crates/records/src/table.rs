@@ -1,5 +1,7 @@
 //! Lines → layout of a table: separator, header row, first row of numbers.
 
+use std::borrow::Cow;
+
 use super::clock::{Instant, is_date};
 use super::error::RecordError;
 use super::format::Format;
@@ -41,17 +43,19 @@ impl Separator {
 
     /// Reads a date with a time.
     pub(super) fn instant(self, field: &str) -> Option<Instant> {
-        match self {
-            Separator::Byte(b',') | Separator::Blanks => Instant::parse(field),
-            Separator::Byte(_) => Instant::parse(&field.replace(',', ".")),
-        }
+        Instant::parse(&self.with_points(field))
     }
 
-    /// Reads a number; commas that do not separate columns are decimal commas.
+    /// Reads a number.
     pub(super) fn number(self, field: &str) -> Option<f64> {
+        number(&self.with_points(field))
+    }
+
+    /// Replaces decimal commas by points: commas that do not separate columns.
+    pub(super) fn with_points(self, field: &str) -> Cow<'_, str> {
         match self {
-            Separator::Byte(b',') | Separator::Blanks => number(field),
-            Separator::Byte(_) => number(&field.replace(',', ".")),
+            Separator::Byte(byte) if byte != b',' && field.contains(',') => Cow::Owned(field.replace(',', ".")),
+            Separator::Byte(_) | Separator::Blanks => Cow::Borrowed(field),
         }
     }
 }
@@ -220,7 +224,7 @@ fn is_unit(text: &str) -> bool {
     text.parse::<Unit>().is_ok() || other_quantity(text).is_some()
 }
 
-fn is_second(text: &str) -> bool {
+pub(super) fn is_second(text: &str) -> bool {
     matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
 }
 

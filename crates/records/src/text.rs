@@ -28,11 +28,11 @@ impl<'a> FileText<'a> {
     pub(super) fn new(name: &str, bytes: &'a [u8]) -> Result<FileText<'a>, RecordError> {
         let name: String = name.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
         if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
-            return Err(RecordError::NotText { file: name, found: "UTF-16 text" });
+            return Err(not_text(name, "UTF-16 text"));
         }
         let control = |b: &&u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\r' | b'\n' | 0x0C | 0x1A);
         if bytes.iter().filter(control).count() > bytes.len() / CONTROL_BYTES {
-            return Err(RecordError::NotText { file: name, found: "binary data" });
+            return Err(not_text(name, "binary data"));
         }
         let text = match std::str::from_utf8(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)) {
             Ok(text) => Cow::Borrowed(text.trim_end_matches('\x1A')),
@@ -102,6 +102,23 @@ impl<'a> FileText<'a> {
         }
     }
 
+    /// Reads a unit that the line `text` states; `expected` describes it if it is unknown.
+    pub(super) fn stated_unit(
+        &self,
+        line: usize,
+        text: &str,
+        unit: &str,
+        expected: &str,
+    ) -> Result<(usize, Unit), RecordError> {
+        let unit = self.unit(line, unit)?.ok_or_else(|| self.header_error(line, text, expected))?;
+        Ok((line, unit))
+    }
+
+    /// Builds the error of a header without a line; `line` is its last one.
+    pub(super) fn missing_line(&self, line: usize, missing: &str) -> RecordError {
+        self.header_error(line, "the end of the header", format!("a line {missing} before it"))
+    }
+
     /// Refuses a file that ends within a column of `width` characters. Columns end `shift` characters later.
     ///
     /// Integers have no decimals that would show it.
@@ -121,8 +138,13 @@ impl<'a> FileText<'a> {
     }
 
     pub(super) fn not_acceleration(&self, line: usize, found: impl Into<String>) -> RecordError {
-        RecordError::NotAcceleration { file: self.name.clone(), line, found: found.into() }
+        self.line_error(line, format!("found {}, expected an acceleration time history", found.into()))
     }
+}
+
+fn not_text(file: String, found: &str) -> RecordError {
+    let message = format!("found {found}, expected an accelerogram as ASCII, Latin-1 or UTF-8 text");
+    RecordError::File { file, message }
 }
 
 /// Values of a file in reading order, with the digits in which they are printed.
@@ -194,6 +216,21 @@ impl<'s> Values<'s> {
     }
 }
 
+/// Reads lines of columns of equal width.
+pub(super) fn fixed_columns<'l>(
+    source: &FileText<'_>,
+    lines: impl IntoIterator<Item = (usize, &'l str)>,
+    width: usize,
+) -> Result<Vec<f64>, RecordError> {
+    let mut values = Values::new(source);
+    for (line, text) in lines {
+        for field in fixed_width(text, width) {
+            values.push(line, field)?;
+        }
+    }
+    values.finish()
+}
+
 /// Splits a number into mantissa and exponent, which may be empty.
 fn split_exponent(token: &str) -> (&str, &str) {
     let position = token.bytes().position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
@@ -238,6 +275,13 @@ pub(super) fn quoted(piece: &str) -> String {
     format!("{:?}", piece.chars().take(LONGEST).collect::<String>() + more)
 }
 
+/// Joins the lines of a header at these indices.
+pub(super) fn title(lines: &[(usize, &str)], indices: &[usize]) -> String {
+    let words: Vec<String> =
+        indices.iter().filter_map(|&index| lines.get(index)).map(|(_, line)| squeezed(line)).collect();
+    words.join("; ")
+}
+
 /// Joins the words of a header line with single blanks.
 pub(super) fn squeezed(line: &str) -> String {
     line.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -247,6 +291,11 @@ pub(super) fn squeezed(line: &str) -> String {
 pub(super) fn is_end_mark(line: &str) -> bool {
     let line = line.trim_start();
     line.starts_with("***") || line.starts_with("/&") || line.to_ascii_lowercase().starts_with("end-of-data")
+}
+
+/// Returns the lines from an index on, before the mark of their end.
+pub(super) fn before_end_mark<'s>(lines: &[(usize, &'s str)], from: usize) -> impl Iterator<Item = (usize, &'s str)> {
+    lines.iter().skip(from).copied().take_while(|(_, text)| !is_end_mark(text))
 }
 
 /// Lists names for a message: the first ten and how many there are beyond.

@@ -24,9 +24,7 @@ pub(super) fn is_header_line(line: &str) -> bool {
 pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Unam);
     let header: Vec<(usize, &str)> = source.lines().take_while(|(_, text)| !text.starts_with(DATA)).collect();
-    let missing = |expected: &str| {
-        source.header_error(header.len(), "the end of the header", format!("a line {expected} before it"))
-    };
+    let missing = |expected: &str| source.missing_line(header.len(), expected);
     let value = |key: &str| {
         let found = header.iter().find(|(_, text)| text.starts_with(key));
         let value = found.and_then(|&(line, text)| Some((line, text.split_once(" :")?.1.trim())));
@@ -43,8 +41,8 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     };
     let (line, count) = value("NUMERO DE CANALES")?;
     let count: usize = count.parse().map_err(|_| source.header_error(line, count, "a count of channels"))?;
-    let names = values("ORIENTACION C1-C6", "ORIENTACION C7-C12")?;
-    let names: Vec<String> = names.iter().map(|(_, name)| (*name).to_owned()).collect();
+    let names: Vec<&str> =
+        values("ORIENTACION C1-C6", "ORIENTACION C7-C12")?.into_iter().map(|(_, name)| name).collect();
     if names.len() != count {
         return Err(source.header_error(
             line,
@@ -66,8 +64,8 @@ pub(super) fn read(source: &FileText<'_>, wanted: Option<&Choice>) -> Result<Raw
     let (line, peak) = of_channel("ACEL. MAX.(Gal), C1", "ACEL. MAX.(Gal), C7")?;
     raw.peak = StatedPeak::printed(line, peak);
     let (line, unit) = value("UNIDADES DE LOS DATOS")?;
-    let stated = source.unit(line, unit.split_whitespace().next().unwrap_or(""))?;
-    raw.unit = Some((line, stated.ok_or_else(|| source.header_error(line, unit, "a unit as Gal (cm/s/s)"))?));
+    let stated = unit.split_whitespace().next().unwrap_or("");
+    raw.unit = Some(source.stated_unit(line, unit, stated, "a unit as Gal (cm/s/s)")?);
     let (line, factor) = value("FACTOR DE DECIMACION")?;
     if factor != "1" {
         return Err(source.header_error(line, factor, "a factor of decimation of 1"));

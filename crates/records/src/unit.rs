@@ -39,17 +39,6 @@ impl Unit {
         }
     }
 
-    /// Returns the spelling for options.
-    pub(super) fn plain(self) -> &'static str {
-        match self {
-            Unit::G => "g",
-            Unit::MetrePerSecondSquared => "m/s2",
-            Unit::CentimetrePerSecondSquared => "cm/s2",
-            Unit::MillimetrePerSecondSquared => "mm/s2",
-            Unit::TenthOfG => "g/10",
-        }
-    }
-
     /// Returns the spellings of the other units.
     pub(super) fn others(self) -> &'static str {
         match self {

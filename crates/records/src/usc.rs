@@ -3,7 +3,7 @@
 use super::error::RecordError;
 use super::format::Format;
 use super::raw::Raw;
-use super::text::FileText;
+use super::text::{FileText, title};
 use super::volume;
 
 /// Columns of text; the file names the length of each line beyond them.
@@ -26,7 +26,7 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
         .map(|&(line, text)| (line, text.split_at_checked(TEXT_WIDTH).map_or(text, |(text, _)| text)))
         .collect();
     // Earthquake, station, component; volume 2 has a line more before them.
-    raw.title = volume::title(&text, if block.is_some() { [2, 6, 7] } else { [1, 5, 6] });
+    raw.title = title(&text, if block.is_some() { &[2, 6, 7] } else { &[1, 5, 6] });
     match block {
         Some(index) => volume::block_values(&mut raw, source, &lines, index)?,
         None => volume::pairs(&mut raw, source, &lines)?,

@@ -5,7 +5,7 @@
 
 use super::error::RecordError;
 use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
-use super::text::{FileText, Values, fixed_width, is_end_mark, number, print_quantum, squeezed};
+use super::text::{FileText, Values, before_end_mark, fixed_columns, fixed_width, number, print_quantum};
 use super::time_axis::TimeAxis;
 use super::unit::Unit;
 
@@ -71,16 +71,8 @@ pub(super) fn block_values(
         // Eight columns fill a line.
         None => rows.first().map_or(10, |(_, text)| if text.trim_end().len() == 72 { 9 } else { 10 }),
     };
-    let mut values = Values::new(source);
-    for &(line, text) in rows {
-        if is_end_mark(text) || text.to_ascii_uppercase().contains("POINTS OF ") {
-            break;
-        }
-        for field in fixed_width(text, width) {
-            values.push(line, field)?;
-        }
-    }
-    raw.values = values.finish()?;
+    let block = before_end_mark(rows, 0).take_while(|(_, text)| !text.to_ascii_uppercase().contains("POINTS OF "));
+    raw.values = fixed_columns(source, block, width)?;
     Ok(())
 }
 
@@ -96,10 +88,7 @@ pub(super) fn pairs(raw: &mut Raw, source: &FileText<'_>, lines: &[(usize, &str)
     raw.peak = peak(lines, "MAX").and_then(|peak| converted(peak, unit));
 
     let (mut axis, mut values) = (TimeAxis::new(), Values::new(source));
-    for &(line, text) in lines.get(HEADER_LINES..).unwrap_or_default() {
-        if is_end_mark(text) {
-            break;
-        }
+    for (line, text) in before_end_mark(lines, HEADER_LINES) {
         let text = text.trim_end();
         // The first column may be wider by a blank.
         let text = if text.len() % PAIR_WIDTH == 1 { text.strip_prefix(' ').unwrap_or(text) } else { text };
@@ -123,11 +112,6 @@ pub(super) fn pairs(raw: &mut Raw, source: &FileText<'_>, lines: &[(usize, &str)
         (error, _) => error,
     })?;
     Ok(())
-}
-
-/// Joins the lines of a channel's header at these indices.
-pub(super) fn title(lines: &[(usize, &str)], indices: [usize; 3]) -> String {
-    indices.iter().filter_map(|&index| lines.get(index)).map(|(_, line)| squeezed(line)).collect::<Vec<_>>().join("; ")
 }
 
 /// Returns the count in a line such as `NO. OF POINTS =  12080  RECORD LENGTH = 59.998 SEC`.

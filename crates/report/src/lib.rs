@@ -31,9 +31,9 @@ pub enum ReportError {
     /// The page cannot be filled.
     #[error("the page cannot be filled: {0}")]
     Page(#[from] askama::Error),
-    /// A table cannot be written or read.
+    /// A table cannot be written.
     #[error("a table cannot be written: {0}")]
-    Table(#[from] csv::Error),
+    Table(#[from] std::io::Error),
     /// The curves of incremental dynamic analysis cannot be read from the runs.
     #[error(transparent)]
     Runs(#[from] rocking_studies::fragility::SweepTableError),

@@ -1,4 +1,8 @@
 //! Numbers → text with their units.
+//!
+//! The template of the page passes the fields of results by reference and computed numbers by value.
+
+use std::borrow::Borrow;
 
 use rocking_charts::numerals::significant;
 use rocking_studies::assess::Counts;
@@ -6,51 +10,53 @@ use rocking_studies::fragility::split_heading;
 use rocking_studies::spec::{BlockSpec, limits};
 
 /// Writes a number with three significant digits.
-pub fn short(value: f64) -> String {
+pub fn short(value: impl Borrow<f64>) -> String {
+    let value = *value.borrow();
     if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}").replace('-', "−") } else { significant(value, 3) }
 }
 
 /// Writes a number with four significant digits.
-pub fn long(value: f64) -> String {
-    significant(value, 4)
+pub fn long(value: impl Borrow<f64>) -> String {
+    significant(*value.borrow(), 4)
 }
 
 /// Writes a fraction in per cent.
-pub fn percent(fraction: f64) -> String {
-    let value = 100.0 * fraction;
+pub fn percent(fraction: impl Borrow<f64>) -> String {
+    let value = 100.0 * *fraction.borrow();
     let text =
         if value != 0.0 && value < 1e-3 { format!("{value:.1e}").replace('-', "−") } else { significant(value, 3) };
     format!("{text} %")
 }
 
-/// Writes an interval; an unbounded end becomes a word.
-pub fn interval([low, high]: [Option<f64>; 2]) -> String {
-    match (low, high) {
-        (None, None) => "unbounded".into(),
-        (Some(low), None) => format!("above {}", short(low)),
-        (None, Some(high)) => format!("below {}", short(high)),
-        (Some(low), Some(high)) => format!("{} to {}", short(low), short(high)),
+/// Writes the ends of a range, if it has any.
+fn ends(ends: [Option<f64>; 2], write: fn(f64) -> String) -> Option<String> {
+    match ends.map(|end| end.map(write)) {
+        [None, None] => None,
+        [Some(low), None] => Some(format!("above {low}")),
+        [None, Some(high)] => Some(format!("below {high}")),
+        [Some(low), Some(high)] => Some(format!("{low} to {high}")),
     }
 }
 
+/// Writes an interval; an unbounded end becomes a word.
+pub fn interval(interval: [Option<f64>; 2]) -> String {
+    ends(interval, short).unwrap_or_else(|| "unbounded".into())
+}
+
 /// Writes an annual rate (1/year).
-pub fn rate(rate: f64) -> String {
-    rocking_charts::rate::per_year(rate).replace('-', "−")
+pub fn rate(rate: impl Borrow<f64>) -> String {
+    rocking_charts::rate::per_year(*rate.borrow()).replace('-', "−")
 }
 
 /// Writes the range of an annual rate (1/year), if it has an end.
 pub fn rate_range([low, high]: [Option<f64>; 2]) -> Option<String> {
     // A lower end below the least printed rate carries no information.
-    match (low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high) {
-        (None, None) => None,
-        (Some(low), None) => Some(format!("above {}", rate(low))),
-        (None, Some(high)) => Some(format!("below {}", rate(high))),
-        (Some(low), Some(high)) => Some(format!("{} to {}", rate(low), rate(high))),
-    }
+    ends([low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high], rate)
 }
 
 /// Writes a return period (years).
-pub fn years(years: f64) -> String {
+pub fn years(years: impl Borrow<f64>) -> String {
+    let years = *years.borrow();
     if years < 1e7 { significant(years, 3) } else { format!("{years:.1e}") }
 }
 
@@ -115,6 +121,7 @@ pub fn median(median: f64, [least, greatest]: [f64; 2]) -> String {
 }
 
 /// Writes a slip (m), without round-off.
-pub fn slip(slip: f64) -> String {
+pub fn slip(slip: impl Borrow<f64>) -> String {
+    let slip = *slip.borrow();
     if slip < 1e-6 { "0".into() } else { short(slip) }
 }

@@ -1,7 +1,5 @@
 //! Results, pictures and sentences → HTML.
 
-use std::borrow::Borrow;
-
 use askama::Template;
 
 use crate::commands::commands;
@@ -53,36 +51,8 @@ struct Page<'a> {
     study: &'a [String],
 }
 
-/// The functions of the template, which passes fields by reference and results by value.
+/// The functions of the template beside those of [`numbers`].
 impl Page<'_> {
-    fn long(&self, value: impl Borrow<f64>) -> String {
-        long(*value.borrow())
-    }
-
-    fn short(&self, value: impl Borrow<f64>) -> String {
-        short(*value.borrow())
-    }
-
-    fn percent(&self, fraction: impl Borrow<f64>) -> String {
-        numbers::percent(*fraction.borrow())
-    }
-
-    fn rate(&self, per_year: impl Borrow<f64>) -> String {
-        rate(*per_year.borrow())
-    }
-
-    fn years(&self, years: impl Borrow<f64>) -> String {
-        numbers::years(*years.borrow())
-    }
-
-    fn limit(&self, word: &str) -> String {
-        limit(word)
-    }
-
-    fn quantity(&self, name: &str) -> String {
-        numbers::quantity(name)
-    }
-
     /// Returns the drawing with this name, if any.
     fn picture(&self, name: &str) -> Option<&str> {
         self.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.svg.as_str())
@@ -104,10 +74,6 @@ impl Page<'_> {
     /// Writes an acceleration relative to gravity.
     fn in_g(&self, value: &Option<f64>) -> String {
         self.optional(&value.map(|value| value / self.report.object.g))
-    }
-
-    fn exceeded(&self, counts: &Counts) -> String {
-        numbers::exceeded(counts)
     }
 
     fn counts(&self, counts: &Counts) -> String {
@@ -133,10 +99,6 @@ impl Page<'_> {
 
     fn rate_bounds(&self, bounds: &[Option<f64>; 2]) -> String {
         numbers::rate_range(*bounds).unwrap_or_else(|| "—".into())
-    }
-
-    fn has_building(&self) -> bool {
-        self.report.building.is_some()
     }
 
     fn floor(&self, floor: &Option<usize>) -> String {
@@ -211,23 +173,7 @@ impl Page<'_> {
         numbers::rate_range(*interval).unwrap_or_else(|| "unbounded".into())
     }
 
-    fn slip(&self, slip: &f64) -> String {
-        numbers::slip(*slip)
-    }
-
-    fn no_curve(&self, runs: &Counts, reason: &str) -> String {
-        numbers::no_curve(runs, reason)
-    }
-
     fn has_usual_ranges(&self) -> bool {
         self.report.sensitivity.iter().any(|sensitivity| !sensitivity.assumption.is_given)
-    }
-
-    fn has_usual_variants(&self) -> bool {
-        self.plan.has_usual_variants
-    }
-
-    fn pulse_shape(&self) -> &'static str {
-        self.plan.pulse.word()
     }
 }

@@ -1,12 +1,15 @@
 //! Results → CSV, in SI units and full precision.
 
-use rocking_studies::assess::{Comparison, Counts, Plan, Results};
+use std::io;
+
+use rocking_studies::assess::{Comparison, CurveResult, Plan, RateResult, Results, StateResult};
 use rocking_studies::fragility::split_heading;
-use rocking_studies::output::csv::lines;
+use rocking_studies::output::csv::{lines, with_headings};
 use rocking_studies::output::runner::Study;
+use rocking_studies::output::table::{Table, TableColumn};
 
 /// Makes the tables, with the names of their files.
-pub fn tables(plan: &Plan, results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
+pub fn tables(plan: &Plan, results: &Results) -> io::Result<Vec<(&'static str, String)>> {
     let sizes = &results.sizes;
     Ok(vec![
         ("runs.csv", plan.sweep.header().text()? + &lines(&results.table.table)?),
@@ -16,84 +19,74 @@ pub fn tables(plan: &Plan, results: &Results) -> Result<Vec<(&'static str, Strin
     ])
 }
 
-fn text(value: Option<f64>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
-}
-
-/// Begins a table with the name of the study and these columns.
-fn table(results: &Results, name: &str, columns: &[String]) -> Result<csv::Writer<Vec<u8>>, csv::Error> {
+/// Returns a table of these columns below the name of the study.
+fn table<R>(results: &Results, name: &str, columns: &[TableColumn<R>], rows: &[R]) -> io::Result<String> {
     let head =
         format!("# rocking-block {} assess, {name}\n# study {}\n", env!("CARGO_PKG_VERSION"), results.report.study);
-    let mut writer = csv::Writer::from_writer(head.into_bytes());
-    writer.write_record(columns)?;
-    Ok(writer)
+    Ok(head + &with_headings(&Table::of(columns, rows))?)
 }
 
-/// The runs with a known outcome, those of them beyond the limit, and the runs without.
-fn counts(runs: Counts) -> [String; 3] {
-    [runs.known, runs.exceeded, runs.left_out].map(|count| count.to_string())
-}
-
-fn finished(writer: csv::Writer<Vec<u8>>) -> Result<String, csv::Error> {
-    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-fn states(results: &Results) -> Result<String, csv::Error> {
+fn states(results: &Results) -> io::Result<String> {
+    type Row<'a> = &'a StateResult;
     let (name, unit) = split_heading(&results.report.im);
     let unit = unit.unwrap_or("1");
-    let im = |column: &str| format!("{column}.{name} [{unit}]");
-    let mut columns =
-        ["state", "limit", "source", "runs [1]", "exceeded [1]", "unknown [1]"].map(String::from).to_vec();
-    columns.extend([im("median"), im("median.low"), im("median.high")]);
-    columns.extend(["beta [1]", "beta.low [1]", "beta.high [1]"].map(String::from));
-    columns.extend(["rate [1/year]", "rate.low [1/year]", "rate.high [1/year]"].map(String::from));
-    let mut writer = table(results, "states", &columns)?;
-    for state in &results.report.states {
-        let mut row = vec![state.name.clone(), state.limit.clone(), state.source.clone().unwrap_or_default()];
-        row.extend(counts(state.runs));
-        let curve = state.curve;
-        row.push(text(curve.map(|curve| curve.median)));
-        row.extend(curve.map_or([None; 2], |curve| curve.median_interval).map(text));
-        row.push(text(curve.map(|curve| curve.beta)));
-        row.extend(curve.map_or([None; 2], |curve| curve.beta_interval).map(text));
-        row.push(text(state.rate.map(|rate| rate.rate)));
-        row.extend(state.rate.map_or([None; 2], |rate| rate.rate_interval).map(text));
-        writer.write_record(row)?;
-    }
-    finished(writer)
+    let curve = |column: &str, unit: &str, value: fn(CurveResult) -> Option<f64>| {
+        TableColumn::optional(column, unit, move |state: &Row| state.curve.and_then(value))
+    };
+    let median = |column: &str, value| curve(&format!("{column}.{name}"), unit, value);
+    let rate = |column: &str, value: fn(RateResult) -> Option<f64>| {
+        TableColumn::optional(column, "1/year", move |state: &Row| state.rate.and_then(value))
+    };
+    let columns = [
+        TableColumn::text("state", |state: &Row| state.name.clone()),
+        TableColumn::text("limit", |state: &Row| state.limit.clone()),
+        TableColumn::text("source", |state: &Row| state.source.clone().unwrap_or_default()),
+        TableColumn::count("runs", |state: &Row| state.runs.known),
+        TableColumn::count("exceeded", |state: &Row| state.runs.exceeded),
+        TableColumn::count("unknown", |state: &Row| state.runs.left_out),
+        median("median", |curve| Some(curve.median)),
+        median("median.low", |curve| curve.median_interval[0]),
+        median("median.high", |curve| curve.median_interval[1]),
+        curve("beta", "1", |curve| Some(curve.beta)),
+        curve("beta.low", "1", |curve| curve.beta_interval[0]),
+        curve("beta.high", "1", |curve| curve.beta_interval[1]),
+        rate("rate", |found| Some(found.rate)),
+        rate("rate.low", |found| found.rate_interval[0]),
+        rate("rate.high", |found| found.rate_interval[1]),
+    ];
+    table(results, "states", &columns, &results.report.states.iter().collect::<Vec<_>>())
 }
 
-/// Variants, blocks with friction, and both ends of each range of the sensitivity.
-fn comparisons(results: &Results) -> Result<String, csv::Error> {
+/// Variants, and both ends of each range of the sensitivity.
+fn comparisons(results: &Results) -> io::Result<String> {
+    /// A kind of comparison, the value of its quantity, and its results.
+    type Row<'a> = (&'static str, Option<f64>, &'a Comparison);
     let report = &results.report;
     let (name, unit) = split_heading(&report.im);
-    let unit = unit.unwrap_or("1");
-    let mut columns = ["kind", "name", "value", "alpha [rad]", "static_threshold [m/s2]"].map(String::from).to_vec();
-    columns.extend(["limit", "runs [1]", "exceeded [1]", "unknown [1]"].map(String::from));
-    columns.push(format!("median.{name} [{unit}]"));
-    columns.extend(["beta [1]", "rate [1/year]", "peak.slip [m]", "peak.tension/weight [1]"].map(String::from));
+    let columns = [
+        TableColumn::text("kind", |(kind, ..): &Row| kind.to_string()),
+        TableColumn::text("name", |(.., found): &Row| found.name.clone()),
+        TableColumn::optional("value", "", |(_, value, _): &Row| *value).with_unit(None),
+        TableColumn::real("alpha", "rad", |(.., found): &Row| found.alpha),
+        TableColumn::optional("static_threshold", "m/s2", |(.., found): &Row| found.static_threshold),
+        TableColumn::text("limit", |(.., found): &Row| found.limit.clone()),
+        TableColumn::count("runs", |(.., found): &Row| found.runs.known),
+        TableColumn::count("exceeded", |(.., found): &Row| found.runs.exceeded),
+        TableColumn::count("unknown", |(.., found): &Row| found.runs.left_out),
+        TableColumn::optional(format!("median.{name}"), unit.unwrap_or("1"), |(.., found): &Row| {
+            found.curve.map(|curve| curve.median)
+        }),
+        TableColumn::optional("beta", "1", |(.., found): &Row| found.curve.map(|curve| curve.beta)),
+        TableColumn::optional("rate", "1/year", |(.., found): &Row| found.rate),
+        TableColumn::optional("peak.slip", "m", |(.., found): &Row| found.peak_slip),
+        TableColumn::optional("peak.tension/weight", "1", |(.., found): &Row| found.peak_tension),
+    ];
+    let variants = report.variants.iter().map(|variant| ("variant", None, variant));
+    let ends = report.sensitivity.iter().flat_map(|sensitivity| {
+        let values = sensitivity.assumption.values.map(Some);
+        values.into_iter().zip(&sensitivity.ends).map(|(value, end)| ("sensitivity", value, end))
+    });
     let limit = &report.states[report.compared_state].limit;
-    let mut writer = table(results, &format!("variants and sensitivity for {limit}"), &columns)?;
-    let mut write = |kind: &str, value: Option<f64>, comparison: &Comparison| {
-        let mut row = vec![kind.to_string(), comparison.name.clone(), text(value), comparison.alpha.to_string()];
-        row.push(text(comparison.static_threshold));
-        row.push(comparison.limit.clone());
-        row.extend(counts(comparison.runs));
-        row.extend(
-            [comparison.curve.map(|curve| curve.median), comparison.curve.map(|curve| curve.beta), comparison.rate]
-                .map(text),
-        );
-        row.extend([comparison.peak_slip, comparison.peak_tension].map(text));
-        writer.write_record(row)
-    };
-    for variant in &report.variants {
-        write("variant", None, variant)?;
-    }
-    for sensitivity in &report.sensitivity {
-        for (value, end) in sensitivity.assumption.values.into_iter().zip(&sensitivity.ends) {
-            write("sensitivity", Some(value), end)?;
-        }
-    }
-    finished(writer)
+    let rows: Vec<Row> = variants.chain(ends).collect();
+    table(results, &format!("variants and sensitivity for {limit}"), &columns, &rows)
 }

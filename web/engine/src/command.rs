@@ -6,7 +6,7 @@ use rocking_studies::spec::command::CommandLine;
 use rocking_studies::spec::words::Words;
 
 use crate::inputs::{Excitation, Inputs, Vertical};
-use crate::records::EMBEDDED_PATH;
+use crate::records::{self, EMBEDDED_PATH};
 
 /// Adds the records and their scale factor, or the pulse.
 pub fn add_excitation(line: &mut CommandLine, inputs: &Inputs, vertical: &Vertical, names_embedded: bool) {
@@ -16,10 +16,7 @@ pub fn add_excitation(line: &mut CommandLine, inputs: &Inputs, vertical: &Vertic
         }
         Excitation::Embedded => (),
         Excitation::File { name, settings } => {
-            line.option("record", name);
-            for (setting, value) in settings {
-                line.option(setting, value);
-            }
+            add_file(line, "record", name, settings);
         }
         Excitation::Pulse => {
             let Pulse { shape, amplitude, period, phase, cycles, .. } = inputs.run.pulse;
@@ -33,12 +30,16 @@ pub fn add_excitation(line: &mut CommandLine, inputs: &Inputs, vertical: &Vertic
         }
     }
     if let Some((name, settings)) = vertical {
-        line.option("vertical", name);
-        for (setting, value) in settings {
-            line.option(setting, value);
-        }
+        add_file(line, "vertical", name, settings);
     }
     line.unless("scale", inputs.scale, 1.0);
+}
+
+fn add_file(line: &mut CommandLine, option: &str, name: &str, settings: &records::Settings) {
+    line.option(option, name);
+    for (setting, value) in settings {
+        line.option(setting, value);
+    }
 }
 
 /// The command line of a run that writes its history to `history.csv`.

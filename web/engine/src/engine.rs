@@ -80,6 +80,14 @@ pub struct Reply {
     pub bytes: Vec<u8>,
 }
 
+/// The JSON and the bytes of a reply, or the faults of the request.
+type Answer = Result<(Value, Vec<u8>), Vec<FieldError>>;
+
+/// A fault of no field.
+fn refused(message: impl ToString) -> Vec<FieldError> {
+    vec![FieldError::new("run", message.to_string())]
+}
+
 /// A series of the plots: its name and its value in a row.
 type Series = (&'static str, fn(&Row) -> f64);
 
@@ -147,7 +155,7 @@ impl Engine {
         inputs::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])
     }
 
-    fn run(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn run(&mut self, fields: &BTreeMap<String, String>) -> Answer {
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let run = &inputs.run;
         let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
@@ -183,26 +191,25 @@ impl Engine {
     }
 
     fn last(&self) -> Result<&(Run, History, String), Vec<FieldError>> {
-        self.last.as_ref().ok_or_else(|| vec![FieldError::new("run", "no run yet; expected one before its export")])
+        self.last.as_ref().ok_or_else(|| refused("no run yet; expected one before its export"))
     }
 
-    fn csv(&self, from: usize, to: Option<usize>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn csv(&self, from: usize, to: Option<usize>) -> Answer {
         let (run, history, _) = self.last()?;
         let count = history.rows.len();
         let to = to.unwrap_or(count).min(count);
-        let bytes = table::csv(&run.block, history, &[], from.min(to)..to)
-            .map_err(|error| vec![FieldError::new("run", error.to_string())])?;
+        let bytes = table::csv(&run.block, history, &[], from.min(to)..to).map_err(refused)?;
         Ok((json!({ "rows": count }), bytes))
     }
 
-    fn svg(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn svg(&self) -> Answer {
         let (run, history, description) = self.last()?;
         let svg = rocking_charts::history::history(&run.block, history, description);
-        let svg = svg.map_err(|error| vec![FieldError::new("run", error.to_string())])?;
+        let svg = svg.map_err(refused)?;
         Ok((json!({}), svg.into_bytes()))
     }
 
-    fn spectrum(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn spectrum(&mut self, fields: &BTreeMap<String, String>) -> Answer {
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let omega_p = std::f64::consts::TAU / inputs.run.pulse.period;
         let is_pulse = inputs.excitation == inputs::Excitation::Pulse;
@@ -220,7 +227,7 @@ impl Engine {
         Ok((json, Vec::new()))
     }
 
-    fn ensemble(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn ensemble(&mut self, fields: &BTreeMap<String, String>) -> Answer {
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let study = ensemble::read(Fields::new(fields), inputs, &vertical)?;
         let json = json!({
@@ -234,9 +241,9 @@ impl Engine {
         Ok((json, Vec::new()))
     }
 
-    fn rows(&self, from: u64, to: u64) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+    fn rows(&self, from: u64, to: u64) -> Answer {
         let Some(study) = &self.study else {
-            return Err(vec![FieldError::new("run", "no study yet; expected one before its rows")]);
+            return Err(refused("no study yet; expected one before its rows"));
         };
         let to = to.min(study.rows());
         let rows = study.make_range(from.min(to)..to, None).table;

@@ -46,14 +46,19 @@ impl<'a> Fields<'a> {
         self.errors.push(error);
     }
 
+    /// Records that the text of a field is not the expected one.
+    fn refuse_text(&mut self, field: &str, expected: &str) {
+        let found = Some(self.text(field)).filter(|text| !text.is_empty()).unwrap_or("nothing");
+        self.refuse(FieldError::new(field, format!("found {found}; expected {expected}")));
+    }
+
     /// A number that passes `fits`. An error yields NaN, which is never used.
     pub fn number(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> f64 {
         let text = self.text(field);
         // The decimal comma of many countries.
         let number = text.replace(',', ".").parse().ok().filter(|&number: &f64| number.is_finite() && fits(number));
         number.unwrap_or_else(|| {
-            let found = if text.is_empty() { "nothing" } else { text };
-            self.refuse(FieldError::new(field, format!("found {found}; expected {expected}")));
+            self.refuse_text(field, expected);
             f64::NAN
         })
     }
@@ -73,19 +78,16 @@ impl<'a> Fields<'a> {
         let text = self.text(field);
         let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
         number.unwrap_or_else(|| {
-            let expected = format!("a whole number from {least} to {greatest}");
-            let found = if text.is_empty() { "nothing" } else { text };
-            self.refuse(FieldError::new(field, format!("found {found}; expected {expected}")));
+            self.refuse_text(field, &format!("a whole number from {least} to {greatest}"));
             least
         })
     }
 
     /// A choice by its word.
     pub fn choice<T: Words>(&mut self, field: &str) -> T {
-        let text = self.text(field);
-        T::named(text).unwrap_or_else(|| {
+        T::named(self.text(field)).unwrap_or_else(|| {
             let known: Vec<&str> = T::WORDS.iter().map(|(word, _)| *word).collect();
-            self.refuse(FieldError::new(field, format!("found {text}; expected one of {}", known.join(", "))));
+            self.refuse_text(field, &format!("one of {}", known.join(", ")));
             T::WORDS[0].1
         })
     }
@@ -94,7 +96,7 @@ impl<'a> Fields<'a> {
     pub fn one_of(&mut self, field: &str, known: &[&'static str]) -> &'static str {
         let text = self.text(field);
         known.iter().find(|word| **word == text).unwrap_or_else(|| {
-            self.refuse(FieldError::new(field, format!("found {text}; expected one of {}", known.join(", "))));
+            self.refuse_text(field, &format!("one of {}", known.join(", ")));
             &known[0]
         })
     }

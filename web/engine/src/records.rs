@@ -102,10 +102,7 @@ fn read(
     gravity: f64,
 ) -> Option<(Record, Option<String>)> {
     let Some(DroppedFile { name, bytes }) = file else {
-        let expected = fields.text(match direction {
-            Direction::Horizontal => "record_name",
-            Direction::Vertical => "vertical_name",
-        });
+        let expected = fields.text(&format!("{}_name", direction.field()));
         let expected = if expected.is_empty() { "an accelerogram" } else { expected };
         fields.refuse(FieldError::new(direction.field(), format!("no file yet; expected {expected}")));
         return None;

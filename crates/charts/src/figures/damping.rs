@@ -1,7 +1,7 @@
 //! Figure 9: least damping that prevents complete separation in free vibration.
 
 use crate::chart::{Chart, Curve};
-use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::figure::{self, Figure, FigureError, Workers, page};
 use crate::figures::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block, run};
 use crate::line_style::LineStyle;
 use crate::numerals::short;
@@ -10,6 +10,7 @@ use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Initial;
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
 use rocking_studies::run::outcome::End;
@@ -62,6 +63,9 @@ pub fn tasks(detail: &Detail) -> u64 {
     CURVES as u64 * detail.slendernesses
 }
 
+/// ε, η and α of a search, and its result.
+type SearchRow = ((f64, f64, f64), LeastDamping);
+
 /// Returns ε, η and α of a search.
 fn parameters(task: u64, detail: &Detail) -> (f64, f64, f64) {
     let (curve, i) = ((task / detail.slendernesses) as usize, task % detail.slendernesses);
@@ -80,21 +84,27 @@ pub fn figure(detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureEr
         "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, until the block has come down; a word: at {GREATEST_XI_V} still",
         detail.dampings
     )];
-    let columns = ["epsilon [1]", "eta [1]", "alpha [rad]", "least.xi_v [1]", "least.xi_v.overturning [1]"];
-    let mut table = Table::new(9, &lines, columns)?;
+    let least_or = |word: &'static str, value: fn(&LeastDamping) -> Option<f64>| {
+        move |row: &SearchRow| value(&row.1).map_or(word.into(), |xi_v| xi_v.to_string())
+    };
+    let columns = [
+        TableColumn::real("epsilon", "1", |((epsilon, ..), _): &SearchRow| *epsilon),
+        TableColumn::real("eta", "1", |((_, eta, _), _): &SearchRow| *eta),
+        TableColumn::real("alpha", "rad", |((.., alpha), _): &SearchRow| *alpha),
+        TableColumn::text("least.xi_v", least_or("separated", |least| least.against_separation)).with_unit(Some("1")),
+        TableColumn::text("least.xi_v.overturning", least_or("overturned", |least| least.against_overturning))
+            .with_unit(Some("1")),
+    ];
+    let mut rows: Vec<SearchRow> = Vec::new();
     let mut curves: Vec<Vec<Vec<(f64, f64)>>> = vec![vec![Vec::new()]; CURVES];
     for (task, least) in found.into_iter().enumerate() {
-        let (epsilon, eta, alpha) = parameters(task as u64, detail);
-        let least = least?;
+        let (least, inputs @ (.., alpha)) = (least?, parameters(task as u64, detail));
         let segments = &mut curves[task / detail.slendernesses as usize];
         match (least.against_separation, segments.last_mut()) {
             (Some(xi_v), Some(segment)) => segment.push((alpha, xi_v)),
             _ => segments.push(Vec::new()),
         }
-        let [separation, overturning] =
-            [(least.against_separation, "separated"), (least.against_overturning, "overturned")]
-                .map(|(least, word)| least.map_or(word.to_string(), |xi_v| xi_v.to_string()));
-        table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), separation, overturning])?;
+        rows.push((inputs, least));
     }
     let highest = curves.iter().flatten().flatten().fold(0.0_f64, |high, point| high.max(point.1));
     let svg = page(9, &[], 10_000, |root, body| {
@@ -118,5 +128,5 @@ pub fn figure(detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureEr
         }
         Ok(())
     })?;
-    table.figure(svg, 0)
+    figure::figure(9, &lines, &columns, &rows, svg)
 }

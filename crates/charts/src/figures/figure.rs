@@ -7,7 +7,9 @@ use crate::page::{self, Key};
 use crate::picture::PictureError;
 use rocking_block::block::BlockError;
 use rocking_block::simulation::SimulationError;
+use rocking_studies::output::csv::with_headings;
 use rocking_studies::output::runner;
+use rocking_studies::output::table::{Table, TableColumn};
 
 /// Error of a figure.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +28,7 @@ pub enum FigureError {
     Picture(#[from] PictureError),
     /// The table failed.
     #[error("the table cannot be written: {0}")]
-    Table(#[from] csv::Error),
+    Table(#[from] std::io::Error),
 }
 
 /// A figure.
@@ -78,38 +80,19 @@ pub(super) fn page(
     Ok(page::page(&heading, legend, height, draw)?)
 }
 
-/// The table of a figure under way.
-pub(super) struct Table {
+/// Combines the rows of a figure with its drawing. Comments above the rows have the caption and further lines.
+pub(super) fn figure<R>(
     number: u8,
-    head: String,
-    writer: csv::Writer<Vec<u8>>,
-}
-
-impl Table {
-    /// Begins a table with comments (figure, caption and further lines) and the names of the columns.
-    pub fn new(
-        number: u8,
-        lines: &[String],
-        columns: impl IntoIterator<Item = impl AsRef<[u8]>>,
-    ) -> Result<Table, FigureError> {
-        let mut head = format!(concat!("# rocking-block ", env!("CARGO_PKG_VERSION"), " figure {}\n"), number);
-        let caption = caption(number).ok_or(FigureError::Number(number))?;
-        for line in std::iter::once(&caption).chain(lines) {
-            head.push_str(&format!("# {}\n", line.replace(['\n', '\r', '\u{A0}'], " ")));
-        }
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(columns)?;
-        Ok(Table { number, head, writer })
+    lines: &[String],
+    columns: &[TableColumn<R>],
+    rows: &[R],
+    svg: String,
+) -> Result<Figure, FigureError> {
+    let mut table = format!(concat!("# rocking-block ", env!("CARGO_PKG_VERSION"), " figure {}\n"), number);
+    let caption = caption(number).ok_or(FigureError::Number(number))?;
+    for line in std::iter::once(&caption).chain(lines) {
+        table.push_str(&format!("# {}\n", line.replace(['\n', '\r', '\u{A0}'], " ")));
     }
-
-    /// Adds a row.
-    pub fn push(&mut self, fields: impl IntoIterator<Item = impl AsRef<[u8]>>) -> csv::Result<()> {
-        self.writer.write_record(fields)
-    }
-
-    /// Combines the finished table with the drawing.
-    pub fn figure(self, svg: String, failed: u64) -> Result<Figure, FigureError> {
-        let bytes = self.writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-        Ok(Figure { number: self.number, svg, table: self.head + &String::from_utf8_lossy(&bytes), failed })
-    }
+    table.push_str(&with_headings(&Table::of(columns, rows))?);
+    Ok(Figure { number, svg, table, failed: 0 })
 }

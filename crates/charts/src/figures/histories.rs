@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::canvas::Mark;
 use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, range};
-use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::figure::{self, Figure, FigureError, Workers, page};
 use crate::figures::parameters::{
     ALPHA, Detail, ENERGY_ETA, ENERGY_XI_V, EPSILON, ETA, HISTORY_DURATION, P, XI_V, block, history_pulse, run,
 };
@@ -14,26 +14,9 @@ use crate::page::Symbol;
 use rocking_block::block::BlockError;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Ending;
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::{History, Row, Run};
 use rocking_studies::spectrum::Base;
-
-const COLUMNS: [&str; 15] = [
-    "foundation",
-    "t [s]",
-    "theta/alpha [1]",
-    "theta_dot/(alpha p) [1]",
-    "v/R0 [1]",
-    "N_L/(M g) [1]",
-    "N_R/(M g) [1]",
-    "regime",
-    "energy.total [1]",
-    "energy.input [1]",
-    "energy.dashpots [1]",
-    "energy.impacts [1]",
-    "a_gx [m/s2]",
-    "peak.theta/alpha [1]",
-    "end",
-];
 
 /// A quantity of a run over time.
 type Value = fn(&Computed, &Row) -> f64;
@@ -45,15 +28,15 @@ struct Computed {
     history: History,
 }
 
-/// The two foundations that a panel of Figures 6 to 8 compares.
+/// The two foundations that a panel of Figures 6 to 8 compares, or their runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub struct Comparison<Side = Base> {
     /// Title.
     pub title: String,
-    /// Foundation of the solid curve.
-    pub solid: Base,
-    /// Foundation of the dashed curve.
-    pub dashed: Base,
+    /// That of the solid curve.
+    pub solid: Side,
+    /// That of the dashed curve.
+    pub dashed: Side,
 }
 
 /// Returns the panels of Figure 6, 7 or 8. In 6 and 7 they are pairs of charts; other figures have none.
@@ -113,45 +96,43 @@ pub fn figure(number: u8, detail: &Detail, workers: &mut Workers) -> Result<Figu
         Ok(Computed { base, run, history })
     });
     let computed: Vec<Computed> = computed.into_iter().collect::<Result<_, _>>()?;
-    let pairs: Vec<Pair> = comparisons(number)
+    let pairs: Vec<Comparison<&Computed>> = comparisons(number)
         .into_iter()
         .filter_map(|Comparison { title, solid, dashed }| {
             let find = |base| computed.iter().find(|computed| computed.base == base);
-            Some(Pair { title, solid: find(solid)?, dashed: find(dashed)? })
+            Some(Comparison { title, solid: find(solid)?, dashed: find(dashed)? })
         })
         .collect();
     let svg = if number == 8 { energies(&pairs)? } else { rotations(number, &pairs)? };
-    table(number, &computed)?.figure(svg, 0)
+    with_table(number, &computed, svg)
 }
 
-fn table(number: u8, computed: &[Computed]) -> Result<Table, FigureError> {
+fn with_table(number: u8, computed: &[Computed], svg: String) -> Result<Figure, FigureError> {
     let mut lines: Vec<String> = computed.iter().map(|run| format!("foundation {}: {}", run.base, run.end())).collect();
     lines.push("energies over M g R0 (1 - cos alpha); a foundation is eta,xi_v,epsilon".into());
-    let mut table = Table::new(number, &lines, COLUMNS)?;
-    for computed in computed {
-        let block = &computed.run.block;
-        let (weight, scale) = (block.mass * block.gravity, computed.energy_scale());
-        for row in &computed.history.rows {
-            let numbers = [
-                row.time,
-                row.observation.theta / block.alpha,
-                row.observation.theta_dot / (block.alpha * block.p),
-                row.observation.v / block.r0,
-                row.observation.reaction[0] / weight,
-                row.observation.reaction[1] / weight,
-                row.regime.number().into(),
-                row.energies.total / scale,
-                row.energies.input / scale,
-                row.energies.dashpots / scale,
-                row.energies.impacts / scale,
-                row.ground[0],
-                computed.peak(),
-            ];
-            let fields = numbers.map(|number| number.to_string());
-            table.push([computed.base.to_string()].into_iter().chain(fields).chain([computed.end()]))?;
-        }
-    }
-    Ok(table)
+    let real = |name: &str, unit: &str, value: Value| {
+        TableColumn::real(name, unit, move |(computed, row): &(&Computed, &Row)| value(computed, row))
+    };
+    let columns = [
+        TableColumn::text("foundation", |(computed, _): &(&Computed, &Row)| computed.base.to_string()),
+        real("t", "s", |_, row| row.time),
+        real("theta/alpha", "1", Computed::theta),
+        real("theta_dot/(alpha p)", "1", Computed::rate),
+        real("v/R0", "1", |computed, row| row.observation.v / computed.run.block.r0),
+        real("N_L/(M g)", "1", |computed, row| row.observation.reaction[0] / computed.weight()),
+        real("N_R/(M g)", "1", |computed, row| row.observation.reaction[1] / computed.weight()),
+        real("regime", "", |_, row| row.regime.number().into()).with_unit(None),
+        real("energy.total", "1", |computed, row| row.energies.total / computed.energy_scale()),
+        real("energy.input", "1", |computed, row| row.energies.input / computed.energy_scale()),
+        real("energy.dashpots", "1", |computed, row| row.energies.dashpots / computed.energy_scale()),
+        real("energy.impacts", "1", |computed, row| row.energies.impacts / computed.energy_scale()),
+        real("a_gx", "m/s2", |_, row| row.ground[0]),
+        real("peak.theta/alpha", "1", |computed, _| computed.peak()),
+        TableColumn::text("end", |(computed, _): &(&Computed, &Row)| computed.end()),
+    ];
+    let rows: Vec<(&Computed, &Row)> =
+        computed.iter().flat_map(|run| run.history.rows.iter().map(move |row| (run, row))).collect();
+    figure::figure(number, &lines, &columns, &rows, svg)
 }
 
 impl Computed {
@@ -160,10 +141,24 @@ impl Computed {
         self.history.peaks.theta / self.run.block.alpha
     }
 
+    /// Returns θ/α.
+    fn theta(&self, row: &Row) -> f64 {
+        row.observation.theta / self.run.block.alpha
+    }
+
+    /// Returns θ̇/(α p).
+    fn rate(&self, row: &Row) -> f64 {
+        row.observation.theta_dot / (self.run.block.alpha * self.run.block.p)
+    }
+
+    /// Returns M g (N).
+    fn weight(&self) -> f64 {
+        self.run.block.mass * self.run.block.gravity
+    }
+
     /// Returns M g R0 (1 − cos α) (J), the energy that overturns the block slowly.
     fn energy_scale(&self) -> f64 {
-        let block = &self.run.block;
-        block.mass * block.gravity * block.r0 * (1.0 - libm::cos(block.alpha))
+        self.weight() * self.run.block.r0 * (1.0 - libm::cos(self.run.block.alpha))
     }
 
     fn end(&self) -> String {
@@ -180,30 +175,26 @@ impl Computed {
     }
 }
 
-/// A comparison with its runs.
-struct Pair<'a> {
-    title: String,
-    solid: &'a Computed,
-    dashed: &'a Computed,
-}
+impl Comparison<&Computed> {
+    fn runs(&self) -> [&Computed; 2] {
+        [self.solid, self.dashed]
+    }
 
-impl Pair<'_> {
     fn curves(&self, value: Value) -> Vec<Curve> {
         vec![self.solid.curve(LineStyle::WIDE_GREY, value), self.dashed.curve(LineStyle::DASHED, value)]
     }
 }
 
 /// Returns the common range of all curves.
-fn common_range(pairs: &[Pair], value: Value) -> Range<f64> {
-    let all = pairs.iter().flat_map(|pair| [pair.solid, pair.dashed]);
+fn common_range(pairs: &[Comparison<&Computed>], value: Value) -> Range<f64> {
+    let all = pairs.iter().flat_map(Comparison::runs);
     range(all.flat_map(|computed| computed.history.rows.iter().map(move |row| value(computed, row))))
 }
 
 /// Draws rotation and rate, a row per pair.
-fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
+fn rotations(number: u8, pairs: &[Comparison<&Computed>]) -> Result<String, FigureError> {
     const HEIGHT: u32 = 5600;
-    let theta: Value = |computed, row| row.observation.theta / computed.run.block.alpha;
-    let rate: Value = |computed, row| row.observation.theta_dot / (computed.run.block.alpha * computed.run.block.p);
+    let [theta, rate]: [Value; 2] = [Computed::theta, Computed::rate];
     let [angles, rates] = [theta, rate].map(|value| common_range(pairs, value));
     let angles = angles.start.max(-MAX_ROTATION)..angles.end.min(MAX_ROTATION);
     let [solid, dashed] = match number {
@@ -215,7 +206,7 @@ fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
         (Symbol::Curve(LineStyle::DASHED), dashed),
         (Symbol::Band, "|θ| ≤ β".into()),
     ];
-    if pairs.iter().any(|pair| [pair.solid, pair.dashed].iter().any(|computed| computed.history.ending.is_some())) {
+    if pairs.iter().flat_map(Comparison::runs).any(|computed| computed.history.ending.is_some()) {
         legend.push((Symbol::Mark(Mark::Cross), "complete separation".into()));
     }
     page(number, &legend, HEIGHT * pairs.len() as u32, |root, body| {
@@ -223,7 +214,7 @@ fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
             let (left, right) = area.split_horizontally(area.dim_in_pixel().0 / 2);
             let block = &pair.dashed.run.block;
             let beta = block.separation_angle() / block.alpha;
-            let peaks = [pair.solid, pair.dashed].map(|computed| match computed.history.ending {
+            let peaks = pair.runs().map(|computed| match computed.history.ending {
                 None => format!("{:.3}", computed.peak()),
                 Some(_) => computed.end(),
             });
@@ -245,7 +236,7 @@ fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
 }
 
 /// Draws the total energy, a panel per pair.
-fn energies(pairs: &[Pair]) -> Result<String, FigureError> {
+fn energies(pairs: &[Comparison<&Computed>]) -> Result<String, FigureError> {
     const HEIGHT: u32 = 7000;
     let total: Value = |computed, row| row.energies.total / computed.energy_scale();
     let span = common_range(pairs, total);

@@ -1,10 +1,11 @@
 //! Figure 3: Housner's restitution e over the restitution ε of the landing corner.
 
 use crate::chart::{Chart, Curve};
-use crate::figures::figure::{Figure, FigureError, Table, page};
+use crate::figures::figure::{self, Figure, FigureError, page};
 use crate::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::line_style::LineStyle;
 use crate::numerals::short;
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::spectrum::Base;
 
 /// Intervals of ε. Between the points e is linear anyway.
@@ -12,14 +13,18 @@ const INTERVALS: u32 = 20;
 
 /// Makes the figure.
 pub fn figure() -> Result<Figure, FigureError> {
-    let mut table = Table::new(3, &[], ["alpha [rad]", "epsilon [1]", "e [1]"])?;
-    let (mut curves, mut notes) = (Vec::new(), Vec::new());
+    let columns = [
+        TableColumn::real("alpha", "rad", |row: &[f64; 3]| row[0]),
+        TableColumn::real("epsilon", "1", |row: &[f64; 3]| row[1]),
+        TableColumn::real("e", "1", |row: &[f64; 3]| row[2]),
+    ];
+    let (mut rows, mut curves, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for &alpha in &RESTITUTION_ALPHA {
         let mut points = Vec::new();
         for i in 0..=INTERVALS {
             let epsilon = f64::from(i) / f64::from(INTERVALS);
             let e = block(alpha, P, Base::rigid(epsilon, 1.0))?.restitution();
-            table.push([alpha, epsilon, e].map(|value| value.to_string()))?;
+            rows.push([alpha, epsilon, e]);
             points.push((epsilon, e));
         }
         // Each name stands at the end of its line.
@@ -28,5 +33,5 @@ pub fn figure() -> Result<Figure, FigureError> {
     }
     let chart = Chart { x: ("ε", -0.11..1.0), y: ("e", 0.9..1.002), curves, notes, ..Chart::default() };
     let svg = page(3, &[], 13_000, |root, body| chart.draw(root, body))?;
-    table.figure(svg, 0)
+    figure::figure(3, &[], &columns, &rows, svg)
 }

@@ -2,7 +2,7 @@
 
 use crate::canvas::{TEXT, text};
 use crate::chart::{bars_height, rotations};
-use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::figure::{self, Figure, FigureError, Workers, page};
 use crate::figures::ground_motions::GroundMotion;
 use crate::figures::parameters::{
     ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
@@ -19,7 +19,7 @@ use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
 use rocking_studies::output::runner::Study;
-use rocking_studies::output::table::Table as Rows;
+use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::run::outcome::End;
 use rocking_studies::spectrum::statistics::BlockOutcome;
 use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
@@ -125,6 +125,9 @@ pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
     panels.iter().filter_map(|panel| panel.spectrum.as_ref()).map(CheckedSpectrum::rows).sum()
 }
 
+/// The name of a panel, its table, and the number of a row of it.
+type PanelRow<'a> = (&'a str, &'a Table, usize);
+
 /// Makes Figure 10, 11, 12 or 13.
 pub fn figure(
     number: u8,
@@ -148,17 +151,13 @@ pub fn figure(
             None => lines.push("  no vertical record at hand".into()),
         }
     }
-    // The name of the panel replaces the number of the row and the name of the ground motion.
-    let headings = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.header().columns);
-    let names = headings.iter().flatten().skip(2).map(ToString::to_string);
-    let mut table = Table::new(number, &lines, std::iter::once("panel".to_string()).chain(names))?;
-    let (mut drawn, mut failed) = (Vec::new(), 0);
+    let (mut drawn, mut tables, mut failed) = (Vec::new(), Vec::new(), 0);
     for panel in &panels {
         let Some(spectrum) = &panel.spectrum else {
             drawn.push(None);
             continue;
         };
-        let mut rows = Rows::default();
+        let mut rows = Table::default();
         let made = workers.map(spectrum.rows(), |number| spectrum.make(&[number], None));
         made.into_iter().for_each(|row| rows.append(row.table));
         let outcomes = BlockOutcome::all(&rows).map_err(PictureError::Drawing)?;
@@ -166,13 +165,18 @@ pub fn figure(
         let mut curves = Curves::new(spectrum, over);
         curves.add(spectrum, &outcomes);
         drawn.push(Some(curves));
-        for row in 0..rows.rows() {
-            let fields = rows.columns().iter().skip(2).map(|column| column.text(row));
-            table.push(std::iter::once(panel.name.clone()).chain(fields))?;
-        }
+        tables.push((panel.name.as_str(), rows));
     }
+    // The name of the panel replaces the number of the row and the name of the ground motion.
+    let panel = TableColumn::text("panel", |(name, ..): &PanelRow| name.to_string());
+    let headings = tables.first().map_or(&[][..], |(_, table)| table.columns()).iter().map(|column| &column.heading);
+    let others = headings.enumerate().skip(2).map(|(number, heading)| {
+        TableColumn::text(heading.to_string(), move |(_, table, row): &PanelRow| table.columns()[number].text(*row))
+    });
+    let columns: Vec<_> = std::iter::once(panel).chain(others).collect();
+    let rows = tables.iter().flat_map(|(name, table)| (0..table.rows()).map(move |row| (*name, table, row)));
     let svg = draw(number, sources, &panels, &drawn)?;
-    table.figure(svg, failed)
+    Ok(Figure { failed, ..figure::figure(number, &lines, &columns, &rows.collect::<Vec<_>>(), svg)? })
 }
 
 /// Draws the panels in two columns, under a line for each record.

@@ -5,7 +5,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::canvas::{Area, Drawn, INK, TEXT, anchored, fill, grey, outline, text};
 use crate::chart::set_mesh_style;
-use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::figure::{self, Figure, FigureError, Workers, page};
 use crate::figures::ground_motions::GroundMotion;
 use crate::figures::parameters::{PAD_ETA, TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block, run};
 use crate::formula::formula;
@@ -13,7 +13,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, tick};
 use crate::page::Symbol;
 use rocking_block::block::BlockError;
-use rocking_studies::output::table::{Table as Rows, TableColumn};
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{self, End, Holds, Outcome};
 use rocking_studies::spectrum::Base;
@@ -56,18 +56,14 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let lines: Vec<String> = sources.iter().map(|source| format!("motion {}: {}", source.name, source.label)).collect();
     let columns = columns(&sources, &bases);
-    let rows = Rows::of(&columns, &outcomes.iter().enumerate().collect::<Vec<_>>());
-    let mut table = Table::new(14, &lines, columns.iter().map(|column| column.heading().to_string()))?;
-    for row in 0..rows.rows() {
-        table.push(rows.columns().iter().map(|column| column.text(row)))?;
-    }
+    let rows: Vec<TowerRow> = outcomes.iter().enumerate().collect();
     let bars = GREYS.into_iter().zip(TOWER_ETA);
     let mut legend: Vec<_> = bars.map(|(grey, eta)| (Symbol::Grey(grey), format!("η = {}", short(eta)))).collect();
     legend.push((Symbol::Curve(LineStyle::DASH_DOTTED), "rigid base".into()));
     let groups: Vec<&[Outcome]> = outcomes.chunks(bases.len()).collect();
     let svg = page(14, &legend, 12_200, |root, body| draw(root, body, &sources, &groups))?;
     let failed = outcomes.iter().filter(|outcome| outcome.end == End::Failed).count() as u64;
-    table.figure(svg, failed)
+    Ok(Figure { failed, ..figure::figure(14, &lines, &columns, &rows, svg)? })
 }
 
 /// The number of a task and its outcome.

@@ -1,6 +1,5 @@
 use super::*;
-use crate::glyphs;
-use resvg::usvg::{Options, Tree};
+use crate::glyphs::tests::bounds_of;
 use rocking_block::block::{BlockParameters, Body, Common, KelvinVoigt, Outline, Springs, Supports};
 use roxmltree::{Document, Node};
 
@@ -56,9 +55,7 @@ fn sketches() -> Vec<Sketch> {
 /// Returns left, top, right and bottom of a text of a drawing.
 fn bounds(svg: &str, text: Node) -> [f32; 4] {
     let alone = format!("{}{}</svg>", &svg[..=svg.find('>').unwrap()], &svg[text.range()]);
-    let tree = Tree::from_str(&glyphs::outlined(&alone).unwrap(), &Options::default()).unwrap();
-    let bounds = tree.root().abs_bounding_box();
-    [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
+    bounds_of(&alone)
 }
 
 /// Texts are inside the picture, and none covers another one.

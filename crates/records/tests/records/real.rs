@@ -187,7 +187,8 @@ fn a_response_spectrum_is_refused() {
     let Some(folder) = shared() else { return };
     let error =
         read(&folder.join("formats/SeismoSignal_Imperial Valley.txt"), &unit_and_step(Unit::G, 0.01)).unwrap_err();
-    assert!(matches!(error, RecordError::NotAcceleration { line: 2, .. }), "{error}");
+    let message = error.to_string();
+    assert!(message.contains(", line 2: ") && message.ends_with("expected an acceleration time history"), "{message}");
 }
 
 /// The headers print the largest acceleration and its time.
@@ -244,7 +245,7 @@ fn with_count(folder: &Path, name: &str, counts: [&str; 2], channel: &str) -> (R
     let text = std::fs::read_to_string(path).unwrap();
     let options = ReadOptions { channel: Some(channel.parse::<Choice>().unwrap()), ..ReadOptions::default() };
     let error = parse_with_doubt(name, text.as_bytes(), &options).unwrap_err();
-    assert!(matches!(error, RecordError::Count { .. }), "{error}");
+    assert!(error.to_string().contains(" values in the file, expected "), "{error}");
     let shortened = text.replacen(counts[0], counts[1], 1);
     assert_ne!(shortened, text);
     let (record, doubt) = parse_with_doubt(name, shortened.as_bytes(), &options).unwrap();
@@ -314,8 +315,7 @@ fn every_file_is_read_or_refused_in_one_line() {
         let path = entry.unwrap().path();
         if let Err(error) = read(&path, &ReadOptions::default()) {
             let message = error.to_string();
-            let is_short = matches!(error, RecordError::Count { .. });
-            assert!(!message.contains('\n') && (is_short || message.contains("expected")), "{message}");
+            assert!(!message.contains('\n') && message.contains("expected"), "{message}");
             println!("{message}");
         }
     }
