@@ -9,7 +9,7 @@ use roxmltree::Node;
 
 use crate::description::{identifier, unique};
 use crate::positions::FMI3_DEPENDENCIES;
-use crate::xml::{attribute, child, elements, only_child};
+use crate::xml::{attribute, child, elements};
 
 /// The parts of the description that only FMI 3.0 has.
 pub struct Fmi3 {
@@ -219,6 +219,11 @@ impl File {
     fn event(&mut self, event: Event) -> Written {
         self.0.write_event(event).map_err(|error| error.to_string())
     }
+}
+
+/// Returns the only element in an element: the type of a variable or of a declaration.
+fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
+    elements(node).next().ok_or_else(|| format!("{} has no type", node.tag_name().name()))
 }
 
 fn attributes_of<'a>(node: Node<'a, '_>) -> Attributes<'a> {

@@ -12,11 +12,6 @@ pub fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(Node::is_element)
 }
 
-/// Returns the only element in an element: the type of a variable or of a declaration.
-pub fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
-    elements(node).next().ok_or_else(|| format!("{} has no type", node.tag_name().name()))
-}
-
 /// Returns the value of an attribute.
 pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
     node.attribute(name).ok_or_else(|| format!("a {} has no {name}", node.tag_name().name()))

@@ -66,13 +66,13 @@ struct Output<'a> {
     option: &'static str,
     path: &'a Path,
     file: Pending,
-    content: Vec<u8>,
+    content: Option<Vec<u8>>,
 }
 
 impl<'a> Outputs<'a> {
     /// Opens the outputs of those options that the user set, without their leading dashes.
     pub fn open(outputs: impl IntoIterator<Item = (&'static str, Option<&'a Path>)>) -> anyhow::Result<Outputs<'a>> {
-        let open = |(option, path)| Ok(Output { option, path, file: Pending::new(path)?, content: Vec::new() });
+        let open = |(option, path)| Ok(Output { option, path, file: Pending::new(path)?, content: None });
         let given = outputs.into_iter().filter_map(|(option, path)| Some((option, path?)));
         Ok(Outputs(given.map(open).collect::<anyhow::Result<_>>()?))
     }
@@ -88,8 +88,8 @@ impl<'a> Outputs<'a> {
 
     /// Makes the content of the next output under this name, if there is one.
     pub fn fill(&mut self, option: &str, content: impl FnOnce() -> anyhow::Result<Vec<u8>>) -> anyhow::Result<()> {
-        if let Some(output) = self.0.iter_mut().find(|output| output.option == option && output.content.is_empty()) {
-            output.content = content()?;
+        if let Some(output) = self.0.iter_mut().find(|output| output.option == option && output.content.is_none()) {
+            output.content = Some(content()?);
         }
         Ok(())
     }
@@ -97,7 +97,10 @@ impl<'a> Outputs<'a> {
     /// Writes all outputs, as [`Pending::write`] does.
     pub fn write(self) -> anyhow::Result<WrittenFiles<'a>> {
         let written = WrittenFiles::new(self.0.iter().map(|output| (output.option, Some(output.path))));
-        Pending::write(self.0.into_iter().map(|output| (output.file, output.content)).collect())?;
+        let filled = |Output { option, file, content, .. }: Output| {
+            (file, content.unwrap_or_else(|| unreachable!("--{option} has content")))
+        };
+        Pending::write(self.0.into_iter().map(filled).collect())?;
         Ok(written)
     }
 }
