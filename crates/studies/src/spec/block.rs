@@ -244,14 +244,7 @@ impl BlockSpec {
 
     /// The gravitational acceleration (m/s²).
     pub fn gravity(&self) -> f64 {
-        self.number("g").unwrap_or_default()
-    }
-
-    /// Returns a number, or its default if it has one.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        let of =
-            |spec: &BlockSpec| spec.numbers().into_iter().find_map(|(known, number)| number.filter(|_| known == name));
-        of(self).or_else(|| of(BlockSpec::defaults()))
+        self.g.or(BlockSpec::defaults().g).unwrap_or_default()
     }
 
     /// Returns the height of the body (m). It is unknown if only that of its centre of mass is given.
@@ -303,12 +296,13 @@ impl BlockSpec {
             Foundation::Viscoelastic => Supports::Viscoelastic(viscoelastic),
         };
         let mut parameters = BlockParameters { outline, supports, common: Common::default() };
+        let known = self.numbers().into_iter().zip(BlockSpec::defaults().numbers());
+        let known = known.filter_map(|((name, given), (_, default))| Some((name, given.or(default)?)));
+        let known: Vec<(&str, f64)> = known.collect();
+        // The height of the body may follow from that of the centre of mass.
         for (name, _, number) in parameters.numbers_mut() {
-            match (name, self.number(name)) {
-                ("friction", Some(friction)) => *number = friction::of_user(friction)?,
-                (_, Some(given)) => *number = given,
-                // The height of the body follows from that of the centre of mass.
-                (_, None) => {}
+            if let Some(&(_, value)) = known.iter().find(|(known, _)| *known == name) {
+                *number = if name == "friction" { friction::of_user(value)? } else { value };
             }
         }
         Ok(parameters)
