@@ -77,7 +77,7 @@ impl<'a> Outputs<'a> {
         Ok(Outputs(given.map(open).collect::<anyhow::Result<_>>()?))
     }
 
-    /// Opens outputs, none of which may be an input or another output.
+    /// Opens outputs after checking that each differs from the inputs and from the others.
     pub fn checked(
         inputs: &[NamedFile],
         outputs: impl IntoIterator<Item = (&'static str, Option<&'a Path>)> + Clone,
@@ -86,7 +86,7 @@ impl<'a> Outputs<'a> {
         Outputs::open(outputs)
     }
 
-    /// Makes the content of the next output under this name, if there is one.
+    /// Computes the content of the first output of this option that has none, if the user set the option.
     pub fn fill(&mut self, option: &str, content: impl FnOnce() -> anyhow::Result<Vec<u8>>) -> anyhow::Result<()> {
         if let Some(output) = self.0.iter_mut().find(|output| output.option == option && output.content.is_none()) {
             output.content = Some(content()?);

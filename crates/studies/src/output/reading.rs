@@ -139,7 +139,7 @@ impl Growing {
         words.push(text);
     }
 
-    /// Takes the values with this heading; the column is empty then, and keeps its words.
+    /// Moves the values into a column with this heading. The words stay.
     fn take(&mut self, heading: &str) -> Series {
         let (kind, values) = match self {
             Growing::Numbers(series) => {
