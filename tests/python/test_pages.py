@@ -59,8 +59,9 @@ class Workplace:
     def __init__(self, folder):
         self.folder, self.printed = folder, {}
         (folder / "target/release").mkdir(parents=True)
-        for link, path in {"target/release/rocking": PROGRAM, "target/release/RockingBlock.fmu": FMU,
-                           "examples": ROOT / "examples"}.items():
+        (folder / "examples").mkdir()
+        examples = {f"examples/{path.name}": path for path in (ROOT / "examples").iterdir() if path.name != "motions"}
+        for link, path in {"target/release/rocking": PROGRAM, "target/release/RockingBlock.fmu": FMU, **examples}.items():
             (folder / link).symlink_to(path)
 
     def run(self, command):
@@ -110,7 +111,7 @@ def test_commands_print_what_the_pages_say(tmp_path):
                 assert not expected or printed == expected, command
     assert len(place.printed) > 10
     pictures = place.pictures()
-    assert len(pictures) == 10
+    assert len(pictures) == 9
     for drawn, shown in pictures.items():
         assert drawn.read_bytes() == shown.read_bytes(), f"{shown} is not what the commands of the pages draw"
 
@@ -172,6 +173,26 @@ def test_all_files_have_the_version_of_cargo_toml():
 def test_the_program_embeds_the_record_of_the_repository():
     name = "np01002p_4225a_a.smc"
     assert (ROOT / "crates/rocking/records" / name).read_bytes() == (ROOT / "examples/records" / name).read_bytes()
+
+
+def test_examples_and_benchmarks_are_where_cargo_looks_for_them():
+    """Cargo finds targets of the default packages alone unless a command names a package."""
+    made = subprocess.run(["cargo", "metadata", "--no-deps", "--format-version=1", "--offline"], cwd=ROOT, capture_output=True, text=True,
+                          check=True)
+    metadata = json.loads(made.stdout)
+    packages = {package["name"]: package for package in metadata["packages"]}
+    default = [package["name"] for package in metadata["packages"] if package["id"] in metadata["workspace_default_members"]]
+    listed = subprocess.run(["git", "ls-files", "*.md", "*.rs", "*.py", "scripts"], cwd=ROOT, capture_output=True, text=True, check=True)
+    found, lost = 0, []
+    for name in listed.stdout.splitlines():
+        for words, kind, target in re.findall(r"cargo (?:run|bench)([^`\n]*?) --(example|bench) (\w+)", (ROOT / name).read_text()):
+            found += 1
+            named = re.search(r"(?:-p|--package) ([\w-]+)", words)
+            if not any(target == each["name"] and kind in each["kind"]
+                       for package in ([named[1]] if named else default) for each in packages[package]["targets"]):
+                lost.append(f"{name}: cargo{words} --{kind} {target}")
+    assert found > 5
+    assert not lost
 
 
 def test_the_index_lists_every_page():
