@@ -60,7 +60,7 @@ fn vertical_motion_in_full_contact_is_the_damped_oscillator() {
     }
 }
 
-/// J. Housner, "The behavior of inverted pendulum structures during earthquakes", BSSA 53 (1963), eq. (6):
+/// G. W. Housner, "The behavior of inverted pendulum structures during earthquakes", BSSA 53 (1963), eq. (6):
 /// `T = (4/p) acosh[1/(1 − θ0/α)]`, for a slender block; its error falls with α².
 #[test]
 fn free_rocking_on_the_rigid_base_has_housners_period() {

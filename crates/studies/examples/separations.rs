@@ -1,9 +1,9 @@
 //! Error rates of the rules of docs/model.md that decide the outcome of a run early.
 //!
-//!     cargo run --release --example separations [RECORD ...]
+//!     cargo run --release -p rocking-studies --example separations [RECORD ...]
 //!
 //! A thousand random blocks run as in the paper's analysis, which ends at complete separation: half under a pulse, half under a
-//! record (that in the folder `records`, and those given). Blocks that separate run once more and fly: does the rule predict
+//! record (the embedded one, and those given). Blocks that separate run once more and fly: does the rule predict
 //! which of them overturn? Runs that ended because the block had come down continue: does the outcome change?
 
 use std::f64::consts::TAU;
