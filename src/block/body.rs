@@ -26,7 +26,7 @@ pub struct Body<T = f64> {
     pub eccentricity: T,
     /// The fractions of the weight on L and R at rest (1), ½ without eccentricity.
     pub weight_fraction: [T; 2],
-    /// Frequency parameter p (rad/s), eq. (3).
+    /// Frequency parameter p (rad/s), eq. (3): `p² = γ g/[(1 + γ) R0]`.
     pub p: T,
     /// Supports or rigid base.
     pub foundation: Foundation,

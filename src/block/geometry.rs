@@ -130,6 +130,8 @@ impl<P: Scalar> Body<P> {
     }
 
     /// Returns the position of the centre of mass relative to the foot. The rotation has this sine and cosine.
+    ///
+    /// `Q = h cos θ − x_F sin θ` and `X = h sin θ + x_F cos θ`, with x_F the distance to the right of the foot at θ = 0.
     #[inline(always)]
     pub fn lever<T: CombinesWith<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
         Lever::of(self.offset_from(foot), self.h, sin, cos)

@@ -262,6 +262,8 @@ impl<T: Elementary> Block<T> {
 
     /// Housner's restitution e equivalent to ε at a landing on `corner` (1), eq. (6).
     ///
+    /// `e = [1 + γ ε + (1 − ε) γ cos 2α]/(1 + γ)` without eccentricity.
+    ///
     /// For an eccentric centre of mass it follows from the conservation of angular momentum about that corner.
     pub fn housner_restitution(&self, corner: Corner) -> T {
         let Block { gamma, epsilon, body: Body { eccentricity, b, r0, .. }, .. } = *self;
@@ -282,12 +284,13 @@ impl<T: Elementary> Block<T> {
         (k * (k + 1.0)).sqrt() * 2.0
     }
 
-    /// Greatest e without a jump after the impact, at ε = 0 (1), eq. (2).
+    /// Greatest e without a jump after the impact, at ε = 0 (1), eq. (2): `(1 + γ cos 2α)/(1 + γ)`.
     pub fn max_restitution(&self) -> T {
         (self.gamma * (self.alpha * 2.0).cos() + 1.0) / (self.gamma + 1.0)
     }
 
-    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29). It is π/2 if the supports are too soft for a lift-off.
+    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29): `sin θ = δ_s/b`. It is π/2 if the supports are too soft for a
+    /// lift-off.
     pub fn separation_angle(&self) -> T {
         let sin = self.static_deflection() / self.b;
         if sin.value() < 1.0 { sin.asin() } else { T::from(std::f64::consts::FRAC_PI_2) }

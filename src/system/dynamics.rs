@@ -121,6 +121,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     }
 
     /// Solves eqs. (7)–(13) on supports, or Housner's equation on a rigid base.
+    ///
+    /// On supports `v̈ = Σ N_I/M − g − a_z`. On the rigid base `v̈ = −X θ̈ − Q θ̇²`, and N follows.
     #[inline(always)]
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
         let lever = self.body.lever(foot, self.sin, self.cos);
@@ -179,6 +181,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// Returns θ̈ from the moments about the centre of mass. They are those of the vertical reactions, of the loads, and of H, which acts Q
     /// below it.
     ///
+    /// On supports under a gripping foot `(i0 + Q²) θ̈ = Σ X_I N_I/M − Q (a_x − X θ̇²) + m`.
+    ///
     /// A gripping foot imposes `ü = Q θ̈ − X θ̇²` on the centre of mass by H, a rigid base `v̈ = −X θ̈ − Q θ̇²` by N. `rigid_arm` is the
     /// arm of that N, and `vertical` the moment of other vertical reactions.
     #[inline(always)]
@@ -224,7 +228,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         Instant { theta_dot: self.theta_dot, reaction: Corner::each(|corner| bears(corner.other())), ..x }
     }
 
-    /// Solves the equations of flight, where w = v.
+    /// Solves the equations of flight, where w = v: `v̈ = −g − a_z` and `θ̈ = m/i0`.
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { body, theta_dot, w, w_dot, sin, cos, .. } = *self;

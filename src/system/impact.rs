@@ -53,8 +53,8 @@ pub fn corner_rate<T: Elementary>(body: &Body<T>, corner: Corner, theta: T, v_do
 
 /// Returns the velocities after the landing of `corner` while the other one does not stand.
 ///
-/// The corner's horizontal velocity is stopped, its vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept. A
-/// smaller rate gains no energy as long as the support pushes, that is, as long as v̇ grows.
+/// The corner's horizontal velocity is stopped, its vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept:
+/// `θ̇_a (i0 + Q² + X²) = i0 θ̇_b + Q u̇_b − X v̇_b + X rate_after`. A smaller rate gains no energy as long as the support pushes, that is, as long as v̇ grows.
 pub fn landing_with_grip<T: Elementary>(
     body: &Body<T>,
     corner: Corner,
@@ -85,7 +85,7 @@ pub fn landing_without_grip<T: Elementary>(
 
 /// Returns the velocities after a landing of `corner` with friction and `rate_after` (m/s, upwards).
 ///
-/// The horizontal impulse is the one within `|P_H| ≤ μ P_N` that leaves `foot` slowest. P_N is linear in P_H by the restitution, and so is
+/// `v̇_I after = rate_after`. The horizontal impulse is the one within `|P_H| ≤ μ P_N` that leaves `foot` slowest. P_N is linear in P_H by the restitution, and so is
 /// the velocity of the foot.
 pub fn landing_with_friction<T: Elementary>(
     body: &Body<T>,

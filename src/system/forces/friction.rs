@@ -3,7 +3,7 @@
 use crate::block::Body;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
-/// Returns the horizontal reaction H/M (m/s²), against the `direction` of sliding. The direction is +1 to the right, −1 to the left.
+/// Returns the horizontal reaction H/M (m/s²), `H = −σ μ N`, against the `direction` σ of sliding. The direction is +1 to the right, −1 to the left.
 ///
 /// `normal` is the vertical reaction N/M (m/s²).
 #[inline(always)]

@@ -97,7 +97,8 @@ pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
 
 /// Returns kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²).
 ///
-/// Both are zero at rest without restraints.
+/// Both are zero at rest without restraints. Eq. (30), with the springs measured from their free height:
+/// `½ (i0 θ̇² + u̇² + v̇²) + g v + ½ K/M Σ [(δ_I − v_I)² − δ_I²]`, and the second term of a lifted support alone.
 pub fn energy<P: Elementary, T: CombinesWith<P> + From<F>, F: Copy>(
     body: &Body<P>,
     regime: Regime,
