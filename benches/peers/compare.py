@@ -1,7 +1,7 @@
 """Compares this project's core with the solvers that engineers would otherwise use; `run` calls this script.
 
 Prints the cost of an error for each solver, writes every point to docs/peers.csv, and draws the work-precision diagram
-docs/peers.png. README.md in this folder describes the comparison.
+docs/peers.png. A run without some solvers or cases writes both to target/peers. README.md in this folder describes the comparison.
 """
 
 import argparse
@@ -130,7 +130,7 @@ def measure(case, folder, records, arguments):
             result = call(command, path, method, tolerance, "time", arguments.seconds)
             if result is not None:
                 point = points[solver, method, tolerance]
-                point.rhs, point.steps, point.events = result["rhs"], said["steps"], said["events"]
+                point.rhs, point.steps, point.events = result["rhs"], result["steps"], result["events"]
                 point.cpu = min(point.cpu, result["cpu"])
     return [point for point in points.values() if math.isfinite(point.cpu)]
 
@@ -214,7 +214,7 @@ def parse():
     parser.add_argument("--rounds", type=int, default=3, help="how often each run is timed (3)")
     parser.add_argument("--seconds", type=float, default=0.03, help="least CPU time of one timing (0.03)")
     parser.add_argument("--records", type=Path, default=cases.ROOT.parent / "shared" / "records")
-    parser.add_argument("--cases", nargs="*", default=None, help="only these cases; the rest of docs/peers.csv stays")
+    parser.add_argument("--cases", nargs="*", default=None, help="only these cases")
     parser.add_argument("--without", nargs="*", action="extend", default=[], help="not these solvers")
     parser.add_argument("--read", action="store_true", help="no runs: tables and diagram from docs/peers.csv")
     arguments = parser.parse_args()
@@ -242,7 +242,7 @@ def write(path, points):
 
 def main():
     arguments = parse()
-    table = cases.ROOT / "docs" / "peers.csv"
+    table, missing = cases.ROOT / "docs" / "peers.csv", []
     if arguments.read:
         points = read(table)
     else:
@@ -253,8 +253,9 @@ def main():
             print(case, flush=True)
             try:
                 points += measure(case, folder, arguments.records, arguments)
-            except cases.MissingRecord as missing:
-                print(f"  left out: {missing}; the record may not be redistributed")
+            except cases.MissingRecord as error:
+                missing.append(case)
+                print(f"  left out: {error}; the record may not be redistributed")
     summary(points, [case for case in arguments.cases if case != cases.ELASTIC], 1e-8)
     elastic(points)
     fewest_calls(points)
@@ -262,11 +263,12 @@ def main():
         print("\n--quick: nothing written")
         return
     if not arguments.read:
-        done = {(point.case, point.solver) for point in points}
-        others = [point for point in read(table) if (point.case, point.solver) not in done] if table.exists() else []
-        points = sorted(points + others, key=lambda point: ORDER.index(point.case))
+        # The points of two runs must not stand in one table: ratios are those of one machine in one state.
+        if arguments.cases != ORDER or arguments.without or missing:
+            table = BUILT / table.name
         write(table, points)
-    diagram.draw(points, SHOWN, cases.ROOT / "docs" / "peers.png")
+    diagram.draw(points, SHOWN, table.with_suffix(".png"))
+    print(f"\nwritten: {table}, {table.with_suffix('.png').name}")
 
 
 if __name__ == "__main__":

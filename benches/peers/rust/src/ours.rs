@@ -1,6 +1,6 @@
 //! Solves a case with this project's core, as in the FMU, including its peaks and energy sums. It has one method.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Supports};
+use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_peers::{Case, Solver, Work, program};
@@ -38,16 +38,18 @@ impl Ours {
 
 impl Solver for Ours {
     fn new(case: Case, _: &str, tolerance: f64) -> Ours {
-        let rigid = case.rigid != 0.0;
         let common = Common {
             gamma: case.gamma,
             epsilon: case.epsilon,
             gravity: case.gravity,
-            foundation: if rigid { Foundation::Rigid } else { Foundation::Viscoelastic },
             ..Common::default()
         };
         let Case { alpha, p, xi_v, .. } = case;
-        let eta = if rigid { 1.0 } else { case.eta };
+        let supports = if case.rigid != 0.0 {
+            Supports::Rigid { restitution_factor: 1.0 }
+        } else {
+            Supports::Viscoelastic(Ratios { eta: case.eta, xi_v })
+        };
         let shape = match case.shape {
             1.0 => PulseShape::OneSine,
             2.0 => PulseShape::OneCosine,
@@ -55,7 +57,7 @@ impl Solver for Ours {
         };
         let period = if shape == PulseShape::None { 1.0 } else { std::f64::consts::TAU / case.omega_p };
         Ours {
-            block: Block::from_dimensionless(&Dimensionless { alpha, p, supports: Supports::Viscoelastic(Ratios { eta, xi_v }) }, &common).expect("a block"),
+            block: Block::from_dimensionless(&Dimensionless { alpha, p, supports }, &common).expect("a block"),
             settings: Settings { tolerance, ..Settings::default() },
             pulse: Pulse { shape, amplitude: case.a_p, period, start: 0.0, ..Pulse::NONE },
             initial: Initial {
