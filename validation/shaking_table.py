@@ -354,18 +354,18 @@ def draw(results, path):
             levels = np.concatenate([[np.inf], np.unique(score)[::-1]])
             hits = [np.mean(score[happened] >= level) for level in levels]
             alarms = [np.mean(score[~happened] >= level) for level in levels]
-            kind = "equal barrier" if line == "--" else "fitted"
+            kind = "nothing fitted" if line == "--" else "slenderness fitted"
             axes[0].plot(alarms, hits, line, color=colour, label=f"{rock}, {kind}: AUC {auc(happened, score):.2f}")
         predicted, frequency, count = map(np.array, zip(*found["reliability"]))
         bars = np.abs(wilson(frequency, count) - frequency)
-        axes[1].errorbar(predicted, frequency, bars, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, fitted")
-    axes[0].set(xlabel="false alarms (1)", ylabel="overturnings predicted (1)", title="ROC", xlim=(0, 1), ylim=(0, 1.02))
+        axes[1].errorbar(predicted, frequency, bars, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, slenderness fitted")
+    axes[0].set(xlabel="false positive rate", ylabel="true positive rate", title="ROC of overturning", xlim=(0, 1), ylim=(0, 1.02))
     axes[1].plot([0, 1], [0, 1], color="0.6", linewidth=1)
-    axes[1].set(xlabel="predicted probability (1)", ylabel="overturned (1)", title="Reliability, 95 % bars")
+    axes[1].set(xlabel="predicted probability of overturning", ylabel="observed frequency", title="Reliability, with 95 % intervals")
     axes[1].set(xlim=(0, 1), ylim=(-0.02, 1.02))
     for axis in axes:
         axis.legend(frameon=False, loc="lower right")
-    figure.savefig(path, dpi=160)
+    figure.savefig(path, dpi=200)
 
 
 def main():
