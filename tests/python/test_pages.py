@@ -195,6 +195,13 @@ def test_examples_and_benchmarks_are_where_cargo_looks_for_them():
     assert not lost
 
 
+def test_a_fence_has_one_formula():
+    """GitHub runs the lines of a fence together."""
+    found = [(page, fence) for page in pages() for fence in re.findall(r"```math\n(.*?)```", page.read_text(), re.DOTALL)]
+    assert len(found) > 5
+    assert not [(page.name, fence) for page, fence in found if len(fence.strip().splitlines()) > 1 and "aligned" not in fence]
+
+
 def test_the_index_lists_every_page():
     listed = {path.resolve() for _, path, _ in links(ROOT / "docs/README.md")}
     assert {page for page in (ROOT / "docs").rglob("*.md") if page.name != "README.md"} <= listed
