@@ -21,14 +21,14 @@ PAUSE = 5e-6
 
 @dataclass
 class Result:
-    """`theta` is the greatest difference of θ over α, `event` that of event times (s), `others` those of the other columns over their
-    greatest value; `wrong` says where the events differ."""
+    """The number of events, where they differ, and the greatest differences: of θ over α, of event times (s), and of the other columns
+    over their greatest value."""
 
     events: int
     wrong: str
     theta: float
-    event: float
-    others: dict
+    times: float
+    others: float
 
 
 def cases(folder):
@@ -51,18 +51,23 @@ def recompute(case, times):
 
 
 def stored(case):
-    """The case's events as (time, change), a change being a name, (regime before, regime after) or (regime, slip)."""
-    return [
-        (event[0], event[1] if isinstance(event[1], str) else (event[1]["regime"], event[1]["slip"]) if len(event) == 2 else (event[1], event[2]))
-        for event in case["events"]
-    ]
+    """The case's events: (time, change), the change a name, (regime before, after) in the plane or (regime, slip) after it beyond."""
+    events = []
+    for time, *change in case["events"]:
+        if len(change) == 2:
+            events.append((time, tuple(change)))
+        elif isinstance(change[0], dict):
+            events.append((time, (change[0]["regime"], change[0]["slip"])))
+        else:
+            events.append((time, change[0]))
+    return events
 
 
 def instants(events):
     """Puts together the changes of an instant: the last regime, and the links that change. Leaves out pauses."""
     lasting = []
     for time, change in events:
-        if isinstance(change, str) and change.startswith("yield"):
+        if of_link(change, "yield"):
             pause = [e for e in lasting if e[1] == change.replace("yield", "unload") and time - e[0] < PAUSE]
             if pause:
                 lasting.remove(pause[-1])
@@ -80,26 +85,31 @@ def instants(events):
     return [(first, regime, links) for first, _, regime, links in found]
 
 
+def of_link(change, word):
+    return isinstance(change, str) and change.startswith(word)
+
+
 def compare(folder, case):
+    """Raises ground.Missing where the case's record is not at hand."""
     with open(TESTS / folder / f"{case['name']}.csv") as file:
         expected = [{name: float(word) for name, word in row.items()} for row in csv.DictReader(file)]
-    rows, log = recompute(case, [row["t"] for row in expected])
-    event, wrong = 0.0, ""
-    events, found = stored(case), log
+    rows, found = recompute(case, [row["t"] for row in expected])
+    events = stored(case)
     if folder != "reference":
+        # Not all list where the spring of a limp tie goes slack.
+        if not any(of_link(change, "slack") for _, change in events):
+            found = [event for event in found if not of_link(event[1], "slack")]
         events, found = instants(events), instants(found)
-    for known, new in zip(events, found):
-        if known[1:] != new[1:]:
-            wrong = f"{known} is {new}"
-            break
-        event = max(event, abs(known[0] - new[0]))
-    if not wrong and len(events) != len(found):
-        wrong = f"{len(events)} events are {len(found)}"
-    if not wrong and len(rows) != len(expected):
-        wrong = f"{len(expected)} rows are {len(rows)}"
-    others = {}
+    wrong = "" if len(rows) == len(expected) else f"{len(rows)} rows, expected {len(expected)}"
+    if len(found) != len(events):
+        wrong = f"{len(found)} events, expected {len(events)}"
+    differs = next((pair for pair in zip(found, events) if pair[0][1:] != pair[1][1:]), None)
+    if differs:
+        wrong = f"event {differs[0]}, expected {differs[1]}"
+    theta = max(abs(new["theta"] - row["theta"]) for new, row in zip(rows, expected)) / case["alpha"]
+    times = max((abs(new[0] - known[0]) for new, known in zip(found, events)), default=0.0)
+    others = 0.0
     for name in expected[0].keys() - {"t", "theta"}:
         scale = max(abs(row[name]) for row in expected) or 1.0
-        others[name] = max(abs(new[name] - row[name]) for new, row in zip(rows, expected)) / scale
-    theta = max(abs(new["theta"] - row["theta"]) for new, row in zip(rows, expected)) / case["alpha"]
-    return Result(len(events), wrong, theta, event, others)
+        others = max(others, max(abs(new[name] - row[name]) for new, row in zip(rows, expected)) / scale)
+    return Result(len(events), wrong, theta, times, others)

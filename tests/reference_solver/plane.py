@@ -38,6 +38,7 @@ class RigidBase(Body):
         initial = case.get("initial", {})
         self.start = [initial.get("theta", 0.0), initial.get("theta_dot", 0.0)]
         self.side = int(np.sign(self.start[0] or self.start[1]))
+        self.rounding = 0.0
 
     def derivative(self, t, y):
         theta, rate = y
@@ -56,7 +57,7 @@ class RigidBase(Body):
         if self.side == 0:
             return {"rocks": (lambda t, y: self.margin(t), 0.0)}
         return {
-            "impact": (lambda t, y: self.side * y[0], 0.0),
+            "impact": (lambda t, y: self.side * y[0], self.rounding),
             "overturned": (lambda t, y: pi / 2 - abs(y[0]), 0.0),
         }
 
@@ -72,8 +73,10 @@ class RigidBase(Body):
             resting = abs(y[1]) < 1e-9 * self.p and self.margin(t) >= 0
             self.side = 0 if resting else -before
             y = [0.0, 0.0] if resting else y
+            self.rounding = 0.0
         else:
-            self.side = -int(np.sign(self.ground(t)[0]))
+            # θ begins with the third power of time, next to nothing at first; after an impact with the first power.
+            self.side, self.rounding = -int(np.sign(self.ground(t)[0])), 1e-16
         self.log.append((t, (before, self.side)))
         return y
 

@@ -12,7 +12,7 @@ A model has
 
 import numpy as np
 from scipy.integrate import DOP853
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 RELATIVE, ABSOLUTE = 1e-12, 1e-14
 
@@ -68,15 +68,25 @@ def fall(name, function, rounding, times, states, state, risen):
 
     One that begins at zero and falls without having risen does so where it falls below -rounding.
     """
-    before = function(times[0], states[0])
-    for i in range(1, len(times)):
+    values = [function(t, y) for t, y in zip(times, states)]
+    at = lambda t: function(t, state(t).tolist())
+    for a, b, before, after in zip(times, times[1:], values, values[1:]):
         if before > rounding:
             risen.add(name)
         elif before < -rounding:
-            return times[i - 1]
-        after = function(times[i], states[i])
+            return a
         level = 0.0 if name in risen else -rounding
+        if before > level and after > level and name in risen and min(before, after) < max(values) - min(values):
+            b = dip(at, a, b, before, after)
+            after = at(b)
         if before > level >= after:
-            return brentq(lambda t: function(t, state(t).tolist()) - level, times[i - 1], times[i], xtol=1e-15, rtol=1e-15)
-        before = after
+            return brentq(lambda t: at(t) - level, a, b, xtol=1e-15, rtol=1e-15)
     return None
+
+
+def dip(function, a, b, before, after):
+    """Returns where a function is least between a and b, if it falls at a and rises at b, otherwise b."""
+    edge = 1e-5 * (b - a)
+    if function(a + edge) < before and function(b - edge) < after:
+        return minimize_scalar(function, bounds=(a, b), method="bounded", options={"xatol": 1e-9 * (b - a)}).x
+    return b
