@@ -1,4 +1,4 @@
-"""The block on supports with an eccentric centre of mass, Coulomb friction and links: docs/model.md, Beyond the paper's block.
+"""The block on supports with an eccentric centre of mass, Coulomb friction and links: docs/model.md, Friction, ties and uneven bodies.
 
 The state is v, θ, v̇, θ̇, u, u̇, of the centre of mass relative to the ground.
 """
@@ -26,20 +26,22 @@ class Block(OnSupports):
         super().__init__(case)
 
     def at_start(self, initial):
+        """Upright and at rest, in vertical equilibrium with its links; no case starts otherwise."""
+        assert not initial
         self.links = [Link(given, -self.eccentricity, self.h) for given in self.given]
-        theta, rate = initial.get("theta", 0.0), initial.get("theta_dot", 0.0)
 
         def unbalanced(v):
-            y = [v, theta, 0.0, 0.0, 0.0, 0.0]
+            y = [v, 0.0, 0.0, 0.0, 0.0, 0.0]
             for link in self.links:
                 link.begin(place(y))
             return sum(max(0.0, self.reaction(i, y)) for i in (L, R)) + self.load(y)[1] - self.mass * self.g
 
         v = brentq(unbalanced, -self.r0 / 2, self.r0 / 2, xtol=1e-16, rtol=1e-15)
-        unbalanced(v)
-        self.touching = {i for i in (L, R) if self.reaction(i, [v, theta, 0.0, 0.0]) > 0}
-        q, x = self.foot(theta)[0], -self.foot(theta)[1]
-        return [v, theta, 0.0, rate, x + self.foot(0.0)[1], q * rate]
+        self.touching = {L, R}
+        y = [v, 0.0, 0.0, 0.0, 0.0, 0.0]
+        for link in self.links:
+            link.begin(place(y))
+        return y
 
     def foot(self, theta):
         """Q of the foot, and its derivative -X; the foot in full contact is the middle of the base."""
