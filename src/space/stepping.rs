@@ -12,6 +12,9 @@ use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
 use crate::space::run::SpaceRun;
 
+/// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
+const SMALL_TURN: f64 = 0.1;
+
 /// Maximum number of times that a foot may change within an instant.
 const CHANGES_IN_AN_INSTANT: usize = 8;
 
@@ -62,16 +65,31 @@ fn write_samples(now: &Poised, samples: &mut [SpaceSample]) {
     }
 }
 
+/// A step in which functions are searched for their falls.
+struct Searched {
+    /// Its size (s).
+    duration: f64,
+    /// The longest step (s).
+    longest: f64,
+    /// Whether the body turns so far that heights of feet between the ends do not follow from those at the ends.
+    turns_far: bool,
+}
+
 /// Returns the time of the first fall of a function in a step, and whether it seems to fall at once against its rate.
 fn first_fall(
     [start, end]: [&SpaceSample; 2],
-    [duration, longest]: [f64; 2],
+    &Searched { duration, longest, turns_far }: &Searched,
     function: SpaceFunction,
     inside: &mut SpaceInterior,
 ) -> Option<(f64, bool)> {
     let rounding = start.rounding.max(end.rounding);
     let (start, end) = (start.value, end.value);
-    if !roots::may_fall(start, end, rounding, duration) {
+    let hidden = turns_far
+        && match function {
+            SpaceFunction::Landing(_) | SpaceFunction::Overturning => true,
+            SpaceFunction::LiftOff(_) | SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) => false,
+        };
+    if !hidden && !roots::may_fall(start, end, rounding, duration) {
         return None;
     }
     let mut sample = |elapsed| inside.sample(function, elapsed);
@@ -80,10 +98,14 @@ fn first_fall(
     }
     // |F| has kinks where F is small.
     let (pieces, bounded) = match function {
-        SpaceFunction::LiftOff(_) | SpaceFunction::Landing(_) | SpaceFunction::Overturning => {
+        SpaceFunction::LiftOff(_) | SpaceFunction::Landing(_) | SpaceFunction::Overturning if !hidden => {
             (roots::pieces(duration / longest), true)
         }
-        SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) => (roots::PIECES, false),
+        SpaceFunction::LiftOff(_)
+        | SpaceFunction::Landing(_)
+        | SpaceFunction::Overturning
+        | SpaceFunction::Slides(_)
+        | SpaceFunction::Sticks(_) => (roots::PIECES, false),
     };
     let elapsed = roots::first_fall(start, end, rounding, duration, pieces, bounded, &mut sample)?;
     Some((elapsed, elapsed == 0.0 && start.re >= -rounding))
@@ -157,10 +179,13 @@ impl SpaceRun {
             rates: &mut memory.inside_rates,
             evaluations: 0,
         };
+        let omega_after = three(&memory.end, OMEGA).norm();
+        let turns_far = attempt.size * omega.max(omega_after) > SMALL_TURN;
+        let searched = Searched { duration: attempt.size, longest, turns_far };
         let [starts, ends] = &memory.samples;
         let mut first: Option<SpaceCrossing> = None;
         for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
-            let found = first_fall([ends.0, ends.1], [attempt.size, longest], function, &mut inside);
+            let found = first_fall([ends.0, ends.1], &searched, function, &mut inside);
             if let Some((elapsed, rise_unseen)) = found
                 && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
             {

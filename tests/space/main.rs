@@ -7,6 +7,7 @@ mod skipped;
 
 mod closed_forms;
 mod equations;
+mod excitation;
 mod parameters;
 mod random;
 mod reference;

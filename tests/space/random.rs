@@ -3,10 +3,10 @@
 use proptest::prelude::*;
 use rocking_block::space::motion::{QUATERNION, VELOCITY};
 use rocking_block::space::{
-    Base, BaseSize, DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceSupports,
+    Base, BaseSize, DirectedPulse, SpaceBody, SpaceEventKind, SpaceInitial, SpaceInputs, SpaceParameters, SpaceSupports,
 };
 
-use crate::{cases, run, sine};
+use crate::{cases, of_foot, run, sine};
 
 fn bases() -> impl Strategy<Value = Base> {
     let size = (0.1..0.6, 1.0..4.0).prop_map(|(alpha, p)| BaseSize::Slenderness { alpha, p });
@@ -43,15 +43,56 @@ fn pulses() -> impl Strategy<Value = [DirectedPulse; 3]> {
 
 fn beginnings() -> impl Strategy<Value = SpaceInitial> {
     let rates = [-0.5..0.5, -0.5..0.5, -2.0..2.0_f64];
+    let flight = ([-0.3..0.3, -0.3..0.3], 0.1..0.5_f64, -1.0..4.0_f64, [-8.0..8.0, -8.0..8.0, -8.0..8.0_f64]);
     prop_oneof![
         Just(crate::AT_REST),
+        flight.prop_map(|(tilt, height, rate, omega)| SpaceInitial { tilt, twist: 0.0, omega, vertical: Some([height, rate]) }),
         ([-0.1..0.1, -0.1..0.1], -3.0..3.0, rates)
             .prop_map(|(tilt, twist, omega)| SpaceInitial { tilt, twist, omega, vertical: None }),
     ]
 }
 
+/// The events of each foot in two seconds, in calls of equal length.
+fn events_in(
+    parts: u32,
+    body: &SpaceBody,
+    pulses: [DirectedPulse; 3],
+    initial: &SpaceInitial,
+) -> (Vec<Vec<(SpaceEventKind, f64)>>, f64) {
+    let mut run = run(body.clone(), 1e-10, pulses, initial);
+    let mut events = Vec::new();
+    for part in 1..=parts {
+        let until = 2.0 * f64::from(part) / f64::from(parts);
+        run.advance(until, &SpaceInputs::default(), &mut |event| events.push(*event)).unwrap();
+    }
+    let tilt = run.observe(&SpaceInputs::default()).attitude.tilt;
+    ((0..body.count()).map(|foot| of_foot(&events, foot)).collect(), tilt)
+}
+
+proptest! {
+    #![proptest_config(cases::cases(40))]
+
+    /// Whether a block stands, slides, rocks or tumbles in flight, the lengths of calls have no effect on its events.
+    #[test]
+    fn random_runs_have_the_same_events_in_calls_of_any_length(
+        block in blocks(),
+        pulses in pulses(),
+        initial in beginnings(),
+    ) {
+        let body = SpaceBody::new(&block).unwrap();
+        let (whole, tilt) = events_in(1, &body, pulses, &initial);
+        let (parts, tilt_in_parts) = events_in(331, &body, pulses, &initial);
+        let kinds = |events: &[Vec<(SpaceEventKind, f64)>]| -> Vec<Vec<SpaceEventKind>> {
+            events.iter().map(|events| events.iter().map(|event| event.0).collect()).collect()
+        };
+        prop_assert_eq!(kinds(&whole), kinds(&parts), "{:?}, {:?}", whole, parts);
+        prop_assert!((tilt - tilt_in_parts).abs() < 1e-6, "{tilt}, {tilt_in_parts}");
+    }
+}
+
 proptest! {
     #![proptest_config(cases::cases(200))]
+
     #[test]
     fn random_runs_hold(block in blocks(), pulses in pulses(), initial in beginnings()) {
         let body = SpaceBody::new(&block).unwrap();
