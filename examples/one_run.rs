@@ -1,8 +1,8 @@
 //! One run of a case, whose instructions `scripts/instructions` counts:
-//! `one_run (sine | record | flight | through-fmu | reference RECORD) [TOLERANCE]`.
+//! `one_run (sine | record | flight | through-fmu | space | reference RECORD) [TOLERANCE]`.
 //!
 //! `through-fmu` is `record` through the functions of the FMU of FMI 2.0. `reference` runs the block of most cases of tests/reference
-//! under a record that may not be redistributed.
+//! under a record that may not be redistributed. `space` is a block on four feet under pulses in two directions.
 
 #[path = "../tests/common/fmu.rs"]
 #[allow(dead_code, reason = "the tests use the rest")]
@@ -13,6 +13,9 @@ use rocking_block::block::{Block, Common, Dimensionless, Ratios, Supports};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
+use rocking_block::space::{
+    DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup,
+};
 use rocking_records::ReadOptions;
 
 const RECORD: &[u8] = include_bytes!("../examples/records/np01002p_4225a_a.smc");
@@ -73,9 +76,37 @@ fn run_through_fmu(ground: &Ground, end: f64, tolerance: f64) {
     counted_through_fmu(&mut fmu, input, &intervals);
 }
 
+/// Steps to a time (s). Never inlined, as above.
+#[inline(never)]
+fn counted_in_space(run: &mut SpaceRun, end: f64) {
+    run.advance(end, &SpaceInputs::default(), &mut |_| ()).expect("the case runs");
+}
+
+/// Runs `space`.
+fn run_in_space(tolerance: f64) {
+    let end = 5.0;
+    let pulse = |amplitude, period, start, azimuth| {
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start, ..Pulse::NONE };
+        DirectedPulse::horizontal(pulse, azimuth)
+    };
+    let setup = SpaceSetup {
+        body: SpaceBody::new(&SpaceParameters::default()).expect("a block"),
+        settings: Settings { tolerance, on_separation: OnSeparation::Fly, ..Settings::default() },
+        pulses: [pulse(3.7, 1.05, 0.0, 0.0), pulse(3.0, 0.84, 0.2, 1.57), DirectedPulse::NONE],
+    };
+    let mut run = SpaceRun::new(setup, &SpaceInitial { vertical: Some([0.0; 2]), ..SpaceInitial::default() }, 0.0);
+    counted_in_space(&mut run, end);
+    let counts = run.state().counts;
+    println!("{end} {} {}", counts.evaluations, counts.landings);
+}
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let case = arguments.next().unwrap_or_default();
+    if case == "space" {
+        let tolerance = arguments.next().map_or(1e-8, |text| text.parse().expect("a tolerance"));
+        return run_in_space(tolerance);
+    }
     let sine = |amplitude, period| Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE };
     let (block, pulse, ground, end) = match case.as_str() {
         "sine" => (block(0.25, 1.0, 40.0, 0.1, 0.0), sine(4.0, 1.2566), Ground::default(), 10.0),
@@ -94,7 +125,7 @@ fn main() {
             let ground = Ground { horizontal: Some(record), vertical: None };
             (block(0.25, 1.0, 40.0, 0.1, 0.0), Pulse::NONE, ground, end)
         }
-        other => panic!("case \"{other}\"; expected sine, record, flight, through-fmu or reference"),
+        other => panic!("case \"{other}\"; expected sine, record, flight, through-fmu, space or reference"),
     };
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
     let tolerance = arguments.next().map_or(settings.tolerance, |text| text.parse().expect("a tolerance"));

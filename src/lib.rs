@@ -11,6 +11,7 @@
 //! | [`excitation`] | records, inputs over a step, pulses → the excitation at any time |
 //! | [`system`] | pose and excitation → accelerations, reactions, and resets at events; without a clock or counters |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
+//! | [`space`] | a body on n feet, shaken in three directions → its run: a second core beside block, system and simulation |
 //! | [`mod@unit`] | the variables of modelDescription.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
 //! | [`fmi`] | the calls of an importer → the unit: code shared by the C interfaces, [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
@@ -27,6 +28,8 @@ pub mod excitation;
 pub mod system;
 
 pub mod simulation;
+
+pub mod space;
 
 pub mod unit;
 

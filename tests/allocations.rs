@@ -259,3 +259,26 @@ fn steps_of_fmi_3_allocate_nothing() {
         fmi3FreeInstance(block);
     }
 }
+
+/// Steps of a block in space with events allocate nothing, and neither does the end of the run.
+#[test]
+fn steps_in_space_allocate_nothing() {
+    use rocking_block::excitation::{Pulse, PulseShape};
+    use rocking_block::simulation::{OnSeparation, Settings};
+    use rocking_block::space::{DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup};
+
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 4.5, period: 1.2, ..Pulse::NONE };
+    let setup = SpaceSetup {
+        body: SpaceBody::new(&SpaceParameters { friction: 0.5, ..SpaceParameters::default() }).unwrap(),
+        settings: Settings { on_separation: OnSeparation::Fly, ..Settings::default() },
+        pulses: [DirectedPulse::horizontal(pulse, 0.6), DirectedPulse::NONE, DirectedPulse::NONE],
+    };
+    let initial = SpaceInitial { vertical: Some([0.0; 2]), ..SpaceInitial::default() };
+    let mut run = SpaceRun::new(setup, &initial, 0.0);
+    let (mut events, before) = (0, CALLS.get());
+    for part in 1..=300 {
+        run.advance(0.02 * f64::from(part), &SpaceInputs::default(), &mut |_| events += 1).unwrap();
+    }
+    assert_eq!(CALLS.get() - before, 0);
+    assert!(events > 10 && run.state().counts.landings > 2, "{events} events");
+}

@@ -143,22 +143,28 @@ pub struct Creep<T = f64> {
 pub(crate) const RECOVERED: f64 = 50.0;
 
 impl<T: Elementary> Creep<T> {
+    /// Returns the depth of the support's top below its free height (m), or `None` once it has recovered. `rate` is K/C (1/s).
+    #[inline(always)]
+    pub fn sunk(&self, rate: T, time: T) -> Option<T> {
+        // Rounding of the clock may give a time before lift-off.
+        let elapsed = time - self.since;
+        let elapsed = T::select_less(0.0, elapsed.value(), elapsed, T::from(0.0));
+        let exponent = rate * elapsed;
+        // Without damping it recovers at once.
+        let recovered = self.depth.is_zero() || rate.value().is_infinite() || exponent.value() > RECOVERED;
+        (!recovered).then(|| self.depth * (-exponent).exp())
+    }
+
     /// Returns the height of the support's top above rest (m), and its rate (m/s).
     pub fn top(&self, corner: Corner, body: &Body<T>, time: T) -> Dual<T> {
         match body.foundation {
             Foundation::Rigid => Dual::default(),
             Foundation::Viscoelastic => {
-                let rate = body.creep_rate;
-                // Rounding of the clock may give a time before lift-off.
-                let elapsed = time - self.since;
-                let elapsed = T::select_less(0.0, elapsed.value(), elapsed, T::from(0.0));
-                let exponent = rate * elapsed;
-                // Without damping it recovers at once.
-                if self.depth.is_zero() || rate.value().is_infinite() || exponent.value() > RECOVERED {
-                    return Dual::new(body.free_height(corner), T::from(0.0));
+                let (rate, free) = (body.creep_rate, body.free_height(corner));
+                match self.sunk(rate, time) {
+                    Some(sunk) => Dual::new(free - sunk, rate * sunk),
+                    None => Dual::new(free, T::from(0.0)),
                 }
-                let sunk = self.depth * (-exponent).exp();
-                Dual::new(body.free_height(corner) - sunk, rate * sunk)
             }
         }
     }

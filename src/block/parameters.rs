@@ -225,7 +225,7 @@ impl BlockError {
 
 impl Valid {
     /// Refuses other values, with the valid ones.
-    pub(in crate::block) fn check(self, value: f64) -> Result<(), &'static str> {
+    pub(crate) fn check(self, value: f64) -> Result<(), &'static str> {
         let (is_valid, expected) = match self {
             Valid::Positive => (value > 0.0 && value < f64::INFINITY, "a finite number > 0"),
             Valid::NotNegative => ((0.0..f64::INFINITY).contains(&value), "a finite number >= 0"),

@@ -33,8 +33,9 @@ impl<T: Scalar> Ramp<T> {
         Ramp { value, rate: T::from(0.0) }
     }
 
+    /// Returns the value `elapsed` (s) after the reference time.
     #[inline(always)]
-    fn at<N: CombinesWith<T>>(self, elapsed: N) -> N {
+    pub fn at<N: CombinesWith<T>>(self, elapsed: N) -> N {
         elapsed * self.rate + self.value
     }
 
@@ -45,8 +46,9 @@ impl<T: Scalar> Ramp<T> {
 }
 
 impl<T: Elementary> Ramp<T> {
+    /// Returns the acceleration less that of a force on a mass (kg).
     #[inline(always)]
-    fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
+    pub(crate) fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
         // The usual case without loads needs no divisions.
         if force.value.is_zero() && force.rate.is_zero() {
             return self;

@@ -157,12 +157,12 @@ impl<T: Elementary> Pulse<T> {
     }
 
     /// Returns the acceleration (m/s²) of a pulse that is constant while it acts.
-    pub(super) fn constant(&self) -> Option<T> {
+    pub(crate) fn constant(&self) -> Option<T> {
         (self.shape == PulseShape::Rectangular).then_some(self.amplitude)
     }
 
     /// Returns the acceleration of any other pulse while it acts.
-    pub(super) fn wave(&self) -> Option<Wave<T>> {
+    pub(crate) fn wave(&self) -> Option<Wave<T>> {
         let omega = T::from(TAU) / self.period;
         let middle = || self.start + self.duration() * 0.5;
         let sine = |phase| Wave {

@@ -144,7 +144,7 @@ pub fn checksum(record: &Record) -> String {
 ///
 /// `near` is the index of [`Record::sample_near`] and receives the index found.
 #[inline]
-fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
+pub(crate) fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
     let Some(i) = record.sample_near(time, *near) else { return (Ramp::default(), record.start_time) };
     *near = i;
     match (record.acceleration.get(i), record.acceleration.get(i + 1)) {

@@ -115,6 +115,12 @@ fn at_end<R: Real, const N: usize>(
 pub fn error<R: Real, const N: usize>(rates: &StageRates<R, N>, size: R, weights: State<R, N>) -> R {
     let fifth = difference!(rates.states, 5).weighted(weights).square();
     let third = difference!(rates.states, 3).weighted(weights).square();
+    error_from_squares(size, [fifth, third])
+}
+
+/// Returns the error of a step over which the weighted differences from the results of order 5 and 3 have these squares.
+#[inline(always)]
+pub(super) fn error_from_squares<R: Real>(size: R, [fifth, third]: [R; 2]) -> R {
     let denominator = fifth + third * 0.01;
     // A denominator of zero or NaN is itself the error.
     R::select_less(R::from(0.0), denominator, size * fifth / denominator.sqrt(), denominator)

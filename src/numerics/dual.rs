@@ -2,7 +2,7 @@
 //!
 //! The rules of differentiation are those of `num-dual`, with the same operations in the same order, for `f64` and for lanes.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use crate::numerics::scalar::Scalar;
 
@@ -120,6 +120,21 @@ macro_rules! operator {
 operator!(Add, add, |a, b| Dual::new(a.re + b.re, a.eps + b.eps), |a, b| Dual::new(a.re + b, a.eps));
 operator!(Sub, sub, |a, b| Dual::new(a.re - b.re, a.eps - b.eps), |a, b| Dual::new(a.re - b, a.eps));
 operator!(Mul, mul, |a, b| Dual::new(a.re * b.re, a.eps * b.re + b.eps * a.re), |a, b| Dual::new(a.re * b, a.eps * b));
+
+/// Implements the operator that assigns, which vectors of nalgebra need.
+macro_rules! assigning_operator {
+    ($trait:ident, $assign:ident, $operate:ident) => {
+        impl<R: Scalar> $trait for Dual<R> {
+            #[inline(always)]
+            fn $assign(&mut self, other: Dual<R>) {
+                *self = (*self).$operate(other);
+            }
+        }
+    };
+}
+assigning_operator!(AddAssign, add_assign, add);
+assigning_operator!(SubAssign, sub_assign, sub);
+assigning_operator!(MulAssign, mul_assign, mul);
 
 impl<R: Scalar> Div for Dual<R> {
     type Output = Dual<R>;

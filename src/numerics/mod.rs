@@ -7,6 +7,7 @@
 //! | [`gradient`] | a number with its derivatives in several directions |
 //! | [`numbers`] | vectors of numbers, such as states, and their operations |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
+//! | [`stepper`] | the same for a state whose dimension is known at run time |
 //! | [`short`] | a step of order 5 to a stop close ahead, with fewer evaluations |
 //! | [`repeat`] | an accepted step → its end in other numbers, such as those with derivatives |
 //! | [`control`] | the error of a step → the size of the next |
@@ -25,6 +26,7 @@ pub mod repeat;
 pub mod roots;
 pub mod scalar;
 pub mod short;
+pub mod stepper;
 #[cfg(test)]
 mod tests;
 #[cfg(feature = "lanes")]

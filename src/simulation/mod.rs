@@ -41,3 +41,4 @@ pub use energies::{Energies, EnergySums};
 pub use initial_sensitivity::{InitialDerivatives, Start};
 pub use settings::{OnOverturning, OnSeparation, Settings};
 pub use state::{Counts, Simulation, Slip};
+pub(crate) use step::MAX_STEPS;

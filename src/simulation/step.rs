@@ -13,7 +13,7 @@ use crate::system::events::EventFunction;
 use crate::system::swing::Swing;
 
 /// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
-pub(super) const MAX_STEPS: u64 = 2_000_000;
+pub(crate) const MAX_STEPS: u64 = 2_000_000;
 
 /// Steps over a smooth piece of the excitation, beside the state of the run.
 #[derive(Clone, Copy)]

@@ -3,6 +3,7 @@
 use crate::block::{Foundation, Regime};
 use crate::numerics::control::{Attempt, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor};
 use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
+use crate::numerics::roots::{SHORTENED, may_shorten};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::SimulationError;
 use crate::simulation::limits::Limits;
@@ -37,15 +38,6 @@ pub(super) enum Finished {
     /// The block has come to the end of the step.
     Lasts,
 }
-
-/// The fraction tried of a step in which a function rises and falls unseen. Such a function begins at zero.
-const SHORTENED: f64 = 0.125;
-
-/// The fraction of the longest step below which such a rise is neglected. The fall is then placed at the end of the step.
-const SHORTEST_RISE: f64 = 1e-10;
-
-/// The fraction of a step that the clock must resolve to try it.
-const MIN_SHORTENED: f64 = 1e-2;
 
 impl RunState {
     /// Steps under the present mode to its first event or end, or the piece's end.
@@ -264,7 +256,7 @@ impl RunState {
         let (mode, size) = (inside.motion.mode(), there.time - here.time);
         let mut event = first_event(here, &there, end.longest, &mut inside);
         if let Some(EventCrossing { rise_unseen: true, elapsed, .. }) = &mut event {
-            if size > SHORTEST_RISE * end.longest && self.pose.time + MIN_SHORTENED * size > self.pose.time {
+            if may_shorten(self.pose.time, size, end.longest) {
                 self.counts.evaluations += inside.evaluations;
                 self.counts.steps -= 1;
                 self.counts.rejected += 1;

@@ -30,6 +30,21 @@ const HALVINGS_OF_A_STEP: u32 = 6;
 /// Maximum number of interpolations before the ITP method takes over. A function close to a cubic takes three or four.
 const INTERPOLATIONS: u32 = 8;
 
+/// The fraction tried of a step in which a function rises and falls unseen. Such a function begins at zero.
+pub const SHORTENED: f64 = 0.125;
+
+/// The fraction of the longest step below which such a rise is neglected. The fall is then placed at the end of the step.
+const SHORTEST_RISE: f64 = 1e-10;
+
+/// The fraction of a step that the clock must resolve to try it.
+const MIN_SHORTENED: f64 = 1e-2;
+
+/// Whether a step of `size` (s) from `time` (s) may be tried anew with a [`SHORTENED`] one. The longest step is `longest` (s).
+#[inline]
+pub fn may_shorten(time: f64, size: f64, longest: f64) -> bool {
+    size > SHORTEST_RISE * longest && time + MIN_SHORTENED * size > time
+}
+
 /// A time and the sample of a function there.
 type TimedSample = (f64, Dual);
 

@@ -1,0 +1,104 @@
+//! A state, the contacts of the feet and the excitation → the rates of the state, in one pass over the feet.
+//!
+//! ```text
+//! M V̇ = Σ (H_i, N_i) − M g e_z − M a_g + F,     J ω̇ = −ω × J ω + Σ r_i × (H_i, N_i) + M_load,     q̇ = ½ (0, ω) q
+//! ```
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::CombinesWith;
+use crate::numerics::stepper::SliceEquations;
+use crate::space::body::SpaceBody;
+use crate::space::excitation::{SpaceExcitation, SpaceForcing};
+use crate::space::forces::{FootContact, FootForces};
+use crate::space::motion::{
+    BodyMotion, Component, DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, WORKS, dot, three,
+};
+
+/// The equations of motion under given contacts.
+#[derive(Clone, Copy, Debug)]
+pub struct SpaceEquations<'a> {
+    /// The block.
+    pub body: &'a SpaceBody,
+    /// The contacts of its feet.
+    pub contacts: &'a [FootContact],
+    /// The excitation.
+    pub excitation: &'a SpaceExcitation,
+}
+
+/// Returns the product of a constant matrix and a vector.
+#[inline(always)]
+fn times<T: Component>(m: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
+    let row = |i: usize| v.x * m[(i, 0)] + v.y * m[(i, 1)] + v.z * m[(i, 2)];
+    Vector3::new(row(0), row(1), row(2))
+}
+
+/// Writes three numbers of the state.
+#[inline(always)]
+fn put<T: Component>(state: &mut [T], from: usize, v: Vector3<T>) {
+    (state[from], state[from + 1], state[from + 2]) = (v.x, v.y, v.z);
+}
+
+impl SpaceEquations<'_> {
+    /// Writes the rates of a state at a time (s).
+    pub fn rates<T: Component + CombinesWith<f64>>(&self, time: T, state: &[T], rates: &mut [T]) {
+        self.rates_under(&self.excitation.at(time), state, rates);
+    }
+
+    /// Writes the rates of a state under this forcing.
+    #[inline]
+    pub fn rates_under<T: Component>(&self, forcing: &SpaceForcing<T>, state: &[T], rates: &mut [T]) {
+        let body = self.body;
+        let motion = BodyMotion::of(state);
+        let BodyMotion { turn, velocity, omega, .. } = motion;
+        let zero = T::from(0.0);
+        let (mut force, mut moment) = (Vector3::repeat(zero), forcing.moment);
+        let (mut dashpots, mut slip) = (zero, zero);
+        let (of_body, of_feet) = rates.split_at_mut(FEET_FROM);
+        let feet = body.feet.iter().zip(self.contacts);
+        let numbers = state[FEET_FROM..].chunks_exact(PER_FOOT).zip(of_feet.chunks_exact_mut(PER_FOOT));
+        for ((foot, &contact), (numbers, rates)) in feet.zip(numbers) {
+            if !contact.touches() {
+                rates.fill(zero);
+                continue;
+            }
+            let at = motion.foot(&foot.place);
+            let forces = FootForces::of(body, foot, contact, &at, [numbers[0], numbers[1]]);
+            force += forces.force;
+            moment += at.arm.cross(&forces.force);
+            dashpots = dashpots + forces.dashpot_power(body, at.velocity.z);
+            slip = slip + forces.slip_power(body);
+            [rates[0], rates[1]] = forces.stretch_rate;
+            rates[2] = forces.slip_rate;
+        }
+        let acceleration = force * T::from(1.0 / body.mass) - forcing.acceleration;
+        let acceleration = Vector3::new(acceleration.x, acceleration.y, acceleration.z - body.gravity);
+        // In body axes the inertia is constant.
+        let turning = turn.rotate_back(&omega);
+        let gyroscopic = turning.cross(&times(&body.inertia, &turning));
+        let turned = times(&body.inverse_inertia, &(turn.rotate_back(&moment) - gyroscopic));
+        put(of_body, DISPLACEMENT, velocity);
+        let (real, imaginary) = (state[QUATERNION], three(state, QUATERNION + 1));
+        of_body[QUATERNION] = dot(&omega, &imaginary) * -0.5;
+        put(of_body, QUATERNION + 1, (omega * real + omega.cross(&imaginary)) * T::from(0.5));
+        put(of_body, VELOCITY, acceleration);
+        put(of_body, OMEGA, turn.rotate(&turned));
+        let input = dot(&forcing.moment, &omega) - dot(&forcing.acceleration, &velocity) * body.mass;
+        (of_body[WORKS], of_body[WORKS + 1], of_body[WORKS + 2]) = (input, dashpots, slip);
+    }
+}
+
+impl SliceEquations for SpaceEquations<'_> {
+    #[inline(never)]
+    fn write_rates(&self, time: f64, state: &[f64], rates: &mut [f64]) {
+        self.rates(time, state, rates);
+    }
+}
+
+/// Writes a state with its rates in the dual parts.
+pub fn with_rates(state: &[f64], rates: &[f64], duals: &mut [Dual]) {
+    for ((dual, &re), &eps) in duals.iter_mut().zip(state).zip(rates) {
+        *dual = Dual::new(re, eps);
+    }
+}

@@ -1,0 +1,186 @@
+//! Inputs over a step, records and pulses in three directions → the forcing at any time of a smooth piece.
+
+use nalgebra::Vector3;
+use rocking_records::Record;
+use serde::{Deserialize, Serialize};
+
+use crate::excitation::records::ramp_from;
+use crate::excitation::{Pulse, Ramp, Wave};
+use crate::numerics::scalar::CombinesWith;
+use crate::space::motion::Component;
+
+/// The inputs from a reference time on, each linear in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpaceInputs {
+    /// Reference time of the ramps (s).
+    pub time: f64,
+    /// Ground acceleration (m/s²): to the right, away from the viewer, up.
+    pub ground: [Ramp; 3],
+    /// Load on the centre of mass (N).
+    pub force: [Ramp; 3],
+    /// Moment on the block about its centre of mass (N.m).
+    pub moment: [Ramp; 3],
+}
+
+impl SpaceInputs {
+    /// Returns the inputs with another reference time.
+    pub fn moved_to(&self, time: f64) -> SpaceInputs {
+        let moved = |ramps: [Ramp; 3]| ramps.map(|ramp| ramp.moved(time - self.time));
+        SpaceInputs { time, ground: moved(self.ground), force: moved(self.force), moment: moved(self.moment) }
+    }
+}
+
+/// Greatest number of pulses.
+pub const MAX_PULSES: usize = 3;
+
+/// A pulse in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DirectedPulse {
+    /// The pulse.
+    pub pulse: Pulse,
+    /// Its direction, a unit vector.
+    pub direction: [f64; 3],
+}
+
+impl DirectedPulse {
+    /// No pulse.
+    pub const NONE: DirectedPulse = DirectedPulse { pulse: Pulse::NONE, direction: [1.0, 0.0, 0.0] };
+
+    /// Returns a horizontal pulse with an azimuth (rad) from +x towards +y.
+    pub fn horizontal(pulse: Pulse, azimuth: f64) -> DirectedPulse {
+        let (sin, cos) = libm::sincos(azimuth);
+        DirectedPulse { pulse, direction: [cos, sin, 0.0] }
+    }
+}
+
+/// The pulses of a run, which act together.
+pub type DirectedPulses = [DirectedPulse; MAX_PULSES];
+
+/// Returns the first beginning or end of a pulse later than `time` (s).
+pub fn next_kink(pulses: &DirectedPulses, time: f64) -> Option<f64> {
+    pulses.iter().filter_map(|directed| directed.pulse.next_kink(time)).reduce(f64::min)
+}
+
+/// Forcing at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpaceForcing<T> {
+    /// `a_g − F/M` (m/s²).
+    pub acceleration: Vector3<T>,
+    /// Moment (N.m).
+    pub moment: Vector3<T>,
+}
+
+/// The excitation over a smooth piece of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpaceExcitation {
+    time: f64,
+    acceleration: [Ramp; 3],
+    moment: [Ramp; 3],
+    waves: [(Option<Wave>, [f64; 3]); MAX_PULSES],
+    frequency: f64,
+}
+
+impl SpaceExcitation {
+    /// Returns the excitation of a block of this mass (kg) from `time` (s) to the next kink of a pulse.
+    pub fn new(time: f64, inputs: &SpaceInputs, pulses: &DirectedPulses, mass: f64) -> SpaceExcitation {
+        let mut acceleration = inputs.ground;
+        for (ramp, force) in acceleration.iter_mut().zip(inputs.force) {
+            *ramp = ramp.minus(force, mass);
+        }
+        let mut waves = [(None, [0.0; 3]); MAX_PULSES];
+        let mut frequency: f64 = 0.0;
+        for (wave, DirectedPulse { pulse, direction }) in waves.iter_mut().zip(pulses) {
+            if !pulse.acts_at(time) {
+                continue;
+            }
+            *wave = (pulse.wave(), *direction);
+            frequency = frequency.max(pulse.wave().map_or(0.0, |wave| wave.frequency()));
+            for (ramp, component) in acceleration.iter_mut().zip(direction) {
+                ramp.value += pulse.constant().unwrap_or(0.0) * component;
+            }
+        }
+        SpaceExcitation { time: inputs.time, acceleration, moment: inputs.moment, waves, frequency }
+    }
+
+    /// Returns the forcing at `time` (s).
+    #[inline]
+    pub fn at<T: Component + CombinesWith<f64>>(&self, time: T) -> SpaceForcing<T> {
+        let elapsed = time - self.time;
+        let all = |ramps: &[Ramp; 3]| Vector3::from(ramps.map(|ramp| ramp.at(elapsed)));
+        let mut acceleration = all(&self.acceleration);
+        for (wave, direction) in &self.waves {
+            if let Some(wave) = wave {
+                let wave = wave.acceleration(time);
+                acceleration += Vector3::from(direction.map(|component| wave * component));
+            }
+        }
+        SpaceForcing { acceleration, moment: all(&self.moment) }
+    }
+
+    /// Returns the greatest circular frequency of the acting pulses (rad/s).
+    pub fn frequency(&self) -> f64 {
+        self.frequency
+    }
+}
+
+/// Ground motion from records, linear between samples and zero outside.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpaceGround {
+    /// The records: both horizontal components and the vertical one.
+    pub records: [Option<Record>; 3],
+    /// Direction of the first component (rad), from +x towards +y. The second one is a quarter turn ahead.
+    pub azimuth: f64,
+}
+
+impl SpaceGround {
+    /// Refuses components of one motion with other steps or lengths.
+    ///
+    /// # Errors
+    /// Two components that differ, by their names.
+    pub fn checked(self) -> Result<SpaceGround, String> {
+        const NAMES: [&str; 3] = ["record.x", "record.y", "record.z"];
+        let given = || self.records.iter().zip(NAMES).filter_map(|(record, name)| Some((record.as_ref()?, name)));
+        let Some((first, first_name)) = given().next() else { return Ok(self) };
+        for (record, name) in given() {
+            for (what, expected, found) in [
+                ("time step", first.time_step, record.time_step),
+                ("start", first.start_time, record.start_time),
+                ("duration", first.duration(), record.duration()),
+            ] {
+                if found != expected {
+                    return Err(format!("{name} has a {what} of {found} s; expected that of {first_name}, {expected} s"));
+                }
+            }
+        }
+        if !self.azimuth.is_finite() {
+            return Err(format!("azimuth = {} is not valid; expected a finite number", self.azimuth));
+        }
+        Ok(self)
+    }
+
+    /// Returns the time of the last sample (s), if there is a record.
+    pub fn end(&self) -> Option<f64> {
+        self.records.iter().flatten().map(|record| record.start_time + record.duration()).reduce(f64::max)
+    }
+
+    /// Returns the inputs from `time` (s) to the next sample of any record, and its time (s).
+    pub fn inputs_from(&self, time: f64) -> (SpaceInputs, f64) {
+        let (mut ground, mut end) = ([Ramp::default(); 3], f64::INFINITY);
+        for (record, ramp) in self.records.iter().zip(&mut ground) {
+            if let Some(record) = record {
+                let (found, until) = ramp_from(record, time, &mut record.guess(time));
+                *ramp = found;
+                end = end.min(until);
+            }
+        }
+        if self.azimuth != 0.0 {
+            let (sin, cos) = libm::sincos(self.azimuth);
+            let turned = |[x, y]: [f64; 2]| [x * cos - y * sin, x * sin + y * cos];
+            let [x, y, _] = ground;
+            let [values, rates] = [turned([x.value, y.value]), turned([x.rate, y.rate])];
+            (ground[0], ground[1]) =
+                (Ramp { value: values[0], rate: rates[0] }, Ramp { value: values[1], rate: rates[1] });
+        }
+        (SpaceInputs { time, ground, ..SpaceInputs::default() }, end)
+    }
+}

@@ -1,0 +1,69 @@
+//! Contacts and tolerance → the errors that a step may make, and the longest step.
+
+use crate::numerics::control::LONGEST;
+use crate::space::body::SpaceBody;
+use crate::space::forces::FootContact;
+use crate::space::motion::{DISPLACEMENT, OMEGA, QUATERNION, VELOCITY, WORKS, of_foot};
+
+/// Limits of a step.
+#[derive(Clone, Debug)]
+pub(super) struct SpaceLimits {
+    /// Reciprocals of the errors that a step may make in each number of the state.
+    pub(super) weights: Vec<f64>,
+    /// The longest step of a block that does not turn (s).
+    pub(super) longest: f64,
+}
+
+/// The largest rotation in a step (rad).
+const MAX_TURN: f64 = 1.0;
+
+impl SpaceLimits {
+    /// Returns limits of a state of this dimension, to be set.
+    pub(super) fn new(dimension: usize) -> SpaceLimits {
+        SpaceLimits { weights: vec![0.0; dimension], longest: 0.0 }
+    }
+
+    /// Sets the limits under these contacts.
+    ///
+    /// As in the plane, an error counts as an equivalent velocity: a displacement times the greatest circular frequency of the body on the
+    /// feet that touch. The allowed error is the tolerance times the velocity of rocking, R0 α p, vertically at most that which changes the
+    /// forces by 5 tolerances times the weight.
+    pub(super) fn set(&mut self, body: &SpaceBody, contacts: &[FootContact], tolerance: f64, pulse_frequency: f64) {
+        const OF_WEIGHT: f64 = 10.0;
+        let touching = || body.feet.iter().zip(contacts).filter(|(_, contact)| contact.touches());
+        let slides = contacts.contains(&FootContact::Slides);
+        let sum: f64 = touching().map(|(foot, _)| foot.frequency_square).sum();
+        // The force of a foot that slides is inclined, in the direction of friction.
+        let inclination = if slides { (1.0 + body.friction * body.friction).sqrt() } else { 1.0 };
+        let square = sum.min(body.fastest_square) * inclination;
+        // Times of dashpots over those of springs (s).
+        let retardation = body.damping / body.stiffness;
+        let horizontal = body.horizontal_damping / body.horizontal_stiffness;
+        let relaxation = if slides { 1.0 / horizontal } else { 0.0 };
+        let decay = retardation.max(horizontal) * square;
+        let frequency = square.sqrt().max(body.p);
+        self.longest = LONGEST / frequency.max(decay).max(relaxation).max(pulse_frequency);
+
+        let rocking = body.alpha * body.p;
+        let (turning, across) = (1.0 / (tolerance * rocking), 1.0 / (tolerance * body.r0 * rocking));
+        let on_supports = OF_WEIGHT * body.gravity / (body.omega_v * (2.0 * body.xi_v).max(1.0));
+        let most = if sum > 0.0 { (body.r0 * rocking).min(on_supports) } else { body.r0 * rocking };
+        let upright = 1.0 / (tolerance * most);
+        let work = turning / (2.0 * body.mass * body.r0 * body.r0 * rocking);
+        let weights = &mut self.weights;
+        weights[DISPLACEMENT..QUATERNION].copy_from_slice(&[frequency * across, frequency * across, frequency * upright]);
+        weights[QUATERNION..VELOCITY].fill(2.0 * frequency * turning);
+        weights[VELOCITY..OMEGA].copy_from_slice(&[across, across, upright]);
+        weights[OMEGA..WORKS].fill(turning);
+        weights[WORKS..of_foot(0)].fill(work);
+        for foot in 0..body.count() {
+            // The length of the slip has no effect.
+            weights[of_foot(foot)..of_foot(foot + 1)].copy_from_slice(&[frequency * across, frequency * across, 0.0]);
+        }
+    }
+
+    /// Returns the longest step (s) of a block with an angular velocity (rad/s).
+    pub(super) fn longest(&self, omega: f64) -> f64 {
+        self.longest.min(MAX_TURN / omega)
+    }
+}

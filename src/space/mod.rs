@@ -1,0 +1,39 @@
+//! The block in space: a rigid body on n feet with friction, shaken in three directions.
+//!
+//! Every foot is a vertical spring and dashpot that cannot pull, with a horizontal spring, dashpot and Coulomb slider. All forces are functions
+//! of the state. docs/model.md has the equations.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`parameters`] | numbers as users give them, and the errors of invalid ones |
+//! | [`body`] | checked parameters → the numbers of the equations |
+//! | [`excitation`] | inputs over a step, records and pulses → the forcing at any time |
+//! | [`motion`] | a state → the motion of the body and its feet |
+//! | [`forces`] | the motion of a foot and its contact → the force on it |
+//! | [`equations`] | state, contacts and excitation → rates of the state |
+//! | [`beginning`] | tilt, twist and velocities → the state at the start |
+//! | [`events`] | the functions that are watched, and the change of the block at their zeros: a file each |
+//! | `limits` | contacts and tolerance → allowed errors and the longest step |
+//! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
+//! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
+
+pub mod beginning;
+pub mod body;
+pub mod energies;
+pub mod equations;
+pub mod events;
+pub mod excitation;
+pub mod forces;
+mod limits;
+pub mod motion;
+pub mod outputs;
+pub mod parameters;
+pub mod run;
+mod stepping;
+
+pub use beginning::SpaceInitial;
+pub use body::SpaceBody;
+pub use events::{SpaceEvent, SpaceEventKind};
+pub use excitation::{DirectedPulse, SpaceGround, SpaceInputs};
+pub use parameters::{Base, BaseSize, FootPlace, SpaceError, SpaceParameters, SpaceSupports};
+pub use run::{SpaceRun, SpaceSetup, SpaceState};

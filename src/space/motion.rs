@@ -1,0 +1,153 @@
+//! The layout of the state, and a state → the motion of the body and the places and velocities of its feet.
+//!
+//! The quaternion of the state stands for a rotation at any length: forces, events and outputs do not depend on its norm. Each step ends with
+//! a norm of 1, so that it never drifts, and this changes neither events nor energies.
+
+use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Vector3};
+
+use crate::numerics::scalar::Scalar;
+
+/// A number of the equations in space: plain, or with a derivative. Vectors of nalgebra need more operators than formulas do.
+pub trait Component: Scalar + nalgebra::Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign {}
+
+impl<T: Scalar + nalgebra::Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign> Component for T {}
+
+/// Places in the state: displacement of the centre of mass (m).
+pub const DISPLACEMENT: usize = 0;
+/// The quaternion, its real part first.
+pub const QUATERNION: usize = 3;
+/// Velocity of the centre of mass (m/s).
+pub const VELOCITY: usize = 7;
+/// Angular velocity (rad/s), along the axes of the ground.
+pub const OMEGA: usize = 10;
+/// Energies since the start (J): work of ground motion and loads, energy taken by the dashpots and by slip.
+pub const WORKS: usize = 13;
+/// The first foot.
+pub const FEET_FROM: usize = 16;
+/// Numbers of a foot: stretch of its horizontal spring (m) in x and y, length of its slip (m).
+pub const PER_FOOT: usize = 3;
+
+/// Returns the dimension of the state of a block with n feet.
+pub const fn dimension(feet: usize) -> usize {
+    FEET_FROM + PER_FOOT * feet
+}
+
+/// Returns the place of a foot's numbers in the state.
+pub const fn of_foot(foot: usize) -> usize {
+    FEET_FROM + PER_FOOT * foot
+}
+
+/// Returns three numbers from a place of the state on.
+#[inline(always)]
+pub fn three<T: Component>(state: &[T], from: usize) -> Vector3<T> {
+    Vector3::new(state[from], state[from + 1], state[from + 2])
+}
+
+/// Returns the scalar product.
+#[inline(always)]
+pub fn dot<T: Component>(a: &Vector3<T>, b: &Vector3<T>) -> T {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// Returns a constant vector.
+#[inline(always)]
+pub fn constant<T: Component>(v: &Vector3<f64>) -> Vector3<T> {
+    Vector3::new(T::from(v.x), T::from(v.y), T::from(v.z))
+}
+
+/// The rotation of a quaternion of any length.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn<T> {
+    real: T,
+    imaginary: Vector3<T>,
+    /// `2/|q|²`
+    factor: T,
+}
+
+impl<T: Component> Turn<T> {
+    /// Returns the rotation of a state.
+    #[inline(always)]
+    pub fn of(state: &[T]) -> Turn<T> {
+        let (real, imaginary) = (state[QUATERNION], three(state, QUATERNION + 1));
+        Turn { real, imaginary, factor: T::from(2.0) / (real * real + dot(&imaginary, &imaginary)) }
+    }
+
+    /// Returns (R − 1) s without cancellation.
+    #[inline(always)]
+    pub fn change(&self, s: &Vector3<T>) -> Vector3<T> {
+        let cross = self.imaginary.cross(s);
+        (cross * self.real + self.imaginary.cross(&cross)) * self.factor
+    }
+
+    /// Returns R s.
+    #[inline(always)]
+    pub fn rotate(&self, s: &Vector3<T>) -> Vector3<T> {
+        self.change(s) + s
+    }
+
+    /// Returns Rᵀ s.
+    #[inline(always)]
+    pub fn rotate_back(&self, s: &Vector3<T>) -> Vector3<T> {
+        let cross = self.imaginary.cross(s);
+        (self.imaginary.cross(&cross) - cross * self.real) * self.factor + s
+    }
+
+    /// Returns the square of the sine of half the tilt.
+    #[inline]
+    pub fn half_tilt_square(&self) -> T {
+        (self.imaginary.x * self.imaginary.x + self.imaginary.y * self.imaginary.y) * self.factor * 0.5
+    }
+}
+
+/// The motion of the body.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion<T> {
+    /// Displacement of the centre of mass (m).
+    pub displacement: Vector3<T>,
+    /// Rotation.
+    pub turn: Turn<T>,
+    /// Velocity of the centre of mass (m/s).
+    pub velocity: Vector3<T>,
+    /// Angular velocity (rad/s).
+    pub omega: Vector3<T>,
+}
+
+/// The motion of a foot.
+#[derive(Clone, Copy, Debug)]
+pub struct FootMotion<T> {
+    /// From the centre of mass (m), along the axes of the ground.
+    pub arm: Vector3<T>,
+    /// Displacement from its place at rest (m).
+    pub displacement: Vector3<T>,
+    /// Velocity (m/s).
+    pub velocity: Vector3<T>,
+}
+
+impl<T: Component> BodyMotion<T> {
+    /// Returns the motion of a state.
+    #[inline(always)]
+    pub fn of(state: &[T]) -> BodyMotion<T> {
+        BodyMotion {
+            displacement: three(state, DISPLACEMENT),
+            turn: Turn::of(state),
+            velocity: three(state, VELOCITY),
+            omega: three(state, OMEGA),
+        }
+    }
+
+    /// Returns the motion of a foot at this place in the body.
+    #[inline(always)]
+    pub fn foot(&self, place: &Vector3<f64>) -> FootMotion<T> {
+        let place = constant(place);
+        let change = self.turn.change(&place);
+        let arm = place + change;
+        FootMotion { arm, displacement: self.displacement + change, velocity: self.velocity + self.omega.cross(&arm) }
+    }
+}
+
+/// Gives the quaternion of a state the norm 1.
+pub fn normalize(state: &mut [f64]) {
+    let q = &mut state[QUATERNION..VELOCITY];
+    let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    q.iter_mut().for_each(|x| *x /= norm);
+}

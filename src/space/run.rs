@@ -1,0 +1,305 @@
+//! A run in space: its state, and the driver that steps it through its events.
+//!
+//! | call | advances |
+//! | --- | --- |
+//! | [`SpaceRun::advance`] | to a time, over several smooth pieces of the excitation |
+//! | `smooth_piece`, in [`stepping`](super::stepping) | to the end of a piece, step by step, through events |
+
+use serde::{Deserialize, Serialize};
+
+use crate::numerics::control::StepControl;
+use crate::numerics::stepper::Stepper;
+use crate::simulation::{Ending, MAX_STEPS, OnOverturning, OnSeparation, Progress, Settings, SimulationError};
+use crate::space::beginning::SpaceInitial;
+use crate::space::body::SpaceBody;
+use crate::space::energies::{SpaceEnergies, stored};
+use crate::space::equations::SpaceEquations;
+use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceSample, topples};
+use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
+use crate::space::forces::FootContact;
+use crate::space::limits::SpaceLimits;
+use crate::space::motion::{Turn, WORKS, dimension};
+use crate::space::outputs::SpaceObservation;
+
+/// Counters since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpaceCounts {
+    /// Feet that lifted.
+    pub lift_offs: u64,
+    /// Feet that landed.
+    pub landings: u64,
+    /// Feet that began to slide.
+    pub slides: u64,
+    /// Feet that stuck again.
+    pub sticks: u64,
+    /// Steps that were accepted.
+    pub steps: u64,
+    /// Steps that were repeated with a smaller size.
+    pub rejected: u64,
+    /// Evaluations of the equations of motion.
+    pub evaluations: u64,
+}
+
+/// The state of a run: plain numbers, which can be saved. A run that is given a saved state continues with the same bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpaceState {
+    /// Time (s).
+    pub time: f64,
+    /// The numbers that are integrated; see [`motion`](super::motion).
+    pub numbers: Vec<f64>,
+    /// The contacts of the feet.
+    pub contacts: Vec<FootContact>,
+    /// The size of the next step.
+    pub control: StepControl,
+    /// The reason and the time (s) of the end of the run, if it ended.
+    pub ending: Option<(Ending, f64)>,
+    /// Whether no foot touched at some time.
+    pub separated: bool,
+    /// Energy at the start (J).
+    pub initial_energy: f64,
+    /// Energy of springs lost at lift-offs, less that of supports that had not recovered at landings (J).
+    pub lift_off_energy: f64,
+    /// Greatest square of the sine of half the tilt.
+    pub half_tilt_square: f64,
+    /// Counters.
+    pub counts: SpaceCounts,
+    pub(super) events_in_this_instant: usize,
+}
+
+/// The block, its settings and its pulses, which no step changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceSetup {
+    /// The block.
+    pub body: SpaceBody,
+    /// Tolerance, and the treatment of ends.
+    pub settings: Settings,
+    /// The pulses.
+    pub pulses: DirectedPulses,
+}
+
+/// Memory of steps. A run forms it anew.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
+    pub(super) stepper: Stepper,
+    pub(super) limits: SpaceLimits,
+    pub(super) rates: Vec<f64>,
+    pub(super) end: Vec<f64>,
+    pub(super) end_rates: Vec<f64>,
+    pub(super) inside: Vec<f64>,
+    pub(super) inside_rates: Vec<f64>,
+    /// Samples of the watched functions, in their order, at both ends of a step.
+    pub(super) samples: [Vec<SpaceSample>; 2],
+    /// Which of them fall through zero at an event.
+    pub(super) falls: Vec<bool>,
+}
+
+/// A block in motion.
+#[derive(Clone, Debug)]
+pub struct SpaceRun {
+    pub(super) setup: SpaceSetup,
+    pub(super) state: SpaceState,
+    pub(super) memory: Memory,
+}
+
+impl Memory {
+    fn new(body: &SpaceBody) -> Memory {
+        let n = dimension(body.count());
+        let numbers = || vec![0.0; n];
+        let functions = 2 * body.count() + 1;
+        Memory {
+            stepper: Stepper::new(n),
+            limits: SpaceLimits::new(n),
+            rates: numbers(),
+            end: numbers(),
+            end_rates: numbers(),
+            inside: numbers(),
+            inside_rates: numbers(),
+            samples: [vec![SpaceSample::default(); functions], vec![SpaceSample::default(); functions]],
+            falls: vec![false; functions],
+        }
+    }
+}
+
+impl SpaceRun {
+    /// Places a block at its beginning at `time` (s).
+    pub fn new(setup: SpaceSetup, initial: &SpaceInitial, time: f64) -> SpaceRun {
+        let [least, most] = Settings::TOLERANCES;
+        let settings = Settings { tolerance: setup.settings.tolerance.clamp(least, most), ..setup.settings };
+        let setup = SpaceSetup { settings, ..setup };
+        let (numbers, contacts) = initial.state(&setup.body, time);
+        let mut state = SpaceState {
+            time,
+            control: StepControl::NEW,
+            ending: None,
+            separated: false,
+            initial_energy: stored(&setup.body, &numbers, &contacts).total(),
+            lift_off_energy: 0.0,
+            half_tilt_square: Turn::of(&numbers).half_tilt_square(),
+            counts: SpaceCounts::default(),
+            events_in_this_instant: 0,
+            numbers,
+            contacts,
+        };
+        state.note_separation(&setup);
+        SpaceRun { memory: Memory::new(&setup.body), setup, state }
+    }
+
+    /// Continues a saved state of a run with the same setup.
+    ///
+    /// # Errors
+    /// The state does not belong to a block with as many feet, or is not finite; with the number at fault.
+    pub fn resume(setup: SpaceSetup, state: SpaceState) -> Result<SpaceRun, String> {
+        let feet = setup.body.count();
+        if state.contacts.len() != feet || state.numbers.len() != dimension(feet) {
+            return Err(format!("the state has {} feet; expected {feet}", state.contacts.len()));
+        }
+        let creeps = state.contacts.iter().flat_map(|contact| match contact {
+            FootContact::Lifted(creep) => [creep.depth, creep.since],
+            FootContact::Sticks | FootContact::Slides => [0.0; 2],
+        });
+        let others = [state.time, state.initial_energy, state.lift_off_energy, state.half_tilt_square];
+        let numbers = state.numbers.iter().copied().chain(creeps).chain(others);
+        if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
+            return Err(format!("the state has the number {number}; expected finite ones"));
+        }
+        if !state.control.is_valid() {
+            return Err("the state has an invalid step size; expected a positive one".into());
+        }
+        Ok(SpaceRun { memory: Memory::new(&setup.body), setup, state })
+    }
+
+    /// Advances to `until` (s) under inputs that are linear in time. Reports each event to `observer` as it happens. `until` is not before
+    /// the present time.
+    ///
+    /// Stops at the end of the run if that comes first. No memory is allocated. On an error the state is that of the last good step.
+    ///
+    /// # Errors
+    /// The solver cannot go on: see [`SimulationError`].
+    pub fn advance(
+        &mut self,
+        until: f64,
+        inputs: &SpaceInputs,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<Progress, SimulationError> {
+        let mut budget = MAX_STEPS;
+        while self.state.time < until && self.state.ending.is_none() {
+            let stop = next_kink(&self.setup.pulses, self.state.time).map_or(until, |kink| kink.min(until));
+            self.smooth_piece(stop, inputs, &mut budget, observer)?;
+        }
+        match self.state.ending {
+            Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
+            _ => {
+                self.state.time = until;
+                Ok(Progress::Reached)
+            }
+        }
+    }
+
+    /// Whether the run has ended and the block is held, without motion or support.
+    pub fn is_frozen(&self) -> bool {
+        let Settings { on_separation, on_overturning, .. } = self.setup.settings;
+        match self.state.ending {
+            None => false,
+            Some((Ending::Separated | Ending::Toppled, _)) => on_separation == OnSeparation::Hold,
+            Some((Ending::Overturned, _)) => on_overturning == OnOverturning::Hold,
+        }
+    }
+
+    /// Whether the block has overturned, or is bound to where the run ends now.
+    pub fn overturns(&self) -> bool {
+        match self.state.ending {
+            Some((ending, _)) => ending.is_overturning(),
+            None => topples(&self.setup.body, &self.state.numbers),
+        }
+    }
+
+    /// The state.
+    pub fn state(&self) -> &SpaceState {
+        &self.state
+    }
+
+    /// The block.
+    pub fn body(&self) -> &SpaceBody {
+        &self.setup.body
+    }
+
+    /// The block, its settings and its pulses.
+    pub fn setup(&self) -> &SpaceSetup {
+        &self.setup
+    }
+
+    /// Present time (s).
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Greatest tilt so far (rad).
+    pub fn peak_tilt(&self) -> f64 {
+        2.0 * libm::asin(self.state.half_tilt_square.sqrt().min(1.0))
+    }
+
+    /// Energies now, and their sums since the start (J).
+    pub fn energies(&self) -> SpaceEnergies {
+        let SpaceState { numbers, contacts, initial_energy, lift_off_energy, .. } = &self.state;
+        let stored = stored(&self.setup.body, numbers, contacts);
+        let [input, dashpots, slip] = [0, 1, 2].map(|i| numbers[WORKS + i]);
+        let lift_off = *lift_off_energy;
+        let residual = stored.total() - initial_energy - input + dashpots + slip + lift_off;
+        SpaceEnergies { stored, input, dashpots, slip, lift_off, residual }
+    }
+
+    /// The quantities that users see, under these inputs.
+    pub fn observe(&self, inputs: &SpaceInputs) -> SpaceObservation {
+        let excitation = self.excitation(inputs);
+        let SpaceState { time, numbers, contacts, .. } = &self.state;
+        let equations = SpaceEquations { body: &self.setup.body, contacts, excitation: &excitation };
+        let mut rates = vec![0.0; numbers.len()];
+        equations.rates(*time, numbers, &mut rates);
+        let now = Poised { body: &self.setup.body, time: *time, state: numbers, rates: &rates, contacts };
+        SpaceObservation::of(&now)
+    }
+
+    pub(super) fn excitation(&self, inputs: &SpaceInputs) -> SpaceExcitation {
+        SpaceExcitation::new(self.state.time, inputs, &self.setup.pulses, self.setup.body.mass)
+    }
+}
+
+impl SpaceCounts {
+    /// Counts an event.
+    pub(super) fn add(&mut self, kind: SpaceEventKind) {
+        match kind {
+            SpaceEventKind::LiftOff(_) => self.lift_offs += 1,
+            SpaceEventKind::Landing(_) => self.landings += 1,
+            SpaceEventKind::Slides(_) => self.slides += 1,
+            SpaceEventKind::Sticks(_) => self.sticks += 1,
+            SpaceEventKind::Overturning => {}
+        }
+    }
+}
+
+impl SpaceState {
+    /// Moves the clock forward, to another instant if it can tell them apart.
+    pub(super) fn move_clock(&mut self, time: f64) {
+        if time > self.time {
+            self.events_in_this_instant = 0;
+        }
+        self.time = time;
+    }
+
+    /// Whether a foot touches.
+    pub fn touches(&self) -> bool {
+        self.contacts.iter().any(FootContact::touches)
+    }
+
+    /// Notes a block that touches nothing, which ends the run unless it flies.
+    pub(super) fn note_separation(&mut self, setup: &SpaceSetup) {
+        if self.touches() {
+            return;
+        }
+        self.separated = true;
+        if setup.settings.on_separation != OnSeparation::Fly && self.ending.is_none() {
+            let ending = if topples(&setup.body, &self.numbers) { Ending::Toppled } else { Ending::Separated };
+            self.ending = Some((ending, self.time));
+        }
+    }
+}

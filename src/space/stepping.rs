@@ -1,0 +1,342 @@
+//! A smooth piece of the excitation → steps, the first event in each, and the change of the block at events.
+
+use crate::numerics::control::{Attempt, eighth_root, is_resolved, shortest, size_factor};
+use crate::numerics::dop853::EVALUATIONS_PER_STEP;
+use crate::numerics::dual::Dual;
+use crate::numerics::roots;
+use crate::numerics::stepper::{SliceEquations, Stepper};
+use crate::simulation::{Ending, MAX_STEPS, SimulationError};
+use crate::space::equations::SpaceEquations;
+use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
+use crate::space::excitation::{SpaceExcitation, SpaceInputs};
+use crate::space::motion::{OMEGA, normalize, of_foot, three};
+use crate::space::run::SpaceRun;
+
+/// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
+const SMALL_TURN: f64 = 0.1;
+
+/// Maximum number of times that a foot may change within an instant.
+const CHANGES_IN_AN_INSTANT: usize = 8;
+
+/// The fall of a watched function through zero.
+struct SpaceCrossing {
+    /// Its time, in seconds after the beginning of the step.
+    elapsed: f64,
+    /// The number of the function.
+    number: usize,
+    /// Whether the function begins at zero and seems to fall at once, against its rate there.
+    rise_unseen: bool,
+}
+
+/// The motion inside a step.
+struct SpaceInterior<'a> {
+    equations: SpaceEquations<'a>,
+    stepper: &'a mut Stepper,
+    time: f64,
+    state: &'a mut [f64],
+    rates: &'a mut [f64],
+    evaluations: u64,
+}
+
+impl SpaceInterior<'_> {
+    /// Moves to `elapsed` seconds after the beginning of the step.
+    fn go_to(&mut self, elapsed: f64) -> Poised<'_> {
+        self.evaluations += self.stepper.state_at(elapsed, &self.equations, self.state) + 1;
+        let time = self.time + elapsed;
+        self.equations.write_rates(time, self.state, self.rates);
+        let SpaceEquations { body, contacts, .. } = self.equations;
+        Poised { body, time, state: self.state, rates: self.rates, contacts }
+    }
+
+    fn sample(&mut self, function: SpaceFunction, elapsed: f64) -> Dual {
+        self.go_to(elapsed).sample(function).value
+    }
+
+    fn half_tilt_square(&mut self, elapsed: f64) -> Dual {
+        self.go_to(elapsed).motion().turn.half_tilt_square()
+    }
+}
+
+/// Writes the samples of all watched functions.
+fn write_samples(now: &Poised, samples: &mut [SpaceSample]) {
+    let motion = now.motion();
+    for (sample, function) in samples.iter_mut().zip(now.functions()) {
+        *sample = now.sample_with(&motion, function);
+    }
+}
+
+/// A step in which functions are searched for their falls.
+struct Searched {
+    /// Its size (s).
+    duration: f64,
+    /// The longest step (s).
+    longest: f64,
+    /// Whether the body turns so far that heights of feet between the ends do not follow from those at the ends.
+    turns_far: bool,
+}
+
+/// Returns the time of the first fall of a function in a step, and whether it seems to fall at once against its rate.
+fn first_fall(
+    [start, end]: [&SpaceSample; 2],
+    &Searched { duration, longest, turns_far }: &Searched,
+    function: SpaceFunction,
+    inside: &mut SpaceInterior,
+) -> Option<(f64, bool)> {
+    let rounding = start.rounding.max(end.rounding);
+    let (start, end) = (start.value, end.value);
+    let hidden = turns_far
+        && match function {
+            SpaceFunction::Landing(_) | SpaceFunction::Overturning => true,
+            SpaceFunction::LiftOff(_) | SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) => false,
+        };
+    if !hidden && !roots::may_fall(start, end, rounding, duration) {
+        return None;
+    }
+    let mut sample = |elapsed| inside.sample(function, elapsed);
+    if start.eps < 0.0 && roots::leaves_downwards(start, rounding, duration, &mut sample) {
+        return Some((0.0, false));
+    }
+    // |F| has kinks where F is small.
+    let (pieces, bounded) = match function {
+        SpaceFunction::LiftOff(_) | SpaceFunction::Landing(_) | SpaceFunction::Overturning if !hidden => {
+            (roots::pieces(duration / longest), true)
+        }
+        SpaceFunction::LiftOff(_)
+        | SpaceFunction::Landing(_)
+        | SpaceFunction::Overturning
+        | SpaceFunction::Slides(_)
+        | SpaceFunction::Sticks(_) => (roots::PIECES, false),
+    };
+    let elapsed = roots::first_fall(start, end, rounding, duration, pieces, bounded, &mut sample)?;
+    Some((elapsed, elapsed == 0.0 && start.re >= -rounding))
+}
+
+impl SpaceRun {
+    /// Steps over a smooth piece of the excitation to `stop` (s), or to the end of the run.
+    pub(super) fn smooth_piece(
+        &mut self,
+        stop: f64,
+        inputs: &SpaceInputs,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<(), SimulationError> {
+        let excitation = self.excitation(inputs);
+        self.begin(&excitation);
+        while self.state.time < stop && self.state.ending.is_none() {
+            self.step(stop, &excitation, budget, observer)?;
+        }
+        Ok(())
+    }
+
+    /// Evaluates the present state, under new contacts or a new excitation.
+    fn begin(&mut self, excitation: &SpaceExcitation) {
+        let SpaceRun { setup, state, memory } = self;
+        memory.limits.set(&setup.body, &state.contacts, setup.settings.tolerance, excitation.frequency());
+        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
+        equations.write_rates(state.time, &state.numbers, &mut memory.rates);
+        state.counts.evaluations += 1;
+        let contacts = &state.contacts;
+        let now = Poised { body: &setup.body, time: state.time, state: &state.numbers, rates: &memory.rates, contacts };
+        write_samples(&now, &mut memory.samples[0]);
+    }
+
+    /// Takes a step to its first event or its end.
+    fn step(
+        &mut self,
+        stop: f64,
+        excitation: &SpaceExcitation,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<(), SimulationError> {
+        let time = self.state.time;
+        let omega = three(&self.state.numbers, OMEGA).norm();
+        let longest = self.memory.limits.longest(omega);
+        if *budget == 0 || !is_resolved(stop - time, longest) {
+            return Err(SimulationError::TooManySteps { time, until: stop, steps: MAX_STEPS - *budget });
+        }
+        *budget -= 1;
+        let attempt = self.accepted_step(stop, longest, excitation)?;
+        let end_time = if attempt.last { stop } else { time + attempt.size };
+        let SpaceRun { setup, state, memory } = self;
+        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
+        normalize(&mut memory.end);
+        equations.write_rates(end_time, &memory.end, &mut memory.end_rates);
+        state.counts.evaluations += 1;
+        if !memory.end.iter().chain(&memory.end_rates).all(|number| number.is_finite()) {
+            return Err(SimulationError::NotFinite { time });
+        }
+        memory.stepper.set_end(&memory.end, &memory.end_rates);
+        let body = &setup.body;
+        let contacts = &state.contacts;
+        let here = Poised { body, time, state: &state.numbers, rates: &memory.rates, contacts };
+        let there = Poised { body, time: end_time, state: &memory.end, rates: &memory.end_rates, contacts };
+        write_samples(&there, &mut memory.samples[1]);
+        let mut inside = SpaceInterior {
+            equations,
+            stepper: &mut memory.stepper,
+            time,
+            state: &mut memory.inside,
+            rates: &mut memory.inside_rates,
+            evaluations: 0,
+        };
+        let omega_after = three(&memory.end, OMEGA).norm();
+        let turns_far = attempt.size * omega.max(omega_after) > SMALL_TURN;
+        let searched = Searched { duration: attempt.size, longest, turns_far };
+        let [starts, ends] = &memory.samples;
+        let mut first: Option<SpaceCrossing> = None;
+        for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
+            let found = first_fall([ends.0, ends.1], &searched, function, &mut inside);
+            if let Some((elapsed, rise_unseen)) = found
+                && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
+            {
+                first = Some(SpaceCrossing { elapsed, number, rise_unseen });
+            }
+        }
+        if let Some(SpaceCrossing { rise_unseen: true, elapsed, .. }) = &mut first {
+            if roots::may_shorten(time, attempt.size, longest) {
+                state.counts.evaluations += inside.evaluations;
+                state.counts.rejected += 1;
+                state.counts.steps -= 1;
+                state.control.restart(roots::SHORTENED * attempt.size);
+                return Ok(());
+            }
+            *elapsed = attempt.size;
+        }
+        let duration = first.as_ref().map_or(attempt.size, |crossing| crossing.elapsed);
+        let [start, end] = [here.motion().turn.half_tilt_square(), inside.tilt_at_end(&there, duration, attempt.size)];
+        state.half_tilt_square = roots::greatest(state.half_tilt_square, start, end, duration, &mut |elapsed| {
+            inside.half_tilt_square(elapsed)
+        });
+        let is_inside = duration < attempt.size;
+        if is_inside {
+            inside.go_to(duration);
+        }
+        state.counts.evaluations += inside.evaluations;
+        state.numbers.copy_from_slice(if is_inside { &memory.inside } else { &memory.end });
+        state.move_clock(if is_inside { time + duration } else { end_time });
+        if let Some(SpaceCrossing { number, .. }) = first {
+            normalize(&mut state.numbers);
+            return self.apply(number, duration, excitation, observer);
+        }
+        std::mem::swap(&mut memory.rates, &mut memory.end_rates);
+        memory.samples.swap(0, 1);
+        Ok(())
+    }
+
+    /// Takes a step within the tolerance, whose end is in memory.
+    fn accepted_step(
+        &mut self,
+        stop: f64,
+        longest: f64,
+        excitation: &SpaceExcitation,
+    ) -> Result<Attempt, SimulationError> {
+        let SpaceRun { setup, state, memory } = self;
+        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
+        let time = state.time;
+        let shortest = shortest(time, stop);
+        let mut attempt = state.control.attempt(stop - time, longest, shortest);
+        memory.stepper.begin(time, &state.numbers, &memory.rates);
+        loop {
+            memory.stepper.attempt(attempt.size, &equations, &mut memory.end);
+            state.counts.evaluations += EVALUATIONS_PER_STEP;
+            let error = memory.stepper.error(&memory.limits.weights);
+            let factor = size_factor(eighth_root(error));
+            if error <= 1.0 {
+                state.control.accept(&attempt, factor, longest);
+                state.counts.steps += 1;
+                return Ok(attempt);
+            }
+            state.counts.rejected += 1;
+            attempt = state.control.reject(&attempt, factor);
+            if attempt.size < shortest {
+                let tolerance = setup.settings.tolerance;
+                return Err(if error.is_finite() && memory.rates.iter().all(|rate| rate.is_finite()) {
+                    SimulationError::StepTooSmall { time, size: attempt.size, tolerance }
+                } else {
+                    SimulationError::NotFinite { time }
+                });
+            }
+        }
+    }
+
+    /// Applies the event of a function that fell through zero after `elapsed` seconds, and all others in the same instant.
+    fn apply(
+        &mut self,
+        number: usize,
+        elapsed: f64,
+        excitation: &SpaceExcitation,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<(), SimulationError> {
+        self.find_falls(number, elapsed, excitation);
+        let SpaceRun { setup, state, memory } = self;
+        let time = state.time;
+        state.events_in_this_instant += 1;
+        if state.events_in_this_instant > CHANGES_IN_AN_INSTANT * setup.body.count() {
+            return Err(SimulationError::NoRegime { time, count: state.events_in_this_instant as u32 });
+        }
+        // The functions of a foot are next to each other, its lift-off first.
+        let mut number = 0;
+        for foot in 0..setup.body.count() {
+            let contact = state.contacts[foot];
+            let functions = watched(&setup.body, foot, &contact);
+            let count = functions.iter().flatten().count();
+            let falls = &memory.falls[number..number + count];
+            number += count;
+            let Some(function) = functions.iter().flatten().zip(falls).find_map(|(&function, &falls)| falls.then_some(function))
+            else {
+                continue;
+            };
+            let at = Poised {
+                body: &setup.body,
+                time,
+                state: &state.numbers,
+                rates: &memory.inside_rates,
+                contacts: &state.contacts,
+            };
+            let Some((foot, change)) = change(&at, function) else { continue };
+            if contact.touches() != change.contact.touches() {
+                state.numbers[of_foot(foot)..of_foot(foot) + 2].fill(0.0);
+            }
+            state.contacts[foot] = change.contact;
+            state.lift_off_energy += change.lost;
+            for kind in change.events.into_iter().flatten() {
+                state.counts.add(kind);
+                observer(&SpaceEvent { time, kind });
+            }
+        }
+        if memory.falls[number] {
+            state.ending = Some((Ending::Overturned, time));
+            observer(&SpaceEvent { time, kind: SpaceEventKind::Overturning });
+        }
+        state.note_separation(setup);
+        self.begin(excitation);
+        Ok(())
+    }
+
+    /// Finds the watched functions that fall through zero at the present state, beside the one with this number.
+    ///
+    /// A function that began the step at zero, after an event, is left out: it falls when it has left zero.
+    fn find_falls(&mut self, number: usize, elapsed: f64, excitation: &SpaceExcitation) {
+        let SpaceRun { setup, state, memory } = self;
+        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
+        equations.write_rates(state.time, &state.numbers, &mut memory.inside_rates);
+        let contacts = &state.contacts;
+        let rates = &memory.inside_rates;
+        let now = Poised { body: &setup.body, time: state.time, state: &state.numbers, rates, contacts };
+        let [starts, ends] = &mut memory.samples;
+        write_samples(&now, ends);
+        memory.falls.fill(false);
+        for ((falls, start), end) in memory.falls.iter_mut().zip(starts.iter()).zip(ends.iter()) {
+            let began_above = start.value.re > start.rounding;
+            *falls = elapsed > 0.0 && began_above && end.value.re <= end.rounding && end.value.eps < 0.0;
+        }
+        memory.falls[number] = true;
+    }
+}
+
+impl SpaceInterior<'_> {
+    /// Returns the sample of the tilt after `duration` of a step of `size` (s).
+    fn tilt_at_end(&mut self, there: &Poised, duration: f64, size: f64) -> Dual {
+        if duration < size { self.half_tilt_square(duration) } else { there.motion().turn.half_tilt_square() }
+    }
+}
