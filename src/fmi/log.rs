@@ -1,4 +1,4 @@
-//! Messages for the importer, by category; never interpreted as a printf format.
+//! Messages for the importer, by category: finished text.
 
 use std::ffi::{CStr, CString};
 use std::fmt::Write;
@@ -39,6 +39,14 @@ impl Category {
         }
     }
 
+    /// Whether only the debug mode logs it.
+    pub fn is_of_debugging(self) -> bool {
+        match self {
+            Category::Warning | Category::Error | Category::Fatal => false,
+            Category::Discard | Category::Events | Category::Steps => true,
+        }
+    }
+
     fn of_status(status: Status) -> Category {
         match status {
             Status::Ok | Status::Warning => Category::Warning,
@@ -54,6 +62,9 @@ pub type Wanted = [bool; Category::ALL.len()];
 
 /// The importer's logger.
 pub trait Messenger {
+    /// The characters with a meaning in messages of this version, which stand twice to be shown once.
+    const DOUBLED: &[char];
+
     /// Returns the categories logged after a call of `SetDebugLogging`. They are those `listed`, or all if `None`.
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted;
 
@@ -102,7 +113,7 @@ impl<M: Messenger> Log<M> {
 
     #[cold]
     fn send(&self, status: Status, category: Category, message: std::fmt::Arguments) {
-        let mut line = Line::new();
+        let mut line = Line::new(M::DOUBLED);
         // The error means that a long line was cut.
         let _ = line.write_fmt(message);
         self.messenger.send(&self.instance, status, category.name(), line.as_c_str());
@@ -113,11 +124,12 @@ impl<M: Messenger> Log<M> {
 struct Line {
     bytes: [u8; 1024],
     length: usize,
+    doubled: &'static [char],
 }
 
 impl Line {
-    fn new() -> Line {
-        Line { bytes: [0; 1024], length: 0 }
+    fn new(doubled: &'static [char]) -> Line {
+        Line { bytes: [0; 1024], length: 0, doubled }
     }
 
     fn as_c_str(&self) -> &CStr {
@@ -129,14 +141,13 @@ impl Write for Line {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
         for character in text.chars() {
             let character = if character.is_control() { '\u{fffd}' } else { character };
-            // A single # would begin a variable's number (standard, 2.1.3).
-            for _ in 0..if character == '#' { 2 } else { 1 } {
-                let end = self.length + character.len_utf8();
-                if end >= self.bytes.len() {
-                    return Err(std::fmt::Error);
-                }
-                character.encode_utf8(&mut self.bytes[self.length..end]);
-                self.length = end;
+            let times = if self.doubled.contains(&character) { 2 } else { 1 };
+            // A line is never cut within a pair.
+            if self.length + times * character.len_utf8() >= self.bytes.len() {
+                return Err(std::fmt::Error);
+            }
+            for _ in 0..times {
+                self.length += character.encode_utf8(&mut self.bytes[self.length..]).len();
             }
         }
         Ok(())

@@ -20,7 +20,7 @@ struct Meddler {
 }
 
 /// Calls every function of the instance that it logs for.
-unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Text, _: Text, _: Text) {
+unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Text, _: Text) {
     // SAFETY: the environment is the `Meddler` that outlives the instance, and is shared only.
     let meddler = unsafe { &*environment.cast::<Meddler>() };
     meddler.messages.set(meddler.messages.get() + 1);
@@ -153,7 +153,7 @@ fn calls_from_within_the_logger_are_refused() {
 fn another_instance_can_be_called_from_within_the_logger() {
     /// The other instance and its statuses.
     type Other = (Component, Cell<Option<Status>>);
-    unsafe extern "C" fn read_other(environment: Environment, _: Text, _: Status, _: Text, _: Text, _: Text) {
+    unsafe extern "C" fn read_other(environment: Environment, _: Text, _: Status, _: Text, _: Text) {
         // SAFETY: the environment is an `Other` that outlives the instance.
         let (other, answer) = unsafe { &*environment.cast::<Other>() };
         let mut theta = f64::NAN;

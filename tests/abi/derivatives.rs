@@ -11,11 +11,11 @@ const G: f64 = 9.81;
 const R0: f64 = 0.75 * G;
 
 /// The inputs, each with the size of a weight, or of a weight with the lever R0.
-const INPUTS: [(&str, f64); 5] =
+pub const INPUTS: [(&str, f64); 5] =
     [("a_gx", G), ("a_gz", G), ("F_x", MASS * G), ("F_z", MASS * G), ("M_y", MASS * G * R0)];
 
 /// Parameters that lead to a regime, and the regime.
-type Scene = (&'static str, &'static [(&'static str, f64)], f64);
+pub type Scene = (&'static str, &'static [(&'static str, f64)], f64);
 
 /// Little friction, so that the foot slides, two ties that pull all the time, and two dampers that yield.
 macro_rules! tied {
@@ -56,7 +56,7 @@ macro_rules! tied {
     };
 }
 
-const SCENES: [Scene; 11] = [
+pub const SCENES: [Scene; 11] = [
     ("full contact", &[("initial.theta", 0.001)], 0.0),
     ("tilting left", &[("initial.theta", -0.1)], -1.0),
     ("tilting right", &[("initial.theta", 0.1)], 1.0),
@@ -77,7 +77,7 @@ const SCENES: [Scene; 11] = [
 const START: f64 = 0.05;
 
 /// Returns a block in this regime at t = 0.05 s, with all inputs changing.
-fn set_up(scene: &Scene) -> Instance {
+pub fn set_up(scene: &Scene) -> Instance {
     let instance = Instance::new(scene.0);
     for (name, value) in scene.1 {
         instance.set(name, *value);
@@ -166,18 +166,6 @@ fn directional_derivatives_match_differences_of_the_outputs() {
                     assert_eq!(found, 0.0, "{}: ModelStructure says that {name} does not depend on {input}", scene.0);
                 }
             }
-        }
-    }
-}
-
-/// Every dependency declared in ModelStructure exists in some regime.
-#[test]
-fn declared_dependencies_are_there() {
-    let instances: Vec<Instance> = SCENES.iter().map(set_up).collect();
-    for output in FMU.description.real_outputs() {
-        for input in &output.dependencies {
-            let some = instances.iter().any(|instance| exact(instance, &output.name, &[(input, 1.0)]) != 0.0);
-            assert!(some, "{} never depends on {input}", output.name);
         }
     }
 }

@@ -26,9 +26,8 @@ pub const PENDING_STATUS: StatusKind = 1;
 pub const LAST_SUCCESSFUL_TIME: StatusKind = 2;
 pub const TERMINATED: StatusKind = 3;
 
-/// The logger is variadic in C, which Rust cannot define. Where named and variadic arguments are passed alike (System V and
-/// Windows on x86-64, AAPCS64 on Linux), a function with a single named argument receives `"%s"` and its text.
-pub type Logger = unsafe extern "C" fn(Environment, Text, Status, Text, Text, Text);
+/// The logger is variadic in C, which Rust cannot define. The unit passes no variadic argument, so that one without them can be called.
+pub type Logger = unsafe extern "C" fn(Environment, Text, Status, Text, Text);
 
 #[repr(C)]
 pub struct Callbacks {

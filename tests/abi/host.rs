@@ -46,35 +46,30 @@ pub struct Message {
     pub status: Status,
     pub category: String,
     pub format: String,
-    /// The argument of the format `%s`; empty with any other format.
+    /// The text that C prints by the format alone; empty if that asks for an argument.
     pub text: String,
 }
 
 /// The messages collected by the logger.
 pub type Messages = Mutex<Vec<Message>>;
 
-unsafe extern "C" fn logger(
-    environment: Environment,
-    instance: Text,
-    status: Status,
-    category: Text,
-    format: Text,
-    argument: Text,
-) {
+unsafe extern "C" fn logger(environment: Environment, instance: Text, status: Status, category: Text, format: Text) {
     // SAFETY: the environment is this instance's `Messages`, and texts end with 0 (standard, 2.1.5).
     let (messages, [instance, category, format]) = unsafe {
         (
             &*environment.cast::<Messages>(),
-            [instance, category, format].map(|text| CStr::from_ptr(text).to_string_lossy().into_owned()),
+            [instance, category, format]
+                .map(|text| CStr::from_ptr(text).to_str().expect("messages are UTF-8").to_string()),
         )
     };
-    let text = if format == "%s" {
-        // SAFETY: the format announces a text.
-        unsafe { CStr::from_ptr(argument) }.to_str().expect("messages are UTF-8").to_string()
-    } else {
-        String::new()
-    };
+    let text = printed(&format);
     messages.lock().unwrap().push(Message { instance, status, category, format, text });
+}
+
+/// Prints a format without arguments; nothing if it asks for one.
+fn printed(format: &str) -> String {
+    let pieces: Vec<&str> = format.split("%%").collect();
+    if pieces.iter().any(|piece| piece.contains('%')) { String::new() } else { pieces.join("%") }
 }
 
 /// The callbacks of this importer.
@@ -157,8 +152,8 @@ impl Instance {
         let messages = self.messages();
         assert_eq!(status, ERROR, "{messages:?}");
         assert_eq!(messages.len(), 1, "{messages:?}");
-        let Message { status, category, format, text, .. } = &messages[0];
-        assert_eq!((*status, category.as_str(), format.as_str()), (ERROR, "logStatusError", "%s"), "{text}");
+        let Message { status, category, text, .. } = &messages[0];
+        assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"), "{text}");
         for word in words {
             assert!(text.contains(word), "{text:?} should hold {word:?}");
         }

@@ -69,7 +69,7 @@ fn events_are_one_line_each_with_time_and_regimes() {
     let instance = Instance::at("block", None, true);
     assert_eq!(choose(&instance, true, &["logEvents"]), OK);
     let messages = rock(&instance);
-    assert!(messages.iter().all(|m| m.status == OK && m.category == "logEvents" && m.format == "%s"));
+    assert!(messages.iter().all(|m| m.status == OK && m.category == "logEvents" && m.format == m.text));
     assert!(messages.iter().all(|m| m.instance == "block" && !m.text.contains('\n')));
     let events: Vec<LoggedEvent> = messages.iter().map(|message| LoggedEvent::read(&message.text)).collect();
     assert!(events.len() > 5);

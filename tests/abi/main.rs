@@ -19,6 +19,7 @@ mod bad_value;
 mod beginning;
 mod beyond;
 mod callbacks;
+mod dependencies;
 mod derivatives;
 mod description;
 mod endings;

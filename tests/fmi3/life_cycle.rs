@@ -160,11 +160,12 @@ fn log_categories_are_selected() {
     block.ok(call!(block, set_debug_logging, false, 0, std::ptr::null()));
     block.step(8.0, 2.0);
     assert!(block.messages().is_empty());
+    block.refuses(call!(block, exit_initialization_mode), &["fmi3ExitInitializationMode"]);
 }
 
-/// Without `loggingOn` the logger is never called, even for refused calls; categories are then switched one by one.
+/// Without `loggingOn` refused calls have their message; categories are then switched one by one.
 #[test]
-fn without_logging_nothing_is_logged() {
+fn without_logging_errors_are_logged() {
     let environment = Environment::default();
     let place = std::ptr::from_ref(&environment).cast_mut().cast();
     let of = |token: Text| {
@@ -173,6 +174,10 @@ fn without_logging_nothing_is_logged() {
         unsafe { instantiate(c"block".as_ptr(), token, null(), false, false, place, Some(logger)) }
     };
     assert!(of(c"{no token}".as_ptr()).is_null());
+    let [(status, category, text)] = &*std::mem::take(&mut *environment.messages.lock().unwrap()) else {
+        panic!("a refused instantiation has one message")
+    };
+    assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"), "{text}");
     let handle = of(FMU.token.as_ptr());
     assert!(!handle.is_null());
     let refused = || {
@@ -186,15 +191,15 @@ fn without_logging_nothing_is_logged() {
         let status = unsafe { (FMU.functions.set_debug_logging)(handle, logging, 1, &category.as_ptr()) };
         assert_eq!(status, OK);
     };
-    assert_eq!(refused(), 0);
-    choose(true, c"logEvents");
-    assert_eq!(refused(), 0);
-    choose(true, c"logStatusError");
     assert_eq!(refused(), 1);
-    choose(false, c"logEvents");
+    choose(true, c"logEvents");
     assert_eq!(refused(), 2);
     choose(false, c"logStatusError");
     assert_eq!(refused(), 2);
+    choose(false, c"logEvents");
+    assert_eq!(refused(), 2);
+    choose(true, c"logStatusError");
+    assert_eq!(refused(), 3);
     // SAFETY: not used afterwards.
     unsafe { (FMU.functions.free_instance)(handle) }
 }

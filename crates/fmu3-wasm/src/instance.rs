@@ -38,9 +38,7 @@ impl Instance {
         let text = |argument: &str, text: String| {
             CString::new(text).map_err(|error| {
                 let message = format!("{function}: {argument} holds a 0 at {}; expected none", error.nul_position());
-                if logging {
-                    log_message("?", Status::Error, "logStatusError", &message);
-                }
+                log_message("?", Status::Error, "logStatusError", &message);
             })
         };
         let name = Box::new(text("instance-name", name).ok()?);

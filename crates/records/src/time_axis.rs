@@ -13,30 +13,52 @@ const SINGLE_PRECISION: f64 = 4.0 * f32::EPSILON as f64;
 /// Relative round-off error of the arithmetic below.
 const ROUNDING: f64 = 1e-9;
 
+/// Relative precision of times computed in double precision with a few operations.
+const DOUBLE_PRECISION: f64 = 4.0 * f64::EPSILON;
+
+/// Relative deviation from even spacing beyond which times were not computed in double precision, not even by sums.
+const SUMS_IN_DOUBLE_PRECISION: f64 = 1e-11;
+
 /// Times of a file, each with its line.
 pub(super) struct TimeAxis {
     times: Vec<(usize, f64)>,
-    /// Largest unit of the last printed digit of all times (s).
-    quantum: f64,
+    /// Units of the last printed digit (s), below 1 s, each with the largest time that has it.
+    units: Vec<(f64, f64)>,
 }
 
 impl TimeAxis {
     pub(super) fn new() -> TimeAxis {
-        TimeAxis { times: Vec::new(), quantum: 0.0 }
+        TimeAxis { times: Vec::new(), units: Vec::new() }
     }
 
-    /// Adds a time (s) printed as a multiple of `quantum` (s).
-    pub(super) fn push(&mut self, line: usize, time: f64, quantum: f64) {
+    /// Adds a time (s) printed as a multiple of `unit` (s).
+    pub(super) fn push(&mut self, line: usize, time: f64, unit: f64) {
         self.times.push((line, time));
         // Whole seconds such as a first 0 are exact.
-        if quantum < 1.0 {
-            self.quantum = self.quantum.max(quantum);
+        if unit >= 1.0 {
+            return;
         }
+        match self.units.iter_mut().find(|(known, _)| *known == unit) {
+            Some((_, largest)) => *largest = largest.max(time.abs()),
+            None => self.units.push((unit, time.abs())),
+        }
+    }
+
+    /// Returns the resolution of the printed times (s).
+    ///
+    /// Shortest forms leave zeros out, so a time of few digits, such as a first 0.0, is no coarser than the others. Times are printed
+    /// to the most decimals or, if those of large times are fewer, to the most significant digits of any of them.
+    fn resolution(&self) -> f64 {
+        let units = self.units.iter().map(|&(unit, _)| unit);
+        let (finest, coarsest) = (units.clone().fold(1.0, f64::min), units.fold(0.0, f64::max));
+        let digits = self.units.iter().map(|&(unit, largest)| decade(largest) + 1 - decade(unit)).max().unwrap_or(0);
+        let largest = self.times.iter().map(|(_, time)| time.abs()).fold(0.0, f64::max);
+        power_of_ten(decade(largest) + 1 - digits).max(finest).min(coarsest)
     }
 
     /// Returns start time (s) and time step. Times must be even to the precision in which they are printed.
     ///
-    /// The mean step is rounded to the shortest decimal number that gives the same printed times.
+    /// The mean step is rounded to the shortest decimal number that gives the same printed times, as far as they are even.
     pub(super) fn even_spacing(&self, source: &FileText<'_>) -> Result<(f64, Option<StatedStep>), RecordError> {
         let (Some(&(line, start)), Some(&(_, end))) = (self.times.first(), self.times.get(1..).and_then(<[_]>::last))
         else {
@@ -51,7 +73,8 @@ impl TimeAxis {
         }
         let intervals = (self.times.len() - 1) as f64;
         let mean = (end - start) / intervals;
-        let printed = self.quantum.max(SINGLE_PRECISION * start.abs().max(end.abs()));
+        let (resolution, largest) = (self.resolution(), start.abs().max(end.abs()));
+        let printed = resolution.max(SINGLE_PRECISION * largest);
         let tolerance = printed.min(LARGEST_SHIFT * mean).max(ROUNDING * mean);
         let first_uneven = |step: f64| {
             let expected =
@@ -66,10 +89,14 @@ impl TimeAxis {
             let (file, (line, found, expected)) = (source.name.clone(), uneven);
             return Err(RecordError::UnevenTime { file, line, found, expected, time_step });
         }
-        let tolerance = tolerance / intervals + ROUNDING * mean;
-        let rounded = (0..9).filter_map(|digits| format!("{mean:.digits$e}").parse().ok());
-        let value = rounded.into_iter().find(|step: &f64| (step - mean).abs() < tolerance / 2.0).unwrap_or(mean);
-        Ok((start, Some(StatedStep { line, value, tolerance })))
+        // Times without the round-off of single precision allow no more than their digits and their own deviation.
+        let deviation = self.farthest().map_or(0.0, |(_, found, expected, _)| (found - expected).abs());
+        let own = resolution.min(tolerance).max(deviation).max(DOUBLE_PRECISION * largest);
+        let shift = if deviation > resolution.max(SUMS_IN_DOUBLE_PRECISION * largest) { tolerance } else { own };
+        let rounded = (0..17).filter_map(|digits| format!("{mean:.digits$e}").parse().ok());
+        let value =
+            rounded.into_iter().find(|step: &f64| (step - mean).abs() * intervals <= shift / 2.0).unwrap_or(mean);
+        Ok((start, Some(StatedStep { line, value, tolerance: tolerance / intervals + ROUNDING * mean })))
     }
 
     /// Returns the time farthest from even spacing: line, found and expected value, and mean step (s).
@@ -82,4 +109,14 @@ impl TimeAxis {
             self.times.iter().enumerate().map(|(index, &(line, t))| (line, t, start + index as f64 * mean, mean));
         spaced.max_by(|(_, a, at, _), (_, b, bt, _)| (a - at).abs().total_cmp(&(b - bt).abs()))
     }
+}
+
+/// Returns the exponent of the first significant digit of a number; 0 for 0.
+fn decade(number: f64) -> i32 {
+    // Exact for powers of ten, unlike a logarithm.
+    format!("{number:e}").split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
+}
+
+fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
 }

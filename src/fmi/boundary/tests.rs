@@ -48,6 +48,8 @@ impl Call for Function {
 }
 
 impl Messenger for Panicking {
+    const DOUBLED: &[char] = &[];
+
     fn wanted(before: Wanted, _: bool, _: Option<&[Category]>) -> Wanted {
         before
     }

@@ -21,6 +21,9 @@ impl Messenger {
 }
 
 impl log::Messenger for Messenger {
+    /// A message is the format of `printf`, and a single `#` would begin a variable's number (standard, 2.1.3).
+    const DOUBLED: &[char] = &['%', '#'];
+
     /// With `logging`, the listed categories, or all; otherwise warnings and errors.
     ///
     /// The switch of FMI 2.0 is for debug logging (standard, 2.1.5), and only discarded steps are messages of the debug mode
@@ -29,19 +32,19 @@ impl log::Messenger for Messenger {
         Category::ALL.map(|category| match (logging, listed) {
             (true, None) => true,
             (true, Some(listed)) => listed.contains(&category),
-            (false, _) => !matches!(category, Category::Discard | Category::Events | Category::Steps),
+            (false, _) => !category.is_of_debugging(),
         })
     }
 
-    /// Passes the message as argument of the format `%s`, never as a format.
+    /// Passes the message as a format without arguments. Loggers that cannot read variadic arguments, as of ctypes or C#, show it, too.
     fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr) {
         let Messenger(fmi2CallbackFunctions { logger, environment, .. }) = *self;
         if let Some(logger) = logger {
             let (instance, category, message) = (instance.as_ptr(), category.as_ptr(), message.as_ptr());
-            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and one string for `%s`
-            // (standard, 2.1.5); all strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of
+            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and those that the format asks for,
+            // none, since each `%` stands twice (standard, 2.1.5); all strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of
             // the logger on it are refused before they access it; see [`crate::fmi::boundary`].
-            unsafe { logger(environment, instance, status.code(), category, c"%s".as_ptr(), message) };
+            unsafe { logger(environment, instance, status.code(), category, message) };
         }
     }
 }

@@ -23,12 +23,16 @@ impl Messenger {
 }
 
 impl log::Messenger for Messenger {
-    /// Switches each category on its own. With none enabled the logger is never called, not even for a failed instantiation
-    /// (standard, 2.3.1).
+    /// A single `#` would begin a variable's number (standard, 2.3.1).
+    const DOUBLED: &[char] = &['#'];
+
+    /// Switches the listed categories, or all. Without `logging` warnings and errors remain, as in FMI 2.0, unless they are listed: the
+    /// switch is for debug logging (standard, 2.3.1).
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
         Category::ALL.map(|category| match listed {
             Some(listed) if !listed.contains(&category) => before[category as usize],
-            Some(_) | None => logging,
+            Some(_) => logging,
+            None => logging || !category.is_of_debugging(),
         })
     }
 

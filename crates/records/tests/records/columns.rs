@@ -27,6 +27,39 @@ fn time_columns_must_be_evenly_spaced() {
     assert_eq!(accelerations(&text, &g).time_step, 0.005);
 }
 
+/// Python, pandas and JavaScript write a time with as many digits as it needs, so that a 0.0 tells nothing of the precision.
+#[test]
+fn time_steps_of_times_in_shortest_form_are_exact() {
+    let g = ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() };
+    let step = |from: f64, rows: u16, step: f64, print: &dyn Fn(f64) -> String| {
+        let time = |row: u16| print(from + f64::from(row) * step);
+        accelerations(&(0..rows).map(|row| format!("{} 0.1\n", time(row))).collect::<String>(), &g).time_step
+    };
+    for true_step in [1.0 / 128.0, 1.0 / 60.0, 1.0 / 300.0, 0.012_153_719_660_669_45, 0.01, 0.005, 0.02, 0.5] {
+        for rows in [3, 100, 101, 701, 12_801] {
+            for print in [&|t: f64| format!("{t:?}") as String, &|t: f64| format!("{t}")] as [&dyn Fn(f64) -> String; 2]
+            {
+                let found = step(0.0, rows, true_step, print);
+                assert!(
+                    (found - true_step).abs() <= 2.0 * f64::EPSILON * true_step,
+                    "{found} for {true_step}, {rows} rows"
+                );
+            }
+        }
+    }
+    // Rounded to digits, the times allow a step within half a unit of the last one over all intervals.
+    for (true_step, rows) in [(1.0 / 128.0, 701), (1.0 / 60.0, 3001), (0.005, 12_801)] {
+        let found = step(0.0, rows, true_step, &|t| format!("{}", format!("{t:.5e}").parse::<f64>().unwrap()));
+        let end = true_step * f64::from(rows - 1);
+        let unit = 10_f64.powi(end.log10().floor() as i32 - 5);
+        assert!((found - true_step).abs() * f64::from(rows - 1) <= unit, "{found} for {true_step}, {rows} rows");
+    }
+    // Decimal steps are found in sums that drift.
+    let mut sum = 0.0;
+    let summed = (0..5000).map(|_| (format!("{sum:?} 0.1\n"), sum += 0.01).0).collect::<String>();
+    assert_eq!(accelerations(&summed, &g).time_step, 0.01);
+}
+
 #[test]
 fn delimited_files_are_read_with_any_delimiter() {
     let none = ReadOptions::default();
