@@ -302,7 +302,8 @@ impl Simulation {
         Forcing { x: given.x + time * pulse.rate_at(self.run.pose.time).x, ..given }
     }
 
-    /// Passes the block right after these inputs have begun to act to `inspect`.
+    /// Passes the block right after these inputs have begun to act to `inspect`. A solver outside passes events itself: once it has begun,
+    /// the block is that of its derivatives.
     pub(super) fn inspect_after_jump<R>(&self, inputs: &Inputs, inspect: impl FnOnce(&Evaluation) -> R) -> R {
         let (block, pose) = (self.block(), &self.run.pose);
         let excitation = self.excitation(inputs);
@@ -310,7 +311,9 @@ impl Simulation {
         if let Some((_, ended)) = self.run.ending {
             // Under a block that is held the supports are, too.
             now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
-        } else if let Some(released) = self.setup.system.pose_after_jump(pose, &now) {
+        } else if self.run.piece.is_none_or(|piece| piece.last.is_none())
+            && let Some(released) = self.setup.system.pose_after_jump(pose, &now)
+        {
             now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
         }
         inspect(&now)
