@@ -36,14 +36,14 @@ pub fn short_factor<R: Real>(error: R) -> R {
     R::from(1.0) / error.sqrt().sqrt()
 }
 
-/// Returns the shortest useful step towards a stop. It is the clock's resolution at the later of `time` and `stop`.
-pub fn shortest(time: f64, stop: f64) -> f64 {
-    (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE)
+/// Returns the shortest useful step: the clock's resolution after at most the longest step from `time`, wherever the stop is.
+pub fn shortest(time: f64, longest: f64) -> f64 {
+    (f64::EPSILON * time.abs().max(longest)).max(f64::MIN_POSITIVE)
 }
 
-/// Whether the clock resolves steps of `longest` on the way to a stop `remaining` ahead.
-pub fn is_resolved(remaining: f64, longest: f64) -> bool {
-    f64::EPSILON * remaining < longest
+/// Whether the clock resolves steps of `longest` at `time`.
+pub fn is_resolved(time: f64, longest: f64) -> bool {
+    f64::EPSILON * time.abs() < longest
 }
 
 /// Returns the least value at an end, over a peak, with a new peak inside.

@@ -7,7 +7,7 @@
 //! | `RunState::steps`, in [`stepping`](super::stepping) | under one mode, by steps or swings, to the first event |
 //! | `apply` | through an event, into the next regime |
 
-use crate::block::{Block, Body, Corner, Regime, restraints};
+use crate::block::{Block, Corner, Regime, restraints};
 use crate::excitation::{Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::simulation::ending::{Ending, Progress, SimulationError};
@@ -23,10 +23,6 @@ use crate::system::beginning::Initial;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventFunction, EventKind, Transition, TransitionCounts};
 use crate::system::instant::Pose;
-
-/// Bound on the time that a call advances, times the fastest circular frequency over [`MAX_STEPS`]. It is far more than the longest step,
-/// and little enough for the clock to resolve the motion.
-const OUT_OF_REACH: f64 = 1e3;
 
 impl Simulation {
     /// Places a block at its beginning at `time` (s), with the excitation of that time.
@@ -188,9 +184,9 @@ impl Simulation {
         let Simulation { setup, run } = self;
         let since = run.pose.time;
         let excitation = setup.excitation(since, inputs);
-        let mut input = StepsInput::of_piece(setup, &excitation, [run.within_reach(&setup.system.block, stop), stop]);
+        let mut input = StepsInput::of_piece(setup, &excitation, stop);
         run.counts.evaluations += 1;
-        while run.pose.time < input.stop && run.ending.is_none() {
+        while run.pose.time < stop && run.ending.is_none() {
             // No `?`: it would copy the block at an event even if none occurs.
             match run.steps(&input, budget) {
                 Ok(StepsOutcome::Lasts) => {}
@@ -210,14 +206,6 @@ impl Simulation {
 }
 
 impl RunState {
-    /// Returns the stop, or the latest time at which the clock resolves the motion. No call reaches that: by then the block rests, or the
-    /// call has failed.
-    fn within_reach(&self, body: &Body, stop: f64) -> f64 {
-        let Body { omega_v, p, .. } = *body;
-        let beyond = self.pose.time + OUT_OF_REACH * MAX_STEPS as f64 / omega_v.max(p);
-        if self.pose.time < beyond { stop.min(beyond) } else { stop }
-    }
-
     /// Whether the motion stops at `now`, before an event. That event is later than `after` (s), and does not end the run.
     fn stops(&self, setup: &Setup, after: f64, function: EventFunction, now: &Evaluation) -> bool {
         if now.time <= after {

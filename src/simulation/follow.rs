@@ -110,7 +110,7 @@ impl Steps {
             begins_piece: std::mem::take(&mut self.begins),
             single: true,
             swing: Some(&swing),
-            ..StepsInput::of_piece(setup, &excitation, [self.stop; 2])
+            ..StepsInput::of_piece(setup, &excitation, self.stop)
         };
         let reached = match run.steps(&input, &mut self.budget) {
             Ok(StepsOutcome::Event(function, _)) => Some(function),

@@ -22,8 +22,6 @@ pub(super) struct StepsInput<'a> {
     pub(super) excitation: &'a Excitation,
     /// Where steps end (s).
     pub(super) stop: f64,
-    /// End of the piece (s). If it is later than `stop`, only a block at rest reaches it.
-    pub(super) end: f64,
     /// Whether the piece begins at the present time.
     pub(super) begins_piece: bool,
     /// Whether a single step is taken, or all steps under the present mode.
@@ -60,17 +58,8 @@ pub(super) enum StepsOutcome<'a> {
 
 impl<'a> StepsInput<'a> {
     /// Describes all steps under the present mode from here to a stop (s).
-    pub(super) fn of_piece(setup: &'a Setup, excitation: &'a Excitation, [stop, end]: [f64; 2]) -> StepsInput<'a> {
-        StepsInput {
-            setup,
-            excitation,
-            stop,
-            end,
-            begins_piece: true,
-            single: false,
-            first: FirstStep::Open,
-            swing: None,
-        }
+    pub(super) fn of_piece(setup: &'a Setup, excitation: &'a Excitation, stop: f64) -> StepsInput<'a> {
+        StepsInput { setup, excitation, stop, begins_piece: true, single: false, first: FirstStep::Open, swing: None }
     }
 
     /// The block.
@@ -82,10 +71,10 @@ impl<'a> StepsInput<'a> {
     /// Takes a step from the budget of a call.
     ///
     /// # Errors
-    /// The budget is spent, or the clock does not resolve steps of `longest` (s) from `time` to the stop.
+    /// The budget is spent, or the clock does not resolve steps of `longest` (s) at `time`.
     pub(super) fn spend(&self, budget: &mut u64, time: f64, longest: f64) -> Result<(), SimulationError> {
-        if *budget == 0 || !is_resolved(self.stop - time, longest) {
-            return Err(SimulationError::TooManySteps { time, until: self.end, steps: MAX_STEPS - *budget });
+        if *budget == 0 || !is_resolved(time, longest) {
+            return Err(SimulationError::TooManySteps { time, until: self.stop, steps: MAX_STEPS - *budget });
         }
         *budget -= 1;
         Ok(())

@@ -106,7 +106,7 @@ impl RunState {
             if steady && here.rests() {
                 // Loads may begin at this instant.
                 self.peaks.include(&here.channels_called());
-                self.settle_at_rest(input.end);
+                self.settle_at_rest(stop);
                 return Ok(StepsOutcome::Lasts);
             }
             input.spend(budget, self.pose.time, limits.longest)?;
@@ -211,7 +211,7 @@ impl RunState {
     ) -> Result<DenseStep<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let (time, &StepsInput { setup, stop, .. }) = (here.time, input);
-        let shortest = shortest(time, stop);
+        let shortest = shortest(time, longest);
         let mut attempt =
             attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest).instead_of(short));
         loop {

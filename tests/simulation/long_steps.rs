@@ -5,6 +5,7 @@ use std::cell::Cell;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
+use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::peaks::Peaks;
@@ -144,6 +145,46 @@ fn long_steps_have_the_events_and_peaks_of_short_ones() {
     let (ran, differ) = (ran.get(), differ.get());
     println!("{differ} of {ran} runs differ");
     assert!(differ <= 1 + ran / 2000, "{differ} of {ran} runs differ");
+}
+
+/// A block whose damper yields at once has, in one long step, the events of short ones: the shortest step does not depend on the stop.
+#[test]
+fn a_distant_stop_does_not_coarsen_the_steps() {
+    let common = Common { mass: 700_000.0, epsilon: 1.0, friction: 0.39959188218360325, ..Common::default() };
+    let dimensionless = Dimensionless {
+        alpha: 0.5884336294073659,
+        p: 35.35485111795873,
+        supports: Supports::Viscoelastic(Ratios { eta: 774.048544628359, xi_v: 0.6655909226351806 }),
+    };
+    let tie = Tie {
+        block: [0.0027911645450163164, 0.002305589917394768],
+        ground: [0.00813825254522918, 0.0],
+        stiffness: 14072344931.122194,
+        pretension: 57903.29037696383,
+        ..Tie::default()
+    };
+    let damper = Tie {
+        block: [-0.002210477862711015, 0.000650063338099202],
+        ground: [-0.00739046139316989, 0.0],
+        stiffness: 46693580596.160355,
+        yield_force: 2094.2695160993353,
+        hardening: 0.5,
+        kind: LinkKind::Damper,
+        ..Tie::default()
+    };
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap().with_ties(&[tie, damper]).unwrap();
+    let initial = Initial { theta: 0.29988285889348115, ..Initial::default() };
+    let settings = Settings { tolerance: 1e-6, on_separation: OnSeparation::Fly, ..Settings::default() };
+    let inputs = Inputs { a_gz: Ramp::held(1.064766873836085), ..Inputs::default() };
+    let [near, far] = [60.0, 1e6].map(|until| {
+        let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        let mut events = Vec::new();
+        simulation.advance(until, &inputs, &mut |event| events.push(*event)).unwrap();
+        events
+    });
+    assert!(near.len() > 2, "{near:?}");
+    let kinds = |events: &[Event]| events.iter().take(MAX_EVENTS).map(|event| event.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&near), kinds(&far));
 }
 
 /// A block at rest takes a step of any length, and so does one that comes to rest within the step, after a pulse or while leaning

@@ -13,5 +13,6 @@ mod sealed;
 
 mod beginning;
 mod block;
+mod exchange;
 mod instances;
 mod sequences;

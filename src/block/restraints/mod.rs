@@ -400,6 +400,13 @@ impl RestraintFunction {
         }
     }
 
+    /// Whether an impact changes the value.
+    pub fn jumps_at_impacts(self) -> bool {
+        match self {
+            RestraintFunction::Tie(_, function) => function.jumps_at_impacts(),
+        }
+    }
+
     /// Whether the block has the restraint.
     pub fn is_of(self, body: &Body) -> bool {
         match self {

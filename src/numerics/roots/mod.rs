@@ -51,6 +51,12 @@ type TimedSample = (f64, Dual);
 /// A function of time with its rate.
 pub type Function<'a> = dyn FnMut(f64) -> Dual + 'a;
 
+/// Whether a function with this value has fallen through zero: it is below by more than its round-off. Its event is due at once.
+#[inline(always)]
+pub fn has_fallen(value: f64, rounding: f64) -> bool {
+    value < -rounding
+}
+
 /// Whether a function may fall below `floor` within `duration`, by the bounds of [`may_exceed`]. It is not below at the start.
 #[inline]
 fn may_be_below(floor: f64, start: Dual, end: Dual, duration: f64) -> bool {
@@ -96,7 +102,7 @@ pub fn first_fall(
     bounded: bool,
     function: &mut Function,
 ) -> Option<f64> {
-    if start.re < -rounding {
+    if has_fallen(start.re, rounding) {
         return Some(0.0);
     }
     let (piece, last) = (duration / f64::from(pieces), (duration, end));
@@ -257,7 +263,7 @@ pub fn may_fall(start: Dual, end: Dual, rounding: f64, duration: f64) -> bool {
         may_be_below(0.0, start, end, duration)
     } else {
         // An event has just happened or is about to: search, unless the function stays at zero.
-        start.re < -rounding || end.re.abs() > rounding
+        has_fallen(start.re, rounding) || end.re.abs() > rounding
     }
 }
 

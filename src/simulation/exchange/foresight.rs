@@ -1,5 +1,6 @@
 //! A motion that is stepped from outside → its next event, if that comes soon.
 
+use crate::block::Body;
 use crate::excitation::Inputs;
 use crate::simulation::exchange::piece::Foreseen;
 use crate::simulation::state::{Pending, Simulation};
@@ -9,6 +10,9 @@ use crate::simulation::state::{Pending, Simulation};
 /// A rotation that returns within T peaks at some α (p T)²/32, here at most 8e-5 α. Longer arcs exceed a relative tolerance of 1e-6
 /// of an importer's solver a hundred times.
 const FORESIGHT: f64 = 0.05;
+
+/// Distance of two instants that a solver cannot tell apart, over the rounding of its clock. CVODE refuses to step less than 2 ulp.
+const UNRESOLVED: f64 = 16.0;
 
 /// The tolerance of steps to a foreseen event.
 const TOLERANCE_AHEAD: f64 = 1e-12;
@@ -29,11 +33,20 @@ impl Simulation {
         let mut ahead = self.clone();
         ahead.setup.settings.tolerance = TOLERANCE_AHEAD;
         let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
-        ahead.advance_to_event(stop, self.run.pose.time, inputs, &mut |_| ()).ok()?;
+        let mut passes_events = false;
+        ahead.advance_to_event(stop, self.run.pose.time, inputs, &mut |_| passes_events = true).ok()?;
         let Pending { function, .. } = ahead.run.pending?;
-        // A corner may be held or let go on the way, which is not reported.
-        let direct = ahead.run.pose.contacts == self.run.pose.contacts && ahead.run.last_event == self.run.last_event;
+        // A corner may be held or let go on the way, or a tie become slack, which is not reported.
+        let [then, now] = [&ahead.run.pose, &self.run.pose];
+        let direct =
+            !passes_events && then.contacts == now.contacts && then.restraints.modes() == now.restraints.modes();
         direct.then_some(Foreseen { pose: ahead.run.pose, function, peaks: ahead.run.peaks, inputs: *inputs })
+    }
+
+    /// The time (s) within which the clock of a solver outside does not tell two instants apart.
+    pub fn clock_rounding(&self) -> f64 {
+        let Body { omega_v, p, .. } = self.block().body;
+        UNRESOLVED * f64::EPSILON * self.run.pose.time.abs().max(1.0 / omega_v.max(p))
     }
 
     /// Forgets an event that was foreseen under other inputs than these.

@@ -12,6 +12,7 @@ use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
 use crate::numerics::dual::Dual;
 use crate::simulation::energies::{WORKS, powers};
+use crate::simulation::limits::Limits;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::state::RunState;
 use crate::simulation::step_interior::{Between, StepInterior};
@@ -110,10 +111,10 @@ impl Simulation {
         if self.run.ending.is_some() {
             return [0.0; STATES];
         }
-        let (block, excitation) = (self.block(), self.excitation(inputs));
-        let now = self.run.now(block, &excitation);
-        let x = &now.instant;
-        with_works([x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot], powers(&now))
+        self.inspect_after_jump(inputs, |now| {
+            let x = &now.instant;
+            with_works([x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot], powers(now))
+        })
     }
 
     /// The event indicators: an event is due where one falls below zero.
@@ -128,7 +129,7 @@ impl Simulation {
         let surfaces = self.all_surfaces().into_iter().zip(offsets);
         let mut indicators = [IDLE; INDICATORS];
         for (indicator, (function, offset)) in indicators.iter_mut().zip(surfaces) {
-            *indicator = function.map_or(IDLE, |function| indicator_of(function, &now, offset));
+            *indicator = function.map_or(IDLE, |function| indicator_of(function, &now, offset, false));
         }
         indicators
     }
@@ -166,15 +167,19 @@ impl Simulation {
         // At the beginning no offset is known.
         let mut offsets =
             offsets.filter(|o| foreseen.is_none() && *o != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
+        let mut jumped = foreseen.is_some();
         while self.run.ending.is_none() {
             let surfaces = self.all_surfaces().into_iter().zip(offsets);
             let fallen = surfaces.filter_map(|(function, offset)| {
-                let below = indicator_of(function?, &now, offset);
+                let below = indicator_of(function?, &now, offset, jumped);
                 (below <= 0.0).then_some((function?, below))
             });
             let Some((function, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            // A tie may be taut and break in one instant.
+            self.run.peaks.include_restraints(&now);
             now = self.run.apply(&self.setup, function, &now, observer)?;
             offsets = self.offsets(&now);
+            jumped = true;
         }
         self.run.peaks.include(&now.channels_called());
         let (since, last, foreseen) = (self.run.pose.time, Some(self.run.pose), self.foresee(inputs, until));
@@ -189,7 +194,8 @@ impl Simulation {
 
     /// Includes peaks, slip and plastic paths of the step since the last call, unless a state is not finite. `inputs` are linear over it.
     ///
-    /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
+    /// The motion between its ends is the polynomial that has their displacements, rates and accelerations. A step longer than the block's
+    /// own longest one counts by its ends alone: the polynomial would overshoot.
     pub fn complete_step(&mut self, inputs: &Inputs) {
         if self.run.ending.is_some() {
             return;
@@ -203,13 +209,19 @@ impl Simulation {
         let last = self.run.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
             let mode = AnyMode::of(block, &last);
+            let tolerance = self.setup.settings.tolerance;
             match mode.extended() {
-                Some(mode) => self.run.accumulate_step::<WITH_WORKS>(
-                    Motion::under(mode, block, &last, &excitation),
-                    &last,
-                    &there,
-                ),
-                None => self.run.accumulate_step::<4>(Motion::under(mode, block, &last, &excitation), &last, &there),
+                Some(mode) => {
+                    let motion = Motion::under(mode, block, &last, &excitation);
+                    let Limits { longest, .. } =
+                        Limits::<WITH_WORKS>::of(block, tolerance, mode, excitation.frequency());
+                    self.run.accumulate_step::<WITH_WORKS>(motion, &last, &there, longest);
+                }
+                None => {
+                    let motion = Motion::under(mode, block, &last, &excitation);
+                    let Limits { longest, .. } = Limits::<4>::of(block, tolerance, mode, excitation.frequency());
+                    self.run.accumulate_step::<4>(motion, &last, &there, longest);
+                }
             }
         }
         self.run.peaks.include(&channels);
@@ -275,26 +287,36 @@ impl Simulation {
             };
             let sample = function.sample(now);
             let rateless = sample.eps.abs() <= NO_RATE * function.rounding(now.body) * now.body.p;
-            let jumps = (function, now.body.foundation) == (EventFunction::GripPressure, Foundation::Rigid);
-            let follows = function.follows_from_state(now.body.foundation) && !jumps;
+            let foundation = now.body.foundation;
+            let follows = function.follows_from_state(foundation) && !function.jumps_at_impacts(foundation);
             if sample.re < 0.0 && rateless && follows { rounding - sample.re } else { rounding }
         })
     }
 }
 
 impl RunState {
-    /// Includes the peaks of a step from the pose `last` to `there`.
-    fn accumulate_step<const N: usize>(&mut self, motion: Motion<impl MotionMode, N>, last: &Pose, there: &Evaluation) {
+    /// Includes the peaks of a step from the pose `last` to `there`, its ends alone if it is longer than `longest` (s).
+    fn accumulate_step<const N: usize>(
+        &mut self,
+        motion: Motion<impl MotionMode, N>,
+        last: &Pose,
+        there: &Evaluation,
+        longest: f64,
+    ) {
         let here = motion.at(last.time, motion.state_at(last));
+        self.accumulate_slip(&here, there);
+        self.accumulate_plastic(&here, there);
+        if there.time - here.time > longest {
+            self.peaks.include_restraints(there);
+            return;
+        }
         let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
         let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
         // An importer may take steps of any length, so the rates of all channels are compared.
         let near = 0.0;
         let mut inside = StepInterior { motion, between: Between::Known(between), evaluations: 0 };
         inside.include_in(&mut self.peaks, &here, there, near);
-        self.accumulate_slip(&here, there);
         self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
-        self.accumulate_plastic(&here, there);
     }
 }
 
@@ -318,12 +340,14 @@ pub fn nominals(block: &Block) -> ContinuousStates {
 ///
 /// A function falls through zero only while it falls. So the indicator is positive while the function rises, and clearly
 /// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of
-/// the rate right, but may get that of the value wrong.
-fn indicator_of(function: EventFunction, now: &Evaluation, offset: f64) -> f64 {
+/// the rate right, but may get that of the value wrong. Where an event of this instant may have `jumped` the function below zero, its
+/// value alone decides, as inside the block.
+fn indicator_of(function: EventFunction, now: &Evaluation, offset: f64, jumped: bool) -> f64 {
     let size = function.rounding(now.body) / ROUNDING;
     let sample = function.sample(now);
     let value = sample.re + offset;
     // Elsewhere the rate depends on those of the inputs, which are not known.
-    let has_rate = function.follows_from_state(now.body.foundation);
+    let foundation = now.body.foundation;
+    let has_rate = function.follows_from_state(foundation) && !(jumped && function.jumps_at_impacts(foundation));
     (if has_rate { value.max(sample.eps / now.body.p) } else { value }) / size
 }

@@ -184,7 +184,7 @@ impl Lane {
         self.longest = longest;
         let (time, stop) = (self.simulation.run.pose.time, self.stop);
         let size = stop - time;
-        if self.budget == 0 || !is_resolved(size, longest) {
+        if self.budget == 0 || !is_resolved(time, longest) {
             return None;
         }
         let control = &self.simulation.run.control;
@@ -200,7 +200,7 @@ impl Lane {
         if is_short {
             self.attempt = Attempt::to_stop(size);
         } else if !matches!(self.next, NextStep::Shorter) {
-            self.attempt = control.attempt(size, longest, shortest(time, stop)).instead_of(short);
+            self.attempt = control.attempt(size, longest, shortest(time, longest)).instead_of(short);
         }
         self.transposed.step = [time, self.end_time(), self.attempt.size, longest];
         Some(BatchKind::Step { stance, short: is_short })
@@ -221,7 +221,7 @@ impl Lane {
             Ok(StepsOutcome::Event(EventFunction::Gap(pivot.other()), run.now(block, &excitation)))
         } else {
             let (begins_piece, first) = (next.begins_piece(), next.first_step(*attempt));
-            let input = StepsInput::of_piece(setup, &excitation, [*stop; 2]);
+            let input = StepsInput::of_piece(setup, &excitation, *stop);
             run.steps(&StepsInput { begins_piece, single, first, ..input }, budget)
         };
         let done = match outcome {
@@ -287,9 +287,9 @@ impl Lane {
     /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
     /// whether it does.
     fn reject(&mut self, root: f64) -> bool {
-        let Lane { simulation: Simulation { run, .. }, attempt, stop, .. } = self;
+        let Lane { simulation: Simulation { run, .. }, attempt, longest, .. } = self;
         let factor = size_factor(root);
-        if attempt.size * factor < shortest(run.pose.time, *stop) {
+        if attempt.size * factor < shortest(run.pose.time, *longest) {
             return false;
         }
         *attempt = run.control.reject(attempt, factor);

@@ -278,7 +278,7 @@ impl Lane {
     pub(super) fn swing_kind(&self) -> Option<BatchKind> {
         let LaneSwing { excitation, longest, away, .. } = &self.swing;
         let remaining = self.stop - self.simulation.run.pose.time;
-        let can = excitation.has_series() && self.budget > 0 && is_resolved(remaining, *longest);
+        let can = excitation.has_series() && self.budget > 0 && is_resolved(self.simulation.run.pose.time, *longest);
         // Without an excitation, and as if at the base all the time.
         let [theta, theta_dot, ..] = self.simulation.run.pose.state.0;
         let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);

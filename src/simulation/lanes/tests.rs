@@ -45,10 +45,33 @@ fn a_run_that_has_no_steps_left_gives_up() {
     gives_up(&mut group[0]);
 }
 
-/// A stop so far away that the clock cannot resolve the motion on the way.
+/// A stop however far away is reached by steps that the clock resolves, with the bits of a run alone.
+#[test]
+fn a_run_to_a_far_stop_has_the_bits_of_a_run_alone() {
+    let mut group = [Box::new(lane())];
+    let mut alone = group[0].simulation.clone();
+    alone.advance(1e300, &Inputs::default(), &mut |_| ()).unwrap();
+    group[0].send(1e300, &Inputs::default());
+    loop {
+        match group[0].next_step(&Inputs::default()) {
+            Next::Arrived => break,
+            Next::Alone => group[0].step_alone(&Inputs::default(), &mut |_| ()).unwrap(),
+            Next::Together(kind) => {
+                if VectorWidth::widest().map(|width| step_group(width, kind, &mut group)) != Some(1) {
+                    group[0].step_alone(&Inputs::default(), &mut |_| ()).unwrap();
+                }
+            }
+        }
+    }
+    assert_eq!(group[0].simulation().pose(), alone.pose());
+    assert_eq!(group[0].simulation().peaks(), alone.peaks());
+}
+
+/// Where the clock does not resolve the steps of a moving block.
 #[test]
 fn a_run_that_the_clock_does_not_resolve_gives_up() {
     let mut lane = lane();
-    lane.send(1e300, &Inputs::default());
+    lane.simulation.set_time(1e18);
+    lane.send(2e18, &Inputs::default());
     gives_up(&mut lane);
 }

@@ -36,6 +36,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::restraints;
 use crate::block::{Body, Corner, Foundation, Kinematics, Regime};
 use crate::numerics::dual::Dual;
+use crate::numerics::roots::has_fallen;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
@@ -193,6 +194,22 @@ impl EventFunction {
         }
     }
 
+    /// Whether an impact may leave the function below zero. After each event `settle` decides the other functions of velocities anew.
+    pub fn jumps_at_impacts(self, foundation: Foundation) -> bool {
+        match self {
+            EventFunction::GripPressure => foundation == Foundation::Rigid,
+            EventFunction::Restraint(function) => function.jumps_at_impacts(),
+            EventFunction::Reaction(_)
+            | EventFunction::Gap(_)
+            | EventFunction::Held(_)
+            | EventFunction::Unloaded(_)
+            | EventFunction::Friction(_)
+            | EventFunction::Speed
+            | EventFunction::StandingSlide
+            | EventFunction::QuarterTurn => false,
+        }
+    }
+
     /// Whether the block has the watched restraint, if this event function belongs to one.
     pub fn is_of(self, body: &Body) -> bool {
         if let EventFunction::Restraint(function) = self { function.is_of(body) } else { true }
@@ -290,7 +307,8 @@ where
     #[inline]
     pub fn crossed_by_jump(&self, now: &Evaluation<T>) -> Option<EventFunction> {
         if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
-            let slides = |function: &EventFunction| function.value(now).value() < -function.rounding(&self.block);
+            let slides =
+                |function: &EventFunction| has_fallen(function.value(now).value(), function.rounding(&self.block));
             // Friction first, since a sliding foot has other reactions.
             if let Some(function) = Corner::BOTH.map(EventFunction::Friction).into_iter().find(slides) {
                 return Some(function);

@@ -37,23 +37,27 @@ impl Unit {
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
         self.preview()?;
         let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else { return Err(no_block()) };
-        let time = simulation.time();
-        let (acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
-        self.acting = Some(acting);
+        let (time, before) = (simulation.time(), simulation.clone());
+        let present = time + simulation.clock_rounding();
         self.observed = ObservationCache::default();
-        let before = simulation.clone();
-        simulation.pass_events(&acting, end, observer).map_err(|error| {
-            // A failed transition may leave numbers that are not finite.
-            *simulation = before;
-            self.phase = Phase::Error;
-            Fault::new(error.to_string())
-        })?;
-        let after = simulation.states(&acting);
-        // Events leave the works unchanged, except for the last one: the energy of a spring that breaks.
-        self.states[..6].copy_from_slice(&after[..6]);
-        self.states[STATES - 1] = after[STATES - 1];
+        let next_time = loop {
+            let (acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, simulation.time());
+            self.acting = Some(acting);
+            if let Err(error) = simulation.pass_events(&acting, end, observer) {
+                // A failed transition may leave numbers that are not finite.
+                *simulation = before;
+                self.phase = Phase::Error;
+                return Err(Fault::new(error.to_string()));
+            }
+            self.states = simulation.states(&acting);
+            match [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min) {
+                // No solver steps to a time so near.
+                Some(next) if next <= present && simulation.ending().is_none() => simulation.set_time(next),
+                next => break next,
+            }
+        };
+        simulation.set_time(time);
         self.last_inputs = self.inputs;
-        let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {
             ended: simulation.ending().is_some() && !simulation.is_frozen(),
             states_changed: true,

@@ -1,6 +1,7 @@
 //! The block stepped from outside, as in Model Exchange: sizes of its states, peaks between them, events and energies; derivatives in a file of their own.
 
 mod derivatives;
+mod links;
 
 use rocking_block::block::restraints::{self, Tie};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Ratios, Regime, Supports};
@@ -102,6 +103,35 @@ fn peaks_between_external_states_match_the_motion() {
             assert!(close(found.uplift, peaks.uplift, peaks.uplift), "{found:?}, {peaks:?}");
         }
     }
+}
+
+/// Steps of an importer longer than the block's own count by their ends: no peak exceeds that of the motion.
+#[test]
+fn peaks_of_coarse_external_steps_are_no_greater_than_those_of_the_motion() {
+    let block = block(Foundation::Viscoelastic, 0.25, 20.0, 0.02);
+    let bounce = Some((0.0, 0.3 * block.static_deflection() * block.omega_v));
+    let initial = Initial { theta: 0.0, theta_dot: 0.3 * block.separation_angle() * block.p, vertical: bounce };
+    let h = 4.0 / block.omega_v;
+    let mut sum = 0.0;
+    for seventh in 0..7 {
+        let mut motion = start(block, &initial);
+        let mut outside = motion.clone();
+        outside.begin_exchange();
+        outside.pass_events(&Inputs::default(), f64::INFINITY, &mut |_| ()).unwrap();
+        for step in 0..3 {
+            let end = h * (f64::from(step) + f64::from(seventh + 1) / 7.0);
+            go(&mut motion, end);
+            outside.set_states(end, &motion.states(&Inputs::default()));
+            outside.complete_step(&Inputs::default());
+        }
+        assert_eq!(motion.counts().liftoffs + motion.counts().impacts, 0, "the regime lasts");
+        let (found, most) = (outside.peaks(), motion.peaks());
+        for (found, most) in [(found.theta, most.theta), (found.reaction, most.reaction)] {
+            assert!(found <= most * (1.0 + 1e-12), "{found}, not {most}, from {seventh}/7 of a step");
+        }
+        sum += found.reaction / most.reaction;
+    }
+    assert!(sum > 6.0, "the ends count: {sum}");
 }
 
 /// In flight under a ground acceleration linear in time, the height is a cubic, which one external step reproduces exactly. It

@@ -5,7 +5,7 @@ use super::{Landmark, LandmarkKind, PushoverError};
 use rocking_block::block::restraints::{self, RestraintFunction, Ties};
 use rocking_block::block::{Block, Body, Contacts, Corner, Foundation, Regime};
 use rocking_block::excitation::Excitation;
-use rocking_block::numerics::roots::sign_change;
+use rocking_block::numerics::roots::{has_fallen, sign_change};
 use rocking_block::system::System;
 use rocking_block::system::beginning::Initial;
 use rocking_block::system::instant::Pose;
@@ -189,11 +189,11 @@ impl<'a> Walk<'a> {
                 // Forces jump in events, and with them the growth.
                 Watched::Growth => at_start <= 0.0,
                 Watched::Force => false,
-                _ => at_start < -rounding || (at_start <= rounding && at_end < -rounding),
+                _ => has_fallen(at_start, rounding) || (at_start <= rounding && has_fallen(at_end, rounding)),
             };
             let distance = if falls_at_once {
                 0.0
-            } else if at_start > 0.0 && at_end < -rounding {
+            } else if at_start > 0.0 && has_fallen(at_end, rounding) {
                 let value =
                     |x: f64| self.solve(from + x * direction).map_or(f64::NAN, |there| self.value(watched, &there));
                 sign_change(0.0, step, at_start, at_end, value)

@@ -174,6 +174,18 @@ impl TieFunction {
         }
     }
 
+    /// Whether an impact changes the value, which depends on the rate of elongation.
+    pub fn jumps_at_impacts(self) -> bool {
+        match self {
+            TieFunction::Shortness | TieFunction::Stretch | TieFunction::Yield(_) => false,
+            TieFunction::Tension
+            | TieFunction::Limpness
+            | TieFunction::Strength
+            | TieFunction::Thrust
+            | TieFunction::Unload(_) => true,
+        }
+    }
+
     /// Returns the size of its terms.
     #[inline(never)]
     pub fn size<T: Elementary>(self, body: &Body<T>, tie: &Tie<T>) -> f64 {

@@ -1,0 +1,197 @@
+//! Ties, dampers and friction of a block stepped from outside: its events, motion and energies are those of the block itself.
+
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+use rocking_block::block::restraints::tie::{LinkKind, MAX_TIES};
+
+use super::*;
+use crate::blocks::rigid;
+
+/// A block, its pulse, its beginning, and the length of the run (s) with that of the importer's steps.
+#[derive(Clone, Debug)]
+struct Case {
+    block: Block,
+    pulse: Pulse,
+    initial: Initial,
+    end: f64,
+    h: f64,
+}
+
+/// Runs a block by itself and by an importer's solver, and compares them.
+fn compare(case: &Case) -> (Vec<Event>, Energies) {
+    let Case { block, pulse, ref initial, end, h } = *case;
+    let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
+    let inputs = Inputs::default();
+    let mut inside = Simulation::new(block, settings, pulse, initial, 0.0, &inputs);
+    let mut outside = Outside::begin(&inside, inputs);
+    let mut events = Vec::new();
+    inside.advance(end, &inputs, &mut |event| events.push(*event)).unwrap();
+    outside.go(end, h);
+    let listed = |events: &[Event]| events.iter().map(|event| format!("\n    {event}")).collect::<String>();
+    let lists = || format!("{case:?}\ninside:{}\noutside:{}", listed(&events), listed(&outside.events));
+    assert_eq!(kinds_by_instant(&events), kinds_by_instant(&outside.events), "{}", lists());
+    let theta = [&inside, &outside.simulation].map(|simulation| simulation.state()[0]);
+    assert!((theta[0] - theta[1]).abs() < 1e-6 * block.alpha, "{theta:?} {}", lists());
+    let [found, expected] = [&outside.simulation, &inside].map(Simulation::energies);
+    let size = block.mass * block.gravity * block.r0 * block.alpha * block.alpha;
+    for (found, expected) in [
+        (found.restraints.ties, expected.restraints.ties),
+        (found.restraints.dampers, expected.restraints.dampers),
+        (found.friction, expected.friction),
+        (found.residual, 0.0),
+    ] {
+        assert!((found - expected).abs() < 1e-6 * size, "{found} J, not {expected} J: {}", lists());
+    }
+    let close = |found: [f64; MAX_TIES], expected: [f64; MAX_TIES], share: f64| {
+        let most = expected.iter().fold(0.0, |most: f64, peak| most.max(*peak));
+        found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= share * most)
+    };
+    let [found, expected] = [&outside.simulation, &inside].map(Simulation::peaks);
+    let is_close = close(found.pull, expected.pull, 1e-4) && close(found.plastic, expected.plastic, 1e-5);
+    assert!(is_close, "{found:?}, not {expected:?}: {}", lists());
+    (events, inside.energies())
+}
+
+/// Returns the kinds of the events of each instant. Links on one pivot turn back together, and round-off decides which is first.
+fn kinds_by_instant(events: &[Event]) -> Vec<Vec<String>> {
+    const INSTANT: f64 = 1e-9;
+    let instants = events.chunk_by(|first, second| second.time - first.time < INSTANT);
+    let sorted = |events: &[Event]| {
+        let mut kinds: Vec<_> = events.iter().map(|event| format!("{:?}", event.kind)).collect();
+        kinds.sort();
+        kinds
+    };
+    instants.map(sorted).collect()
+}
+
+fn words(events: &[Event]) -> Vec<String> {
+    events.iter().map(|event| event.to_string().split(": ").nth(1).unwrap().to_string()).collect()
+}
+
+/// A landing that turns the motion of a yielding damper back unloads it in that instant.
+#[test]
+fn a_landing_unloads_a_damper_that_yields() {
+    let damper =
+        Tie { ground: [0.0, -5.0], stiffness: 2e4, yield_force: 300.0, kind: LinkKind::Damper, ..Tie::default() };
+    let block = rigid(0.25, 1.0, 0.0).with_ties(&[damper]).unwrap();
+    let initial = Initial { theta: -0.2, ..Initial::default() };
+    let (events, energies) = compare(&Case { block, pulse: Pulse::NONE, initial, end: 4.0, h: 1e-3 });
+    let (landing, unloading) = (events[2], events[3]);
+    assert_eq!(landing.time, unloading.time);
+    assert!(words(&events)[3].starts_with("damper 1 unloads"), "{events:?}");
+    assert!(energies.restraints.dampers > 150.0, "{energies:?}");
+}
+
+/// The spring of a tie that breaks is lost, and its energy is counted.
+#[test]
+fn the_energy_of_a_tie_that_breaks_is_lost() {
+    for kind in LinkKind::ALL {
+        let tie =
+            Tie { block: [-0.4, 1.0], ground: [-0.4, -1.0], stiffness: 2e4, strength: 300.0, kind, ..Tie::default() };
+        for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+            let block = on(foundation, 0.25, 2.0, 40.0, 0.1).with_ties(&[tie]).unwrap();
+            let initial = Initial { theta_dot: 0.4, ..Initial::default() };
+            let (events, energies) = compare(&Case { block, pulse: Pulse::NONE, initial, end: 0.3, h: 2e-4 });
+            assert!(words(&events).iter().any(|word| word.contains("breaks")), "{events:?}");
+            let restraints::RestraintEnergies { ties, dampers } = energies.restraints;
+            assert!((ties + dampers - 300.0 * 300.0 / (2.0 * 2e4)).abs() < 1e-9, "{energies:?}");
+        }
+    }
+}
+
+/// A damped tie that becomes taut with more than its strength breaks in that instant. Its strength is the peak of its pull.
+#[test]
+fn the_pull_of_a_tie_that_breaks_as_it_is_taut_is_a_peak() {
+    let tie = Tie {
+        block: [-0.5, 1.0],
+        ground: [-0.5, -1.0],
+        stiffness: 1e4,
+        slack: 0.01,
+        damping: 1e4,
+        strength: 1000.0,
+        ..Tie::default()
+    };
+    let block = on(Foundation::Rigid, 0.25, 2.0, 40.0, 0.1).with_ties(&[tie]).unwrap();
+    let initial = Initial { theta_dot: 0.4, ..Initial::default() };
+    let (events, _) = compare(&Case { block, pulse: Pulse::NONE, initial, end: 0.3, h: 2e-4 });
+    let at = words(&events).iter().position(|word| word.contains("breaks")).unwrap();
+    assert_eq!(events[at - 1].time, events[at].time, "{events:?}");
+}
+
+prop_compose! {
+    fn link(b: f64, h: f64, weight: f64)(
+        damper in any::<bool>(),
+        side in prop_oneof![Just(-1.0), Just(1.0), Just(0.5)],
+        up in prop_oneof![Just(0.0), Just(1.0)],
+        deep in 0.3..3.0_f64,
+        stiffness in 2.0..40.0,
+        yields in prop_oneof![Just(0.0_f64), 0.02..0.2],
+        hardening in prop_oneof![Just(0.0), 0.0..0.3],
+        strength in prop_oneof![3 => Just(0.0), 1 => 0.1..0.6],
+        damping in prop_oneof![Just(0.0), 0.01..0.3],
+        // A tie that is just taut at rest is so in each landing, and round-off decides whether it is slack before.
+        (pretension, slack) in prop_oneof![(0.01..0.1_f64, 0.0..=0.0), (0.0..1e-300, 0.001..=0.02)],
+    ) -> Tie {
+        let kind = if damper { LinkKind::Damper } else { LinkKind::Tie };
+        let of_tie = |number: f64| if damper { 0.0 } else { number };
+        Tie {
+            block: [side * b, up * h],
+            ground: [side * b, -deep * h],
+            stiffness: stiffness * weight / h,
+            yield_force: yields * weight,
+            hardening,
+            strength: strength * weight,
+            damping: damping * weight / h,
+            // A tie that is beyond its yield force at rest yields at once.
+            pretension: of_tie(if yields > 0.0 { pretension.min(0.8 * yields) } else { pretension }) * weight,
+            slack: of_tie(slack) * h,
+            kind,
+        }
+    }
+}
+
+prop_compose! {
+    fn cases()(
+        rigid in any::<bool>(),
+        [alpha, p, eta, xi_v] in [0.15..0.35_f64, 1.0..3.0, 15.0..50.0, 0.05..0.4],
+        friction in prop_oneof![2 => Just(0.0), 1 => 0.2..0.5],
+        amplitude in 1.1..3.0,
+        period in 0.2..0.8_f64,
+        count in 1..4_usize,
+        shape in prop_oneof![Just(PulseShape::OneSine), Just(PulseShape::OneCosine), Just(PulseShape::C1)],
+    )(
+        links in {
+            let block = on(if rigid { Foundation::Rigid } else { Foundation::Viscoelastic }, alpha, p, eta, xi_v);
+            prop::collection::vec(link(block.b, block.h, block.mass * block.gravity), count)
+        },
+        rigid in Just(rigid),
+        numbers in Just([alpha, p, eta, xi_v, friction, amplitude, period]),
+        shape in Just(shape),
+    ) -> Case {
+        let [alpha, p, eta, xi_v, friction, amplitude, period] = numbers;
+        let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let mut block = on(foundation, alpha, p, eta, xi_v).with_ties(&links).unwrap();
+        block.body.friction = friction;
+        let period = 2.0 * std::f64::consts::PI / p * period;
+        let amplitude = block.gravity * alpha.tan() * amplitude;
+        let pulse = Pulse { shape, amplitude, period, start: 0.0, ..Pulse::NONE };
+        Case { block, pulse, initial: Initial::default(), end: 1.0 / p + period, h: 4e-4 / p }
+    }
+}
+
+/// Random blocks with friction and links that yield and break have the events, motion and energies of Co-Simulation.
+#[test]
+fn random_blocks_with_links_and_friction_have_the_events_of_the_block_itself() {
+    let (mut runner, mut seen) = (TestRunner::deterministic(), std::collections::BTreeMap::<String, u32>::new());
+    for number in 0..60 {
+        let case = cases().new_tree(&mut runner).unwrap().current();
+        println!("case {number}");
+        for event in compare(&case).0 {
+            *seen.entry(event.kind.word().into()).or_default() += 1;
+        }
+    }
+    for word in ["landing", "slip", "grip", "taut", "slack", "yield", "unload", "break"] {
+        assert!(seen.get(word).is_some_and(|count| *count >= 5), "{word}: {seen:?}");
+    }
+}
