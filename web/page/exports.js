@@ -32,13 +32,11 @@ async function ask(engine, request) {
 }
 
 /** The table of the run that is shown, in pieces. */
-async function table(engine, currentRun) {
-  const run = currentRun();
+async function table(engine, run) {
   const parts = [];
   for (let from = 0; from === 0 || from < run.rows; from += ROWS) {
     $("copied").textContent = from ? `table: ${Math.round((100 * from) / run.rows)} %` : "";
-    const { buffer } = await ask(engine, { op: "csv", from, to: from + ROWS });
-    if (currentRun() !== run) throw new Error("another run took the place of this one; save its table again");
+    const { buffer } = await ask(engine, { op: "csv", run: run.number, from, to: from + ROWS });
     parts.push(new Blob([buffer]));
   }
   return new Blob(parts);
@@ -47,8 +45,8 @@ async function table(engine, currentRun) {
 /** Sets up the buttons for the table and the picture of a run; `recover` is called after a failure. */
 export function setUpSaving(engine, currentRun, recover) {
   const makers = {
-    csv: ["history.csv", "text/csv", () => table(engine, currentRun)],
-    svg: ["history.svg", "image/svg+xml", async () => (await ask(engine, { op: "svg" })).buffer],
+    csv: ["history.csv", "text/csv", (run) => table(engine, run)],
+    svg: ["history.svg", "image/svg+xml", async (run) => (await ask(engine, { op: "svg", run: run.number })).buffer],
   };
   for (const [op, [name, type, make]] of Object.entries(makers)) {
     const button = $(`save-${op}`);
@@ -56,8 +54,9 @@ export function setUpSaving(engine, currentRun, recover) {
       button.disabled = true;
       say($("save-error"), "");
       try {
-        if (!currentRun()) throw new Error("no run yet; expected one before its export");
-        save(name, type, await make());
+        const run = currentRun();
+        if (!run) throw new Error("no run yet; expected one before its export");
+        save(name, type, await make(run));
       } catch (error) {
         say($("save-error"), `${name} cannot be made: ${error.message}`);
         recover();

@@ -31,7 +31,7 @@ const FORMATS = { smc: "USGS SMC", columns: "table (CSV)", esm: "ESM, AFAD", kne
 /** Settings for information missing from a file. A file of fixed width needs a layout, which has no field. */
 const settings = (prefix, slot, when) => [
   { id: `${prefix}unit`, label: "Unit", kind: "choice", value: "", group: slot, when, options: [
-    ["", "as the file says"], ["g", "g"], ["m/s2", "m/s²"], ["cm/s2", "cm/s²"]] },
+    ["", "as the file says"], ...SPECIFICATION.units_of_records] },
   number("dt", "Time step", slot, { id: `${prefix}dt`, hint: "as the file says", when }),
   { id: `${prefix}format`, label: "Format", kind: "choice", value: "", group: slot, when, options: [
     ["", "by its content"], ...labelled(Object.keys(formats).filter((word) => word !== "fixed"), { ...formats, ...FORMATS })] },
@@ -60,6 +60,9 @@ const tie = (place, ground_x, when) => link("tie", place, { block_z: "2.4", grou
 /** A damper under the corner at `x` (m) to the right. */
 const damper = (place, x, when) =>
   link("damper", place, { block_x: x, ground_x: x, ground_z: "-0.6", stiffness: "200000", yield_force: "1000", hardening: "0.02" }, when);
+
+/** Scales of records until the user chooses one: the embedded record is weak. */
+export const SCALES = { embedded: "2", file: "1" };
 
 /** Labels of pulses. */
 const PULSES = {
@@ -117,7 +120,7 @@ export const FIELDS = [
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
   { id: "record", slot: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
-  { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
+  { id: "scale", label: "Scale", unit: "1", value: SCALES.embedded, slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
     options: labelled(pulses.filter((word) => word !== "none"), PULSES) },
   number("amplitude", "Amplitude", "ground", { symbol: "aₚ", value: "4", slider: [0.2, 20, "log"], when: on("excitation", "pulse") }),
@@ -168,6 +171,8 @@ export function fromHash(hash) {
   for (const [id, value] of given) if (isKnown(id)) state[id] = value;
   // Links of earlier versions have no switch: a coefficient above 0 was the limit.
   if (!given.has("sliding") && Number(given.get("friction")) > 0) state.sliding = "friction";
+  // Links of earlier versions with a file leave its scale out if it is that of the embedded record.
+  if (state.excitation === "file" && !given.has("scale") && !given.has("record_name")) state.scale = SCALES.file;
   return state;
 }
 
@@ -177,11 +182,12 @@ export function unknownIn(hash) {
   return names.map((id) => ({ field: "link", message: `found ${id.slice(0, 40)}; expected the name of a field, as eta` }));
 }
 
-/** The address of a state: only the values that differ from the defaults and are in use. */
+/** The address of a state: only the values that differ from the defaults and are in use, and the scale of a file. */
 export function toHash(state) {
   const parts = new URLSearchParams();
   for (const { id, when } of STATE) {
-    if (state[id] !== DEFAULTS[id] && (!when || when(state))) parts.set(id, state[id]);
+    const isOwn = state[id] !== DEFAULTS[id] || (id === "scale" && state.excitation === "file");
+    if (isOwn && (!when || when(state))) parts.set(id, state[id]);
   }
   if (state.excitation === "file" && state.record_name) parts.set("record_name", state.record_name);
   if (state.vertical === "file" && state.vertical_name) parts.set("vertical_name", state.vertical_name);

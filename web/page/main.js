@@ -4,7 +4,7 @@ import { makeControl } from "./controls.js";
 import { $, element, say } from "./dom.js";
 import { Engine } from "./engine.js";
 import { copy, setUpSaving } from "./exports.js";
-import { DEFAULTS, FIELDS, fromHash, toHash, unknownIn } from "./fields.js";
+import { DEFAULTS, FIELDS, SCALES, fromHash, toHash, unknownIn } from "./fields.js";
 import { slotsOf, watchDrops } from "./files.js";
 import { Player } from "./player.js";
 import { Histories } from "./plots.js";
@@ -74,12 +74,19 @@ function change(id, value) {
   } else if (surfaces) {
     chosenPairs[surfaces] = value;
     if (value) [state[surfaces]] = value.split("|");
-  } else state[id] = value;
+  } else if (id === "excitation") excite(value);
+  else state[id] = value;
   if (group === "spectrum" || group === "ensemble") {
     showFields();
     remember();
     showErrors([], group);
   } else adopt();
+}
+
+/** Chooses the excitation, whose scale is that of its kind unless the user has chosen another. */
+function excite(excitation) {
+  if (excitation !== state.excitation && excitation in SCALES && Object.values(SCALES).includes(state.scale)) state.scale = SCALES[excitation];
+  state.excitation = excitation;
 }
 
 /** Shows the state after a change, and asks for its run. */
@@ -139,7 +146,7 @@ async function take(files, on) {
   files.forEach(({ name }, i) => {
     const slot = slots[i];
     state[`${slot}_name`] = name;
-    if (slot === "record") state.excitation = "file";
+    if (slot === "record") excite("file");
     else state.vertical = "file";
     for (const one of [engine, ...helpers]) one.setFile(slot, name, contents[i]);
   });
@@ -152,6 +159,8 @@ watchDrops(take, refuseFiles);
 
 let running = false;
 let again = false;
+/** Number of runs so far, by which exports name the one that is shown. */
+let number = 0;
 
 /** Asks for a run of the present state; while one is computed, only the last request is kept. */
 async function request() {
@@ -164,7 +173,7 @@ async function request() {
       again = false;
       const begin = performance.now();
       if (faults.length) receive({ reply: { ok: false, errors: faults } });
-      else receive(await engine.call({ op: "run", fields: state }), begin);
+      else receive(await engine.call({ op: "run", number: ++number, fields: state }), begin);
     }
   } finally {
     running = false;
@@ -174,23 +183,17 @@ async function request() {
 }
 
 function receive({ reply, buffer }, begin) {
-  showErrors(reply.ok ? [] : reply.errors);
-  document.body.classList.toggle("stale", !reply.ok && run !== null);
-  $("stale").hidden = reply.ok || run === null;
-  if (!reply.ok) {
-    const [{ field, message }] = reply.errors;
+  const errors = reply.ok ? faultsOfShowing(reply, buffer) : reply.errors;
+  showErrors(errors);
+  const isStale = errors.length > 0 && run !== null;
+  document.body.classList.toggle("stale", isStale);
+  $("stale").hidden = !isStale;
+  if (errors.length > 0) {
+    const [{ field, message }] = errors;
     const why = field === "run" || field === "link" ? message : "see the messages beside the fields";
     if (run === null) $("outcome").textContent = `No run yet: ${why}.`;
     return;
   }
-  const all = new Float64Array(buffer);
-  const series = Object.fromEntries(reply.series.map((name, i) => [name, all.subarray(i * reply.rows, (i + 1) * reply.rows)]));
-  run = { ...reply, series };
-  scene.setBlock(reply.block, reachOf(run));
-  $("scene").setAttribute("aria-label", `The moving block. ${reply.sentence}`);
-  player.histories.show(run);
-  player.show(run);
-  showOutcome(reply);
   // The plots are drawn after this function returns; the tests read these values.
   setTimeout(() => {
     const { dataset } = document.documentElement;
@@ -199,9 +202,36 @@ function receive({ reply, buffer }, begin) {
   });
 }
 
+/** Shows a run, or the last one again if that fails. */
+function faultsOfShowing(reply, buffer) {
+  try {
+    const all = new Float64Array(buffer);
+    const series = Object.fromEntries(reply.series.map((name, i) => [name, all.subarray(i * reply.rows, (i + 1) * reply.rows)]));
+    const made = { ...reply, series };
+    try {
+      draw(made);
+      run = made;
+    } catch (error) {
+      if (run !== null) draw(run);
+      throw error;
+    }
+    return [];
+  } catch (error) {
+    return [{ field: "run", message: `this run cannot be shown: ${error.message}` }];
+  }
+}
+
+function draw(run) {
+  scene.setBlock(run.block, reachOf(run));
+  $("scene").setAttribute("aria-label", `The moving block. ${run.sentence}`);
+  player.histories.show(run);
+  player.show(run);
+  showOutcome(run);
+}
+
 /** Greatest horizontal distance of the block's corners from the middle of its base at rest (m). */
-function reachOf({ series: { theta, u }, block: { b, h, height, eccentricity, ties } }) {
-  let reach = ties.reduce((most, [, [x]]) => Math.max(most, Math.abs(x)), b);
+function reachOf({ series: { theta, u }, block: { b, h, height, eccentricity, links } }) {
+  let reach = links.reduce((most, { ground: [x] }) => Math.max(most, Math.abs(x)), b);
   const above = Math.max(h, height - h);
   for (let i = 0; i < theta.length; i++) {
     const [s, c] = [Math.abs(Math.sin(theta[i])), Math.cos(theta[i])];

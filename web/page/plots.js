@@ -73,7 +73,6 @@ export class Histories {
 
   /** Shows a run: its series as arrays, its events, the block. */
   show(run) {
-    const first = this.#plots.length === 0;
     this.run = run;
     const { series, block } = run;
     const { t } = series;
@@ -84,7 +83,8 @@ export class Histories {
     this.flies = run.events.some((event) => event.after === 2) || series.regime.includes(2);
     const vertical = series.a_gz.some((value) => value !== 0);
     const slides = "slip" in series;
-    const forces = block.links.map(({ column }) => series[column]);
+    const { links } = block;
+    const forces = links.map(({ column }) => series[column]);
     const data = [
       [t, theta],
       [t, part(series.N_L, block.weight), part(series.N_R, block.weight)],
@@ -93,12 +93,11 @@ export class Histories {
       ...(forces.length ? [[t, ...forces.map((force) => part(force, block.weight))]] : []),
       [t, part(series.a_gx, block.g), ...(vertical ? [part(series.a_gz, block.g)] : [])],
     ];
-    const names = block.links.map(({ name }) => name);
-    const kind = `${vertical} ${this.flies} ${slides} ${names}`;
-    if (first || this.kind !== kind) {
+    const kind = `${vertical} ${this.flies} ${slides} ${links.map(({ name }) => name)}`;
+    if (this.#plots.length === 0 || this.kind !== kind) {
+      this.#plots.splice(0).forEach((plot) => plot.destroy());
       this.kind = kind;
-      this.#plots.forEach((plot) => plot.destroy());
-      const all = this.#options(vertical, slides, names);
+      const all = this.#options(vertical, slides, links);
       for (const { hooks } of all) (hooks.draw ??= []).push((plot) => this.#movePlayhead(plot));
       this.#plots = all.map((options, i) => new uPlot(options, data[i], this.root));
       this.#plots.forEach((plot, i) => this.#dress(plot, all[i].aria));
@@ -138,9 +137,9 @@ export class Histories {
     slip.scales.y = { range: symmetric };
     slip.series = [{}, line("slip", "--ink")];
     const force = base("T/(M g)", 130, "Forces of the ties and dampers over the weight, over time");
-    const pushes = links.some((name) => name.startsWith("damper"));
+    const pushes = links.some(({ kind }) => kind === "damper");
     force.scales.y = { range: pushes ? symmetric : (u, least, greatest) => [0, Math.max(greatest ?? 0, 1e-9) * 1.08] };
-    force.series = [{}, ...links.map((name, i) => line(name, ["--left", "--right", "--ink", "--alarm"][i]))];
+    force.series = [{}, ...links.map(({ name }, i) => line(name, ["--left", "--right", "--ink", "--alarm"][i]))];
     const ground = base("ground (g)", 156, "Ground acceleration over time");
     ground.scales.y = { range: symmetric };
     ground.series = [{}, line("horizontal", "--ink"), ...(vertical ? [line("vertical", "--right")] : [])];

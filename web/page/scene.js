@@ -48,9 +48,9 @@ export class Scene {
     const r = 2.1 * u;
     add(mark, "circle", { r, "stroke-width": 0.6 * u });
     for (const turn of [0, 180]) add(mark, "path", { d: `M0 0 L${r} 0 A${r} ${r} 0 0 1 0 ${r} Z`, transform: `rotate(${turn})` });
-    this.ties = block.ties.map((ends, number) => add(g, "line", {
+    this.ties = block.links.map(({ kind }, number) => add(g, "line", {
       class: number % 2 ? "tie second" : "tie",
-      "stroke-width": (block.links[number].name.startsWith("damper") ? 2.1 : 0.7) * u,
+      "stroke-width": (kind === "damper" ? 2.1 : 0.7) * u,
     }));
     this.arrow = add(g, "g", { class: "arrow" });
     this.shaft = add(this.arrow, "line", { "stroke-width": 1.1 * u });
@@ -73,7 +73,7 @@ export class Scene {
     });
     this.ties.forEach((line, number) => {
       line.setAttribute("visibility", broken[number] ? "hidden" : "visible");
-      const [[x, z], [groundX, groundZ]] = this.block.ties[number];
+      const { block: [x, z], ground: [groundX, groundZ] } = this.block.links[number];
       const [endX, endZ] = placed([x - eccentricity, z - h], theta, centre);
       for (const [key, value] of Object.entries({ x1: groundX, y1: -groundZ, x2: endX, y2: -endZ })) line.setAttribute(key, value);
     });

@@ -79,17 +79,29 @@ def overflowing(page: Page) -> list[str]:
     )
 
 
-@pytest.mark.parametrize("width", [1360, 800, 390])
+@pytest.mark.parametrize("width", [1360, 1280, 800, 390])
 def test_doubled_text_fits_the_window(visit, large_text, width):
-    page = visit(f"#{TIED}&sliding=friction", browser=large_text, viewport={"width": width, "height": 844})
+    page = visit(f"#{TIED}&sliding=friction&damper=two", browser=large_text, viewport={"width": width, "height": 844})
     ran(page)
+    check_all_sections(page, f"large-text-{width}")
+
+
+def test_text_that_a_style_doubles_fits_the_window(visit):
+    page = visit(f"#{TIED}&sliding=friction&damper=two", viewport={"width": 1280, "height": 844})
+    page.add_style_tag(content="html { font-size: 200% }")
+    ran(page)
+    check_all_sections(page, "style-text-1280")
+
+
+def check_all_sections(page: Page, name: str) -> None:
+    """Opens all of the page, makes a study, and looks for elements that do not fit."""
     page.evaluate("document.querySelectorAll('details').forEach(details => details.open = true)")
     page.fill("#points", "3")
     page.click("#spectrum .start")
     expect(page.locator("#spectrum .after")).to_be_visible(timeout=60_000)
     page.wait_for_timeout(300)
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SCREENSHOTS / f"large-text-{width}.png", full_page=True)
+    page.screenshot(path=SCREENSHOTS / f"{name}.png", full_page=True)
     assert overflowing(page) == []
 
 

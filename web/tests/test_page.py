@@ -1,6 +1,8 @@
 """The page in headless Chromium, opened from its file: actions of a visitor and the page's responses."""
 
 import csv
+import itertools
+import json
 import os
 import re
 import shutil
@@ -184,6 +186,134 @@ def test_a_table_of_a_million_rows_is_saved(visit):
     assert rows > 1.5e6
     # A part that is missing or doubled would show in the size.
     assert 300 * rows < page.evaluate("saved.size") < 900 * rows
+
+
+def words_of(run: dict) -> str:
+    """The words of the page for a run of the program."""
+    match run["outcome"]:
+        case "overturned":
+            return "overturns"
+        case "separated":
+            return "leaves the ground"
+        case "undecided":
+            return "Still undecided"
+        case "completed" if run["events"]["liftoffs"] == 0:
+            return "stays on both corners"
+        case "completed" if run["ends_tilted"]:
+            return "ends tilted"
+        case "completed" if run["passed_balance"]:
+            return "passes its balance"
+        case "completed":
+            return "stays upright"
+    raise AssertionError(run["outcome"])
+
+
+def kinds_of_blocks(page):
+    """Every combination of the switches of the block, its foundation and its links that the form shows."""
+    choices = page.evaluate(
+        """[...document.querySelectorAll('#group-block .segments, #group-foundation .segments, #group-tie .segments')]
+          .map((group) => [...group.querySelectorAll('input')].map(({ name, value }) => [name, value]))"""
+    )
+    assert [of[0][0] for of in choices] == ["shape", "foundation", "supports", "sliding", "tie", "damper"]
+    for kind in itertools.product(*choices):
+        of = dict(kind)
+        # The form shows this switch only for a block of a given size on supports.
+        if of["supports"] == "ratios" or (of["shape"], of["foundation"]) == ("size", "viscoelastic"):
+            yield of
+
+
+def test_every_kind_of_block_has_the_outcome_of_the_program(visit, tmp_path):
+    page = visit("#scale=2.5")
+    ran(page)
+    found = set()
+    for kind in kinds_of_blocks(page):
+        before = runs(page)
+        page.evaluate("hash => { location.hash = hash }", "&".join(["scale=2.5", *(f"{name}={value}" for name, value in kind.items())]))
+        ran(page, before + 1)
+        command = page.inner_text("#command")
+        run = json.loads(program(command.replace("history.csv", f"{tmp_path}/table.csv") + " --json", "history.csv"))
+        expect(page.locator("#outcome"), f"{kind}: {command}").to_contain_text(words_of(run))
+        assert page.get_attribute("#verdict", "class").split()[-1] == run["outcome"], kind
+        expect(page.locator("#stale")).to_be_hidden()
+        count = len(run.get("ties", []) + run.get("dampers", []))
+        assert page.locator("#scene .tie").count() == count, kind
+        labels = page.locator("#numbers dt").all_inner_texts()
+        numbers = dict(zip(labels, page.locator("#numbers dd:not(.wide)").all_inner_texts(), strict=True))
+        assert float(numbers["Greatest tilt |θ|/α"]) == pytest.approx(run["peak"]["theta/alpha"], rel=1e-3), kind
+        for links, name, force in [("ties", "tie", "tension"), ("dampers", "damper", "force")]:
+            for number, link in enumerate(run.get(links, []), 1):
+                shown = float(numbers[f"Greatest {force} of {name} {number}"].removesuffix(" N"))
+                assert shown == pytest.approx(link[f"peak_{force}"], rel=1e-3), kind
+        assert page.locator("#plots .uplot").count() == 4 + (kind["sliding"] == "friction") + (count > 0), kind
+        found.add(words_of(run))
+    assert {"overturns", "stays upright"} <= found
+
+
+def test_the_run_that_is_saved_is_the_one_that_is_shown(visit):
+    """A run whose plots fail is said to be missing, and the last one stays, with its exports."""
+    fail = """const make = Float64Array.from;
+      Float64Array.from = function (...a) { if (window.failing) throw new Error('no plots'); return make.apply(this, a); };"""
+    page = visit(script=fail)
+    ran(page)
+    shown = {part: page.inner_text(part) for part in ("#outcome", "#numbers", "#command")}
+    window = page.get_attribute("#scene", "viewBox")
+    page.evaluate("window.failing = true")
+    page.fill("#height", "3")
+    expect(page.locator("#run-error")).to_have_text("this run cannot be shown: no plots")
+    expect(page.locator("#stale")).to_be_visible()
+    assert "stale" in page.get_attribute("body", "class")
+    page.evaluate("window.failing = false")
+    assert {part: page.inner_text(part) for part in shown} == shown
+    # The engine has made another run since.
+    page.click("#save-csv")
+    expect(page.locator("#save-error")).to_contain_text("history.csv cannot be made: another run took the place of this one")
+    ran(page, 2)
+    expect(page.locator("#stale")).to_be_hidden()
+    assert page.get_attribute("#scene", "viewBox") != window
+    assert downloaded(page, "#save-csv") == program(page.inner_text("#command"), "history.csv")
+    # The first run of a visit, too.
+    page = visit(script=fail + "window.failing = true;")
+    expect(page.locator("#outcome")).to_have_text("No run yet: this run cannot be shown: no plots.")
+
+
+def test_a_dropped_record_is_not_scaled(visit):
+    """The scale of the embedded record is its own."""
+    page = visit()
+    ran(page)
+    assert page.input_value("#scale") == "2"
+    drop(page, ROOT / "examples/records/0111a.smc")
+    ran(page, 2)
+    assert page.input_value("#scale") == "1"
+    assert "--scale" not in page.inner_text("#command")
+    page.wait_for_function("location.hash.includes('scale=1')")
+    fill(page, "scale", "3")
+    before = runs(page)
+    drop(page, ROOT / "examples/records/0111a.smc")
+    ran(page, before + 1)
+    assert page.input_value("#scale") == "3"
+    page.click("#reset")
+    expect(page.locator("#scale")).to_have_value("2")
+    page.click("label:has-text('own record')")
+    expect(page.locator("#scale")).to_have_value("1")
+    page.click("label:has-text('Loma Prieta')")
+    expect(page.locator("#scale")).to_have_value("2")
+    page = visit("#excitation=file")
+    drop(page, ROOT / "examples/records/0111a.smc")
+    ran(page)
+    assert page.input_value("#scale") == "1"
+
+
+@pytest.mark.parametrize("unit, factor", [("mm/s2", 1e-3), ("g/10", 0.981)])
+def test_a_table_has_any_unit_that_the_program_reads(visit, tmp_path, unit, factor):
+    page = visit("#excitation=file")
+    table = tmp_path / "sway.csv"
+    table.write_text("t,a\n" + "".join(f"{i / 100},{3 / factor if i // 40 % 2 else -3 / factor}\n" for i in range(400)))
+    page.set_input_files("#record", table)
+    expect(page.locator("#unit-error")).to_be_visible()
+    page.select_option("#unit", unit)
+    ran(page)
+    assert f"--unit {unit}" in page.inner_text("#command")
+    assert "sway.csv, 0.306 g" in page.inner_text("#numbers")
 
 
 def test_a_failure_of_the_engine_is_said_and_mended(visit):

@@ -25,6 +25,15 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// All units.
+    pub const ALL: [Unit; 5] = [
+        Unit::G,
+        Unit::MetrePerSecondSquared,
+        Unit::CentimetrePerSecondSquared,
+        Unit::MillimetrePerSecondSquared,
+        Unit::TenthOfG,
+    ];
+
     /// Returns the value of the unit in m/s², with `gravity` [m/s²] for `g`.
     ///
     /// Processed records "in g" do not state the value that was used.

@@ -35,11 +35,16 @@ pub enum Request {
     },
     /// Makes a run and keeps it.
     Run {
+        /// Its number, by which exports name it.
+        #[serde(default)]
+        number: u64,
         /// The fields.
         fields: BTreeMap<String, String>,
     },
     /// Rows of the table of the last run.
     Csv {
+        /// The number of the run that is meant; without it, whichever is the last.
+        run: Option<u64>,
         /// The first row, which the headings precede if it is the first of the run.
         #[serde(default)]
         from: usize,
@@ -47,7 +52,10 @@ pub enum Request {
         to: Option<usize>,
     },
     /// The picture of the last run.
-    Svg,
+    Svg {
+        /// As of `Csv`.
+        run: Option<u64>,
+    },
     /// Units, defaults and choices of the fields, for the build.
     Specification,
     /// Friction and restitution of pairs of surfaces, with their sources.
@@ -111,9 +119,18 @@ const SERIES: [Series; 12] = [
 #[derive(Default)]
 pub struct Engine {
     files: [Option<DroppedFile>; 2],
-    last: Option<(Run, History, String)>,
+    last: Option<LastRun>,
     /// Its rows are made in pieces.
     study: Option<Box<dyn Rows>>,
+}
+
+/// The last run, for its exports.
+struct LastRun {
+    number: u64,
+    run: Run,
+    history: History,
+    /// The excitation in words.
+    description: String,
 }
 
 #[derive(Serialize)]
@@ -133,9 +150,9 @@ impl Engine {
                 self.files[slot] = (!bytes.is_empty()).then(|| DroppedFile { name, bytes: bytes.to_vec() });
                 Ok((json!({}), Vec::new()))
             }
-            Request::Run { fields } => self.run(&fields),
-            Request::Csv { from, to } => self.csv(from, to),
-            Request::Svg => self.svg(),
+            Request::Run { number, fields } => self.run(number, &fields),
+            Request::Csv { run, from, to } => self.csv(run, from, to),
+            Request::Svg { run } => self.svg(run),
             Request::Specification => Ok((specification(), Vec::new())),
             Request::Surfaces => Ok((json!({ "pairs": foundations::pairs() }), Vec::new())),
             Request::Spectrum { fields } => self.spectrum(&fields),
@@ -155,15 +172,16 @@ impl Engine {
         inputs::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])
     }
 
-    fn run(&mut self, fields: &BTreeMap<String, String>) -> Answer {
+    fn run(&mut self, number: u64, fields: &BTreeMap<String, String>) -> Answer {
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let run = &inputs.run;
         let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
-        let of_block = table::columns(&run.block);
-        let of_block = of_block.iter().filter(|column| column.name == "slip" || column.name.ends_with(".tension"));
-        let of_block: Vec<_> = of_block.collect();
+        let forces = table::force_columns(&run.block);
+        let mut of_block = table::columns(&run.block);
+        of_block.retain(|column| column.name == "slip" || forces.contains(&column.name));
         let names = SERIES.iter().map(|(name, _)| *name).chain(of_block.iter().map(|column| column.name.as_str()));
         let json = json!({
+            "number": number,
             "rows": history.rows.len(),
             "series": names.collect::<Vec<_>>(),
             "outcome": history.end.word(),
@@ -186,24 +204,31 @@ impl Engine {
         };
         SERIES.iter().for_each(|(_, value)| push(value));
         of_block.iter().for_each(|column| push(&|row| column.value(row)));
-        self.last = Some((inputs.run, history, inputs.description));
+        self.last = Some(LastRun { number, run: inputs.run, history, description: inputs.description });
         Ok((json, bytes))
     }
 
-    fn last(&self) -> Result<&(Run, History, String), Vec<FieldError>> {
-        self.last.as_ref().ok_or_else(|| refused("no run yet; expected one before its export"))
+    /// The last run, which has this number.
+    fn last(&self, number: Option<u64>) -> Result<&LastRun, Vec<FieldError>> {
+        match &self.last {
+            None => Err(refused("no run yet; expected one before its export")),
+            Some(last) if number.is_some_and(|number| number != last.number) => {
+                Err(refused("another run took the place of this one; save it again"))
+            }
+            Some(last) => Ok(last),
+        }
     }
 
-    fn csv(&self, from: usize, to: Option<usize>) -> Answer {
-        let (run, history, _) = self.last()?;
+    fn csv(&self, run: Option<u64>, from: usize, to: Option<usize>) -> Answer {
+        let LastRun { run, history, .. } = self.last(run)?;
         let count = history.rows.len();
         let to = to.unwrap_or(count).min(count);
         let bytes = table::csv(&run.block, history, &[], from.min(to)..to).map_err(refused)?;
         Ok((json!({ "rows": count }), bytes))
     }
 
-    fn svg(&self) -> Answer {
-        let (run, history, description) = self.last()?;
+    fn svg(&self, run: Option<u64>) -> Answer {
+        let LastRun { run, history, description, .. } = self.last(run)?;
         let svg = rocking_charts::history::history(&run.block, history, description);
         let svg = svg.map_err(refused)?;
         Ok((json!({}), svg.into_bytes()))
@@ -295,6 +320,17 @@ fn peaks(run: &Run, history: &History) -> Value {
 fn parameters(inputs: &Inputs) -> Value {
     let block = &inputs.run.block;
     let on_supports = block.foundation == Foundation::Viscoelastic;
+    let links = tie::names(block.ties()).into_iter().zip(table::force_columns(block)).zip(block.ties());
+    let links = links.map(|((name, column), tie)| {
+        json!({
+            "name": name.replace('_', " "),
+            "kind": tie.kind.word(),
+            "quantity": tie.kind.force(),
+            "column": column,
+            "block": tie.block,
+            "ground": tie.ground,
+        })
+    });
     json!({
         "alpha": block.alpha,
         "b": block.b,
@@ -306,11 +342,7 @@ fn parameters(inputs: &Inputs) -> Value {
         "weight": block.mass * block.gravity,
         "g": block.gravity,
         "friction": block.friction,
-        "ties": block.ties().iter().map(|tie| [tie.block, tie.ground]).collect::<Vec<_>>(),
-        "links": tie::names(block.ties()).iter().zip(block.ties()).map(|(name, tie)| {
-            let quantity = tie.kind.force();
-            json!({ "name": name.replace('_', " "), "column": format!("{name}.{quantity}"), "quantity": quantity })
-        }).collect::<Vec<_>>(),
+        "links": links.collect::<Vec<_>>(),
         "line": rocking_charts::history::block_line(block),
         "lift_off": significant(libm::tan(Corner::each(|corner| block.alpha_of(corner)).into_iter().fold(f64::INFINITY, f64::min)), 4),
     })

@@ -3,7 +3,7 @@
 use rocking_block::block::restraints::LinkKind;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Settings;
-use rocking_records::Format;
+use rocking_records::{Format, Unit};
 use rocking_studies::spec::records::FileSpec;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, PulseSpec, SingleRunSpec, limits};
@@ -11,7 +11,8 @@ use serde_json::{Map, Value, json};
 
 use crate::inputs::field;
 
-/// Returns units and defaults by the names of fields, the numbers of ties with their units, and the words of choices.
+/// Returns units and defaults by the names of fields, the numbers of ties with their units, and the words of choices with their
+/// labels.
 pub fn specification() -> Value {
     let of_structs = [
         limits::properties::<BlockSpec>(),
@@ -35,5 +36,8 @@ pub fn specification() -> Value {
     let pulses: Vec<&str> = PulseShape::WORDS.iter().map(|(word, _)| *word).collect();
     let formats = Format::NAMES.split(", ").filter_map(|name| Some((name, name.parse::<Format>().ok()?.to_string())));
     let formats: Vec<(&str, String)> = formats.collect();
-    json!({ "units": units, "defaults": defaults, "links": links, "pulses": pulses, "formats": formats })
+    let of_records = Unit::ALL.map(|unit| (unit.to_string().replace('²', "2"), unit.to_string()));
+    json!({
+        "units": units, "defaults": defaults, "links": links, "pulses": pulses, "formats": formats, "units_of_records": of_records,
+    })
 }

@@ -72,6 +72,12 @@ impl HistoryColumn {
     }
 }
 
+/// The name of the column of each link's force, in the order of the links.
+pub fn force_columns(block: &Block) -> Vec<String> {
+    let links = tie::names(block.ties()).into_iter().zip(block.ties());
+    links.map(|(link, tie)| format!("{link}.{}", tie.kind.force())).collect()
+}
+
 /// The columns of a block's history. They are those of every table, and those of friction, ties and dampers where the block has them.
 pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     let holds = Holds::of(block);
@@ -80,15 +86,16 @@ pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     if holds.friction {
         columns.extend(OF_FRICTION.map(fixed));
     }
-    for (number, (link, tie)) in tie::names(block.ties()).into_iter().zip(block.ties()).enumerate() {
-        let mut of_link = |quantity: &str, unit, of: fn(&ObservedRestraint) -> f64| {
+    let links = tie::names(block.ties()).into_iter().zip(force_columns(block)).zip(block.ties());
+    for (number, ((link, force), tie)) in links.enumerate() {
+        let mut of_link = |name, unit, of: fn(&ObservedRestraint) -> f64| {
             let value = Box::new(move |row: &Row| of(&row.observation.restraints[number]));
-            columns.push(HistoryColumn { name: format!("{link}.{quantity}"), unit, value });
+            columns.push(HistoryColumn { name, unit, value });
         };
-        of_link(tie.kind.force(), "N", |restraint| restraint.pull);
+        of_link(force, "N", |restraint| restraint.pull);
         if tie.kind == LinkKind::Damper || tie.yields() {
-            of_link("elongation", "m", |restraint| restraint.elongation);
-            of_link("plastic", "m", |restraint| restraint.plastic);
+            of_link(format!("{link}.elongation"), "m", |restraint| restraint.elongation);
+            of_link(format!("{link}.plastic"), "m", |restraint| restraint.plastic);
         }
     }
     if holds.ties > 0 {
