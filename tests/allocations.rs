@@ -265,7 +265,9 @@ fn steps_of_fmi_3_allocate_nothing() {
 fn steps_in_space_allocate_nothing() {
     use rocking_block::excitation::{Pulse, PulseShape};
     use rocking_block::simulation::{OnSeparation, Settings};
-    use rocking_block::space::{DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup};
+    use rocking_block::space::{
+        DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup,
+    };
 
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 4.5, period: 1.2, ..Pulse::NONE };
     let setup = SpaceSetup {

@@ -3,10 +3,10 @@
 //! The numbers are stepped four at a time by the formulas of [`dop853`](super::dop853), so that sums over stages stay in registers. All memory
 //! is allocated at the beginning.
 
+use crate::numerics::State;
 use crate::numerics::coefficients::{NODES, combine, difference, increment};
 use crate::numerics::dop853::{self, DENSE_STAGES, Polynomial};
 use crate::numerics::numbers::Numbers;
-use crate::numerics::State;
 
 /// Numbers that are stepped together.
 const WIDTH: usize = 4;
@@ -160,8 +160,8 @@ impl Stepper {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::{Quadratures, Rate};
     use crate::numerics::dop853::DenseStep;
+    use crate::numerics::{Quadratures, Rate};
 
     /// Two oscillators, one of them driven.
     fn rates_of(time: f64, x: &[f64]) -> [f64; 4] {
@@ -182,7 +182,8 @@ mod tests {
     #[test]
     fn steps_have_the_bits_of_those_of_fixed_dimension() {
         let start = [0.3, -0.2, 0.1, 0.5];
-        let equations = |time: f64, x: &State| Rate { state: rates_of(time, &x.0).into(), quadratures: Quadratures::zeros() };
+        let equations =
+            |time: f64, x: &State| Rate { state: rates_of(time, &x.0).into(), quadratures: Quadratures::zeros() };
         let first = equations(0.4, &start.into());
         let fixed = DenseStep::attempt(0.4, 0.7, start.into(), first, &equations);
         let end_rate = equations(1.1, &fixed.end);

@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Creep;
 use crate::space::body::SpaceBody;
 use crate::space::forces::{FootContact, FootForces};
-use crate::space::motion::{
-    BodyMotion, DISPLACEMENT, OMEGA, QUATERNION, Turn, VELOCITY, dimension, normalize,
-};
+use crate::space::motion::{BodyMotion, DISPLACEMENT, OMEGA, QUATERNION, Turn, VELOCITY, dimension, normalize};
 
 /// The beginning of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

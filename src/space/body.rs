@@ -254,7 +254,11 @@ fn plan(parameters: &SpaceParameters) -> Result<Plan, SpaceError> {
             }
             for (name, eccentricity) in [("eccentricity_x", e_x), ("eccentricity_y", e_y)] {
                 if eccentricity != 0.0 {
-                    return Err(out_of_range(name, eccentricity, "0 with a list of feet, which are seen from the centre of mass"));
+                    return Err(out_of_range(
+                        name,
+                        eccentricity,
+                        "0 with a list of feet, which are seen from the centre of mass",
+                    ));
                 }
             }
             Ok(Plan { half_width: None, center_height: *center_height, feet: feet.clone(), shape_inertia: None })
@@ -332,7 +336,8 @@ fn nearest_edge(feet: &[FootPlace]) -> f64 {
     for (i, &[x, y]) in standing.iter().enumerate() {
         for &[x_2, y_2] in &standing[i + 1..] {
             let side = |&[a, b]: &[f64; 2]| (x_2 - x) * (b - y) - (y_2 - y) * (a - x);
-            let is_edge = standing.iter().all(|foot| side(foot) >= 0.0) || standing.iter().all(|foot| side(foot) <= 0.0);
+            let is_edge =
+                standing.iter().all(|foot| side(foot) >= 0.0) || standing.iter().all(|foot| side(foot) <= 0.0);
             let length = ((x_2 - x) * (x_2 - x) + (y_2 - y) * (y_2 - y)).sqrt();
             if is_edge && length > 0.0 {
                 nearest = nearest.min(side(&[0.0, 0.0]).abs() / length);

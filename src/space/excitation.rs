@@ -148,7 +148,9 @@ impl SpaceGround {
                 ("duration", first.duration(), record.duration()),
             ] {
                 if found != expected {
-                    return Err(format!("{name} has a {what} of {found} s; expected that of {first_name}, {expected} s"));
+                    return Err(format!(
+                        "{name} has a {what} of {found} s; expected that of {first_name}, {expected} s"
+                    ));
                 }
             }
         }

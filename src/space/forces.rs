@@ -50,7 +50,13 @@ pub struct FootForces<T> {
 impl<T: Component> FootForces<T> {
     /// Returns the forces of a foot with this stretch (m) of its horizontal spring.
     #[inline(always)]
-    pub fn of(body: &SpaceBody, foot: &SpaceFoot, contact: FootContact, motion: &FootMotion<T>, stretch: [T; 2]) -> Self {
+    pub fn of(
+        body: &SpaceBody,
+        foot: &SpaceFoot,
+        contact: FootContact,
+        motion: &FootMotion<T>,
+        stretch: [T; 2],
+    ) -> Self {
         let FootMotion { displacement, velocity, .. } = motion;
         let normal = -((displacement.z - foot.free_height) * body.stiffness + velocity.z * body.damping);
         let [e_x, e_y] = stretch;
@@ -79,9 +85,8 @@ impl<T: Component> FootForces<T> {
         let limit = self.normal * body.friction;
         // A frictionless foot without a trial force has no direction of slip.
         let zero = T::from(0.0);
-        let along = |component: T| {
-            T::select_less(zero.value(), self.trial_size.value(), component / self.trial_size, zero)
-        };
+        let along =
+            |component: T| T::select_less(zero.value(), self.trial_size.value(), component / self.trial_size, zero);
         let direction = self.trial.map(along);
         let slip_rate = (self.trial_size - limit) * (1.0 / body.horizontal_damping);
         let [u_x, u_y] = self.stretch_rate;

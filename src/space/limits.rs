@@ -51,7 +51,11 @@ impl SpaceLimits {
         let upright = 1.0 / (tolerance * most);
         let work = turning / (2.0 * body.mass * body.r0 * body.r0 * rocking);
         let weights = &mut self.weights;
-        weights[DISPLACEMENT..QUATERNION].copy_from_slice(&[frequency * across, frequency * across, frequency * upright]);
+        weights[DISPLACEMENT..QUATERNION].copy_from_slice(&[
+            frequency * across,
+            frequency * across,
+            frequency * upright,
+        ]);
         weights[QUATERNION..VELOCITY].fill(2.0 * frequency * turning);
         weights[VELOCITY..OMEGA].copy_from_slice(&[across, across, upright]);
         weights[OMEGA..WORKS].fill(turning);

@@ -282,7 +282,8 @@ impl SpaceRun {
             let count = functions.iter().flatten().count();
             let falls = &memory.falls[number..number + count];
             number += count;
-            let Some(function) = functions.iter().flatten().zip(falls).find_map(|(&function, &falls)| falls.then_some(function))
+            let Some(function) =
+                functions.iter().flatten().zip(falls).find_map(|(&function, &falls)| falls.then_some(function))
             else {
                 continue;
             };

@@ -47,7 +47,11 @@ fn duals_are_the_derivatives_with_respect_to_states() {
         for i in 0..state.len() {
             let difference = (above[i] - below[i]) / (2.0 * STEP);
             let scale = 1.0 + difference.abs();
-            assert!((exact[i].eps - difference).abs() < 1e-5 * scale, "rate {i} by {number}: {:?}, {difference}", exact[i]);
+            assert!(
+                (exact[i].eps - difference).abs() < 1e-5 * scale,
+                "rate {i} by {number}: {:?}, {difference}",
+                exact[i]
+            );
             // Duals divide by multiplying with the inverse.
             let plain = rates(&run, &inputs, state)[i];
             assert!((exact[i].re - plain).abs() <= 1e-13 * (1.0 + plain.abs()), "rate {i}: {:?}, {plain}", exact[i]);
@@ -89,9 +93,11 @@ fn energy_changes_by_the_works() {
     let (run, inputs) = moving();
     let mut next = run.clone();
     let before = run.energies();
-    next.advance(run.time() + 1e-4, &SpaceInputs { time: run.time(), ..inputs }, &mut |event| panic!("{event:?}")).unwrap();
+    next.advance(run.time() + 1e-4, &SpaceInputs { time: run.time(), ..inputs }, &mut |event| panic!("{event:?}"))
+        .unwrap();
     let after = next.energies();
-    let works = |run: &SpaceRun| run.state().numbers[WORKS] - run.state().numbers[WORKS + 1] - run.state().numbers[WORKS + 2];
+    let works =
+        |run: &SpaceRun| run.state().numbers[WORKS] - run.state().numbers[WORKS + 1] - run.state().numbers[WORKS + 2];
     let (change, expected) = (after.stored.total() - before.stored.total(), works(&next) - works(&run));
     assert!((change - expected).abs() < 1e-10, "{change:e}, not {expected:e}");
     assert!(change.abs() > 1e-8);

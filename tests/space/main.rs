@@ -57,11 +57,7 @@ fn two_axis(friction: f64) -> (SpaceParameters, DirectedPulses) {
     let base = Base::Rectangle { size: BaseSize::Slenderness { alpha: 0.25, p: 1.5 }, depth_ratio: 1.3 };
     let supports = SpaceSupports::OfRocking { eta: 40.0, xi_v: 0.2 };
     let parameters = SpaceParameters { base, supports, friction, mass: 1.0, ..SpaceParameters::default() };
-    let pulses = [
-        sine(3.654, 6.0, 0.0, [1.0, 0.0, 0.0]),
-        sine(3.045, 7.5, 0.2, [0.0, 1.0, 0.0]),
-        DirectedPulse::NONE,
-    ];
+    let pulses = [sine(3.654, 6.0, 0.0, [1.0, 0.0, 0.0]), sine(3.045, 7.5, 0.2, [0.0, 1.0, 0.0]), DirectedPulse::NONE];
     (parameters, pulses)
 }
 
@@ -73,9 +69,10 @@ fn held(ground: [f64; 3]) -> SpaceInputs {
 /// The events of a foot, with their times.
 fn of_foot(events: &[SpaceEvent], foot: usize) -> Vec<(SpaceEventKind, f64)> {
     let is_of = |kind: SpaceEventKind| match kind {
-        SpaceEventKind::LiftOff(i) | SpaceEventKind::Landing(i) | SpaceEventKind::Slides(i) | SpaceEventKind::Sticks(i) => {
-            i == foot
-        }
+        SpaceEventKind::LiftOff(i)
+        | SpaceEventKind::Landing(i)
+        | SpaceEventKind::Slides(i)
+        | SpaceEventKind::Sticks(i) => i == foot,
         SpaceEventKind::Overturning => false,
     };
     events.iter().filter(|event| is_of(event.kind)).map(|event| (event.kind, event.time)).collect()

@@ -44,15 +44,14 @@ fn invalid_parameters_are_refused_with_name_value_and_range() {
             "depth_ratio = 0 is not valid; expected a finite number > 0",
         ),
         (
-            error(|p| p.base = Base::Rectangle { size: BaseSize::Slenderness { alpha: 2.0, p: 1.0 }, depth_ratio: 1.0 }),
+            error(|p| {
+                p.base = Base::Rectangle { size: BaseSize::Slenderness { alpha: 2.0, p: 1.0 }, depth_ratio: 1.0 }
+            }),
             "alpha = 2 is not valid; expected 0 < alpha < pi/2 rad",
         ),
         (error(|p| p.base = Base::Circle { size, feet: 2 }), "feet = 2 is not valid; expected 3 to 64"),
         (error(|p| p.base = Base::Circle { size, feet: 65 }), "feet = 65 is not valid; expected 3 to 64"),
-        (
-            error(|p| p.eccentricity = [f64::NAN, 0.0]),
-            "eccentricity_x = NaN is not valid; expected a finite number",
-        ),
+        (error(|p| p.eccentricity = [f64::NAN, 0.0]), "eccentricity_x = NaN is not valid; expected a finite number"),
         (
             error(|p| (p.base, p.supports) = (list(&[[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]]), OF_HEAVE)),
             "inertia is missing; expected it for a block with a list of feet",
@@ -87,7 +86,9 @@ fn invalid_parameters_are_refused_with_name_value_and_range() {
     ] {
         assert_eq!(found, expected);
     }
-    assert!(error(|p| p.inertia = Some([1.0, 1.0, 1.0, 2.0, 0.0, 0.0])).starts_with("inertia has the principal moments"));
+    assert!(
+        error(|p| p.inertia = Some([1.0, 1.0, 1.0, 2.0, 0.0, 0.0])).starts_with("inertia has the principal moments")
+    );
     assert!(error(|p| p.inertia = Some([f64::NAN; 6])).starts_with("inertia has the principal moments"));
     assert!(error(|p| p.eccentricity = [10.0, 0.0]).starts_with("feet: foot 0 at"));
 }

@@ -46,9 +46,18 @@ fn beginnings() -> impl Strategy<Value = SpaceInitial> {
     let flight = ([-0.3..0.3, -0.3..0.3], 0.1..0.5_f64, -1.0..4.0_f64, [-8.0..8.0, -8.0..8.0, -8.0..8.0_f64]);
     prop_oneof![
         Just(crate::AT_REST),
-        flight.prop_map(|(tilt, height, rate, omega)| SpaceInitial { tilt, twist: 0.0, omega, vertical: Some([height, rate]) }),
-        ([-0.1..0.1, -0.1..0.1], -3.0..3.0, rates)
-            .prop_map(|(tilt, twist, omega)| SpaceInitial { tilt, twist, omega, vertical: None }),
+        flight.prop_map(|(tilt, height, rate, omega)| SpaceInitial {
+            tilt,
+            twist: 0.0,
+            omega,
+            vertical: Some([height, rate])
+        }),
+        ([-0.1..0.1, -0.1..0.1], -3.0..3.0, rates).prop_map(|(tilt, twist, omega)| SpaceInitial {
+            tilt,
+            twist,
+            omega,
+            vertical: None
+        }),
     ]
 }
 

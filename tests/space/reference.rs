@@ -252,9 +252,8 @@ impl Case {
         let headers = rows.headers().unwrap().clone();
         for row in rows.records() {
             let row = row.unwrap();
-            let value = |name: &str| -> f64 {
-                row[headers.iter().position(|header| header == name).unwrap()].parse().unwrap()
-            };
+            let value =
+                |name: &str| -> f64 { row[headers.iter().position(|header| header == name).unwrap()].parse().unwrap() };
             let t = value("t").min(self.t_final);
             let mut inputs = ground.inputs_from(run.time()).0;
             while run.time() < t && run.state().ending.is_none() {
