@@ -60,6 +60,7 @@ impl Start {
         let peaks = Peaks {
             pull: seen.restraints.map(|restraint| restraint.pull.abs().eps),
             plastic: seen.restraints.map(|restraint| restraint.plastic.abs().eps),
+            elongation: seen.restraints.map(|restraint| restraint.elongation.abs().eps),
             ..seen.channels().peak_sensitivity()
         };
         let seen = if is_frozen { seen.without_motion() } else { seen };
