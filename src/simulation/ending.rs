@@ -82,7 +82,7 @@ pub enum SimulationError {
     },
     /// The motion takes more steps than any reasonable call, or the clock does not resolve them.
     #[error(
-        "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion than that of the {fastest}"
+        "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion than that of {fastest}"
     )]
     TooManySteps {
         /// Time that was reached (s).

@@ -76,9 +76,9 @@ pub(super) fn fastest_number(block: &Block) -> String {
     let mut numbers = restraints::rates(block);
     if foundation == Foundation::Viscoelastic {
         let turning = 1.0 + (b * b + h * h) / i0;
-        numbers.push(("stiffness of the supports".into(), omega_v * turning.sqrt()));
-        numbers.push(("damping of the supports".into(), 2.0 * xi_v * omega_v * turning));
+        numbers.push(("the stiffness of the supports".into(), omega_v * turning.sqrt()));
+        numbers.push(("the damping of the supports".into(), 2.0 * xi_v * omega_v * turning));
     }
     let fastest = numbers.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    fastest.map_or_else(|| "excitation".into(), |(name, rate): (String, f64)| format!("{name}, {rate:.1e} rad/s"))
+    fastest.map_or_else(|| "the excitation".into(), |(name, rate): (String, f64)| format!("{name}, {rate:.1e} rad/s"))
 }

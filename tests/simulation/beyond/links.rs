@@ -182,9 +182,9 @@ fn a_stiff_link_is_named() {
         run.advance(1e9, &inputs, &mut |_| ()).unwrap_err().to_string()
     };
     let error = stiff(|tie| &mut tie.stiffness);
-    assert!(error.contains("a slower motion than that of the damper_2.stiffness"), "{error}");
+    assert!(error.contains("a slower motion than that of damper_2.stiffness"), "{error}");
     let error = stiff(|tie| &mut tie.damping);
-    assert!(error.contains("a slower motion than that of the damper_2.damping"), "{error}");
+    assert!(error.contains("a slower motion than that of damper_2.damping"), "{error}");
 }
 
 /// Elastic links lose nothing but their springs' energy `S²/2k` as they break at their strength S.
