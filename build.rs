@@ -39,7 +39,9 @@ fn main() {
 fn run() -> Result<(), String> {
     let out = PathBuf::from(variable("OUT_DIR")?);
     let wrong = |e| format!("modelDescription.xml: {e}");
-    let text = positions::write(&read("modelDescription.xml")?).map_err(wrong)?;
+    let tool = format!("generationTool=\"rocking-block {}\"", variable("CARGO_PKG_VERSION")?);
+    let text = read("modelDescription.xml")?.replacen("generationTool=\"rocking-block\"", &tool, 1);
+    let text = positions::write(&text).map_err(wrong)?;
     let description = description::read(&text).map_err(wrong)?;
     // For tests, which compare it with the code.
     write_if_changed(&out.join("modelDescription.xml"), &description.packed)?;

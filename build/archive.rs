@@ -124,8 +124,13 @@ fn tables(description: &Description, version: Version) -> String {
             .iter()
             .filter(|variable| of_fmi3.contains(&variable.causality.as_str()))
             .map(row_of_fmi3_variable);
-        let rows: Vec<Row> =
-            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(of_fmi3_alone).collect();
+        let rows: Vec<Row> = description
+            .variables
+            .iter()
+            .filter(|v| v.causality == causality)
+            .map(|v| row(v, version))
+            .chain(of_fmi3_alone)
+            .collect();
         if rows.is_empty() {
             continue;
         }
@@ -155,7 +160,7 @@ struct Row {
     meaning: String,
 }
 
-fn row(v: &Variable) -> Row {
+fn row(v: &Variable, version: Version) -> Row {
     let items: String = v
         .items
         .iter()
@@ -163,8 +168,19 @@ fn row(v: &Variable) -> Row {
         .collect();
     let items = if items.is_empty() { items } else { format!("<ul>{items}</ul>") };
     let limits = if v.items.is_empty() { limits([v.min, v.max]) } else { String::new() };
-    let of_type = v.unit.clone().unwrap_or_else(|| v.kind.to_string());
-    Row { name: v.name.clone(), of_type, start: start(v), limits, meaning: escaped(&v.description) + &items }
+    let of_type = match (&v.unit, version) {
+        (Some(unit), _) => unit.as_str(),
+        // Enumerations are Integers there.
+        (None, Version::Fmi2) if v.kind == "Enumeration" => "Integer",
+        (None, _) => v.kind,
+    };
+    Row {
+        name: v.name.clone(),
+        of_type: of_type.into(),
+        start: start(v),
+        limits,
+        meaning: escaped(&v.description) + &items,
+    }
 }
 
 fn row_of_fmi3_variable(variable: &Fmi3Variable) -> Row {

@@ -166,8 +166,9 @@ fn variable(root: Node, node: Node) -> Result<Variable, String> {
 fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
     let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
     // The comments describe the source file, not the packed one.
-    let comments = root.document().root().children().filter(Node::is_comment);
-    edits.extend(comments.map(|comment| (comment.range().start..comment.range().end + 1, String::new())));
+    let comments = root.document().root().descendants().filter(Node::is_comment);
+    let in_fmi3 = |comment: &Node| comment.ancestors().any(|node| node.has_tag_name("Fmi3"));
+    edits.extend(comments.filter(|comment| !in_fmi3(comment)).map(|comment| (comment.range(), String::new())));
     let unknowns = child(root, "ModelStructure")?.descendants();
     for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(positions::FMI3_DEPENDENCIES)) {
         // Including the blank before it.
@@ -194,7 +195,9 @@ fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, Str
         let start = start.map_or(String::new(), |start| format!(" start=\"{start}\""));
         edits.push((of_type.range(), format!("<Integer min=\"{min}\" max=\"{max}\"{start}/>")));
     }
-    Ok(apply(text, edits))
+    let lines = apply(text, edits);
+    let lines = lines.lines().filter(|line| !line.trim().is_empty());
+    Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
 pub fn items(declaration: Node) -> Result<Vec<Item>, String> {

@@ -14,7 +14,10 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use rocking_block::unit::variables::{GUID, VARIABLES};
+use rocking_block::block::Corner;
+use rocking_block::block::restraints::{LinkKind, RestraintEvent, tie::TieEvent};
+use rocking_block::system::events::EventKind;
+use rocking_block::unit::variables::{Causality, GUID, VARIABLES};
 use sources::SOURCES;
 use zip::{CompressionMethod, DateTime, ZipArchive};
 
@@ -275,6 +278,61 @@ fn page_shows_every_variable_and_loads_nothing() {
         ["<script", "<link", "src=", "@import", "url(", "<!-- variables", "<!-- version", "<!-- FMI", "fmi3"]
     {
         assert!(!page.contains(forbidden), "the page holds {forbidden}");
+    }
+}
+
+/// The text of the page above its tables names every group of parameters and every event, and the types are those of the version.
+#[test]
+fn page_explains_parameters_and_events() {
+    let page = text(&files(), "documentation/index.html");
+    let (explained, tables) = page.split_once("<h2 id=\"variables\">").unwrap();
+    for variable in VARIABLES.iter().filter(|variable| variable.causality == Causality::Parameter) {
+        let group = variable.name.split_once('.').map_or(variable.name, |(group, _)| group);
+        assert!(explained.contains(&format!("<code>{group}")), "the page does not explain {group}");
+    }
+    let links = [TieEvent::Taut, TieEvent::Slack, TieEvent::Yield, TieEvent::Unload, TieEvent::Break];
+    for event in &links {
+        match event {
+            TieEvent::Taut | TieEvent::Slack | TieEvent::Yield | TieEvent::Unload | TieEvent::Break => (),
+        }
+    }
+    let links = links.map(|event| EventKind::Restraint(RestraintEvent::Tie(LinkKind::Tie, 0, event)));
+    let corner = Corner::Left;
+    let events = [
+        EventKind::LiftOff(corner),
+        EventKind::Landing(corner),
+        EventKind::Slip,
+        EventKind::Grip,
+        EventKind::Overturning,
+    ];
+    for event in events.into_iter().chain(links) {
+        match event {
+            EventKind::LiftOff(_) | EventKind::Landing(_) | EventKind::Slip | EventKind::Grip => (),
+            EventKind::Restraint(_) | EventKind::Overturning => (),
+        }
+        let rows = explained.lines().filter_map(|line| line.strip_prefix("<tr><td>")?.split_once("</td>"));
+        let is_row = |cell: &str| cell.to_lowercase().split(", ").any(|word| word == event.word());
+        assert!(rows.map(|(cell, _)| cell).any(is_row), "the page has no event {}", event.word());
+    }
+    for claim in ["do not slide", "is not tied"] {
+        assert!(!explained.contains(claim), "the page says {claim:?}");
+    }
+    assert!(!tables.contains("Enumeration") && tables.contains("<code>foundation</code></td><td>Integer</td>"));
+}
+
+/// The packed description has neither the comments of its source nor what they leave, and names the tool with its version.
+#[test]
+fn description_is_tidy() {
+    let (files, root) = (files(), env!("CARGO_PKG_VERSION"));
+    let description = text(&files, "modelDescription.xml");
+    for rest in ["<!--", "ofFmi3", "\n\n", "\n \n"] {
+        assert!(!description.contains(rest), "the description holds {rest:?}");
+    }
+    assert!(description.lines().all(|line| !line.trim().is_empty()));
+    assert!(description.contains(&format!("generationTool=\"rocking-block {root}\"")));
+    let terminals = text(&files, "terminalsAndIcons/terminalsAndIcons.xml");
+    for link in ["tie_1", "tie_2", "damper_1", "damper_2"] {
+        assert!(terminals.contains(&format!("<Terminal name=\"{link}\"")), "no terminal {link}");
     }
 }
 

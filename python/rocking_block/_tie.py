@@ -19,17 +19,20 @@ class _Link:
     block_z: float = 0.0
     ground_x: float = 0.0
     ground_z: float = 0.0
-    stiffness: float
+    stiffness: float = 0.0
     damping: float = 0.0
     strength: float = 0.0
     yield_force: float = 0.0
     hardening: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuses values that are no numbers, and a stiffness of zero or below."""
+        """Refuses values that are no numbers, a stiffness of zero or below, and a damper with neither stiffness nor damping."""
         for field in fields(self):
             object.__setattr__(self, field.name, number(field.name, getattr(self, field.name)))
-        if not self.stiffness > 0.0:
+        is_dashpot = isinstance(self, Damper) and self.stiffness == 0.0
+        if is_dashpot and not self.damping > 0.0:
+            raise ValueError(f"stiffness = 0.0 and damping = {self.damping}; expected one of the damper > 0")
+        if not is_dashpot and not self.stiffness > 0.0:
             kind = type(self).__name__.lower()
             raise ValueError(f"stiffness = {self.stiffness}; expected a stiffness of the {kind} > 0 N/m")
 
@@ -49,7 +52,7 @@ class Damper(_Link):
     ground_x, ground_z : float
         Its end on the ground [m].
     stiffness : float
-        Stiffness k [N/m], > 0.
+        Stiffness k [N/m]; 0 for a dashpot, which has a damping alone.
     damping : float
         Damping c [N s/m].
     strength : float

@@ -42,6 +42,18 @@ def test_a_block_keeps_its_dampers():
     assert "1 damper" in repr(first) and first.replace(dampers=[]).dampers == ()
 
 
+def test_damping_alone_makes_a_dashpot():
+    dashpot = rb.Damper(block_x=0.3, ground_x=0.3, ground_z=-0.6, damping=500.0)
+    assert dashpot.stiffness == 0.0 and block(dampers=dashpot).dampers == (dashpot,)
+    for numbers, words in [({}, "stiffness = 0.0 and damping = 0.0; expected one of the damper > 0"), ({"stiffness": -1.0, "damping": 1.0}, "stiffness = -1")]:
+        with pytest.raises(ValueError, match=words):
+            rb.Damper(ground_z=-1.0, **numbers)
+    with pytest.raises(ValueError, match="stiffness = 0.0; expected a stiffness of the tie > 0"):
+        rb.Tie(ground_z=-1.0, damping=500.0)
+    with pytest.raises(ValueError, match="yield_force = 1 without stiffness"):
+        block(dampers=rb.Damper(ground_z=-1.0, damping=500.0, yield_force=1.0))
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -82,7 +82,7 @@ pub enum SimulationError {
     },
     /// The motion takes more steps than any reasonable call, or the clock does not resolve them.
     #[error(
-        "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion"
+        "stopped at t = {time} s after {steps} steps towards t = {until} s; expected a shorter step, or a slower motion than that of {fastest}"
     )]
     TooManySteps {
         /// Time that was reached (s).
@@ -91,6 +91,8 @@ pub enum SimulationError {
         until: f64,
         /// Number of steps taken.
         steps: u64,
+        /// The number of the block that makes its motion fastest, with the rate.
+        fastest: String,
     },
     /// The regime changed again and again at one time.
     #[error("found {count} events in the instant t = {time} s; expected a regime that lasts after them")]

@@ -100,14 +100,18 @@ impl Steps {
         simulation: &mut Simulation,
         inputs: &Inputs,
     ) -> Result<Option<(&StepKind, Option<ReachedEvent>)>, SimulationError> {
-        let (time, counts) = (simulation.run.pose.time, simulation.run.counts);
+        let time = simulation.run.pose.time;
         if time >= self.stop || simulation.run.ending.is_some() {
             return Ok(None);
         }
         let Simulation { setup, run } = &mut *simulation;
         let (excitation, swing) = (setup.excitation(time, inputs), Cell::new(None));
+        let begins_piece = std::mem::take(&mut self.begins);
+        // That of its beginning.
+        run.counts.evaluations += u64::from(begins_piece);
+        let counts = run.counts;
         let input = StepsInput {
-            begins_piece: std::mem::take(&mut self.begins),
+            begins_piece,
             single: true,
             swing: Some(&swing),
             ..StepsInput::of_piece(setup, &excitation, self.stop)

@@ -11,6 +11,7 @@ use crate::system::System;
 use crate::system::beginning::Initial;
 use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::ROUNDING;
 use crate::system::forces::energy;
 use crate::system::instant::{Footing, Instant, Pose};
 
@@ -60,6 +61,15 @@ impl Start {
         let peaks = Peaks {
             pull: seen.restraints.map(|restraint| restraint.pull.abs().eps),
             plastic: seen.restraints.map(|restraint| restraint.plastic.abs().eps),
+            elongation: std::array::from_fn(|i| {
+                let elongation = seen.restraints[i].elongation;
+                match goes_on.forcing.restraints.pull_of(i) {
+                    None => 0.0,
+                    // At rest it is zero to round-off, and grows to either side.
+                    Some(_) if elongation.re.abs() <= ROUNDING * block.r0.re => elongation.eps.abs(),
+                    Some(_) => elongation.abs().eps,
+                }
+            }),
             ..seen.channels().peak_sensitivity()
         };
         let seen = if is_frozen { seen.without_motion() } else { seen };

@@ -69,3 +69,16 @@ impl<const N: usize> Limits<N> {
         Limits { weights, work_weight, longest, short_fraction: if tolerance >= LOOSE { 1.0 } else { SHORT_FRACTION } }
     }
 }
+
+/// Returns the number of the block that makes its motion fastest, and the circular frequency or decay rate that comes of it.
+pub(super) fn fastest_number(block: &Block) -> String {
+    let Body { i0, b, h, omega_v, xi_v, foundation, .. } = block.body;
+    let mut numbers = restraints::rates(block);
+    if foundation == Foundation::Viscoelastic {
+        let turning = 1.0 + (b * b + h * h) / i0;
+        numbers.push(("the stiffness of the supports".into(), omega_v * turning.sqrt()));
+        numbers.push(("the damping of the supports".into(), 2.0 * xi_v * omega_v * turning));
+    }
+    let fastest = numbers.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    fastest.map_or_else(|| "the excitation".into(), |(name, rate): (String, f64)| format!("{name}, {rate:.1e} rad/s"))
+}

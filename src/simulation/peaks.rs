@@ -29,6 +29,8 @@ pub struct Peaks<T = f64> {
     pub pull: [T; restraints::MAX],
     /// Of their plastic elongations (m).
     pub plastic: [T; restraints::MAX],
+    /// Of the elongations (m) of those that push, too, while they act: their strokes.
+    pub elongation: [T; restraints::MAX],
 }
 
 /// A quantity whose greatest absolute value is a peak.
@@ -83,8 +85,8 @@ impl<T: Real> Peaks<T> {
     #[inline(always)]
     pub fn of_channels([theta, reaction, horizontal, uplift, friction_demand]: [T; 5]) -> Peaks<T> {
         let zero = T::from(0.0);
-        let (pull, plastic) = ([zero; restraints::MAX], [zero; restraints::MAX]);
-        Peaks { theta, reaction, horizontal, uplift, friction_demand, slip: zero, pull, plastic }
+        let [pull, plastic, elongation] = [[zero; restraints::MAX]; 3];
+        Peaks { theta, reaction, horizontal, uplift, friction_demand, slip: zero, pull, plastic, elongation }
     }
 
     /// The peak of a channel.
@@ -159,9 +161,9 @@ impl<T: Real> Peaks<T> {
 impl Peaks {
     /// Whether all are finite and none is negative.
     pub fn is_valid(&self) -> bool {
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *self;
-        let all = [theta, reaction, horizontal, uplift, friction_demand, slip].into_iter().chain(pull).chain(plastic);
-        all.into_iter().all(|peak| peak >= 0.0 && peak.is_finite())
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic, elongation } = *self;
+        let channels = [theta, reaction, horizontal, uplift, friction_demand, slip];
+        channels.into_iter().chain(pull).chain(plastic).chain(elongation).all(|peak| peak >= 0.0 && peak.is_finite())
     }
 
     /// Includes a rotation (rad) about a corner of the rigid base.
@@ -173,10 +175,11 @@ impl Peaks {
         }
     }
 
-    /// Includes the pulls and the plastic elongations of the restraints at one instant.
+    /// Includes the pulls and the elongations of the restraints at one instant.
     pub fn include_restraints(&mut self, now: &Evaluation) {
         for number in now.body.restraints.numbers() {
             self.include_pull(now.body, number, now.pull(number).re.abs());
+            self.elongation[number] = greater(self.elongation[number], now.stroke(number).re.abs());
         }
         self.include_plastic(&now.plastic_elongations());
     }
@@ -188,7 +191,7 @@ impl Peaks {
         }
     }
 
-    /// Includes the pulls of a step between two instants; `inside` gives an instant between them.
+    /// Includes the pulls and strokes of a step between two instants; `inside` gives an instant between them.
     pub fn include_pulls_of_step<'a>(
         &mut self,
         here: &Evaluation,
@@ -206,6 +209,12 @@ impl Peaks {
                 let mut pushed = |elapsed: f64| -inside(elapsed).pull(number);
                 let most = roots::greatest(self.pull[number], start, end, duration, &mut pushed);
                 self.include_pull(here.body, number, most);
+                for sign in [1.0, -1.0] {
+                    let [start, end] = [here, there].map(|now| now.stroke(number) * sign);
+                    let mut stroke = |elapsed: f64| inside(elapsed).stroke(number) * sign;
+                    let peak = &mut self.elongation[number];
+                    *peak = greater(*peak, roots::greatest(*peak, start, end, duration, &mut stroke));
+                }
             }
         }
     }

@@ -6,8 +6,8 @@ use crate::block::Block;
 use crate::excitation::Excitation;
 use crate::numerics::control::{Attempt, is_resolved};
 use crate::numerics::dop853::DenseStep;
-use crate::simulation::SimulationError;
 use crate::simulation::state::Setup;
+use crate::simulation::{SimulationError, limits};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::EventFunction;
 use crate::system::swing::Swing;
@@ -74,7 +74,8 @@ impl<'a> StepsInput<'a> {
     /// The budget is spent, or the clock does not resolve steps of `longest` (s) at `time`.
     pub(super) fn spend(&self, budget: &mut u64, time: f64, longest: f64) -> Result<(), SimulationError> {
         if *budget == 0 || !is_resolved(time, longest) {
-            return Err(SimulationError::TooManySteps { time, until: self.stop, steps: MAX_STEPS - *budget });
+            let (steps, fastest) = (MAX_STEPS - *budget, limits::fastest_number(self.block()));
+            return Err(SimulationError::TooManySteps { time, until: self.stop, steps, fastest });
         }
         *budget -= 1;
         Ok(())

@@ -44,6 +44,8 @@ pub enum Source {
     PeakPull(usize),
     /// The largest plastic elongation of the restraint with this number since the start.
     PeakPlastic(usize),
+    /// The largest elongation of the restraint with this number since the start.
+    PeakElongation(usize),
     /// The energy that the restraint with this number has lost by yielding since the start.
     PlasticWork(usize),
     /// Whether the foot slides.
@@ -58,7 +60,8 @@ pub enum Source {
 #[expect(clippy::too_many_lines, reason = "a table with a line for each output")]
 pub fn source(output: Output) -> Source {
     use Source::{
-        Discrete, Energy, Observed, Peak, PeakPlastic, PeakPull, PeakSlip, PlasticWork, Regime, Slides, Slip,
+        Discrete, Energy, Observed, Peak, PeakElongation, PeakPlastic, PeakPull, PeakSlip, PlasticWork, Regime, Slides,
+        Slip,
     };
     match output {
         Output::Theta => Observed(|at| at.theta),
@@ -89,6 +92,8 @@ pub fn source(output: Output) -> Source {
         Output::Tie2Tension => Observed(|at| at.restraints[1].pull),
         Output::Damper1Force => Observed(|at| at.restraints[2].pull),
         Output::Damper2Force => Observed(|at| at.restraints[3].pull),
+        Output::Tie1Elongation => Observed(|at| at.restraints[0].elongation),
+        Output::Tie2Elongation => Observed(|at| at.restraints[1].elongation),
         Output::Damper1Elongation => Observed(|at| at.restraints[2].elongation),
         Output::Damper2Elongation => Observed(|at| at.restraints[3].elongation),
         Output::Tie1Plastic => Observed(|at| at.restraints[0].plastic),
@@ -120,6 +125,8 @@ pub fn source(output: Output) -> Source {
         Output::PeakTie2Plastic => PeakPlastic(1),
         Output::PeakDamper1Plastic => PeakPlastic(2),
         Output::PeakDamper2Plastic => PeakPlastic(3),
+        Output::PeakDamper1Elongation => PeakElongation(2),
+        Output::PeakDamper2Elongation => PeakElongation(3),
         Output::Damper1Energy => PlasticWork(2),
         Output::Damper2Energy => PlasticWork(3),
         Output::Slip => Slip(|slip| slip.now, |rate| rate),
@@ -187,6 +194,7 @@ impl Source {
             Source::PeakSlip => simulation.peaks().slip,
             Source::PeakPull(number) => simulation.peaks().pull[*number],
             Source::PeakPlastic(number) => simulation.peaks().plastic[*number],
+            Source::PeakElongation(number) => simulation.peaks().elongation[*number],
             Source::PlasticWork(number) => simulation.plastic_work(*number),
             Source::Slides => flag(simulation.slides_under(inputs)),
             Source::Discrete(of) => of(simulation),
@@ -210,6 +218,9 @@ impl Source {
             Source::PeakPlastic(number) => {
                 rate_of_peak(peaks.plastic[*number], observed.restraints[*number].plastic.abs())
             }
+            Source::PeakElongation(number) => {
+                rate_of_peak(peaks.elongation[*number], observed.restraints[*number].elongation.abs())
+            }
             Source::PlasticWork(number) => rates.restraints[*number].plastic.abs() * yield_forces[*number],
             Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
@@ -223,6 +234,7 @@ impl Source {
             Source::Peak(channel) => derivatives.peaks.of(*channel),
             Source::PeakPull(number) => derivatives.peaks.pull[*number],
             Source::PeakPlastic(number) => derivatives.peaks.plastic[*number],
+            Source::PeakElongation(number) => derivatives.peaks.elongation[*number],
             Source::PlasticWork(_)
             | Source::Slip(..)
             | Source::PeakSlip
@@ -245,6 +257,7 @@ impl Source {
             | Source::PeakSlip
             | Source::PeakPull(_)
             | Source::PeakPlastic(_)
+            | Source::PeakElongation(_)
             | Source::PlasticWork(_)
             | Source::Slides
             | Source::Regime

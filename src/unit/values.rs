@@ -84,9 +84,9 @@ impl Values {
         for (tie, (name, _)) in ties.iter().zip(*LINKS) {
             // The limits of the variables exclude all other errors.
             tie.check().map_err(|_| BlockError::OutOfRange {
-                name: name.into(),
+                name: format!("distance of the ends of {name}").into(),
                 value: tie.length(),
-                expected: "a distance of its ends (m) above 0",
+                expected: "one above 0 m",
             })?;
         }
         block.with_ties(&ties)
@@ -112,7 +112,7 @@ impl Values {
         block
     }
 
-    /// Returns the ties up to the last one with a stiffness, with parameters from `of`.
+    /// Returns the ties up to the last one that is present, with parameters from `of`.
     pub fn ties<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
         let count = LINKS.iter().rposition(|(_, tie)| self.is_present(tie)).map_or(0, |last| last + 1);
         LINKS[..count].iter().map(|(_, tie)| tie.map(|variable| variable.map_or(T::from(0.0), &of))).collect()
@@ -204,9 +204,8 @@ impl Values {
         LINKS.iter().any(|(_, tie)| self.is_present(tie))
     }
 
-    /// Whether a tie has a stiffness.
     fn is_present(&self, tie: &Tie<Option<Variable>>) -> bool {
-        tie.stiffness.is_some_and(|stiffness| self[stiffness] > 0.0)
+        tie.map(|number| number.map_or(0.0, |variable| self[variable])).is_present()
     }
 
     /// Returns the missing setting that a parameter needs to be read, if any.
@@ -270,7 +269,13 @@ impl Values {
         let parameter = Some(parameter);
         let is_of = |mut link: Tie<_>| link.numbers().iter().any(|number| **number == parameter);
         let (_, link) = LINKS.iter().find(|(_, link)| is_of(*link))?;
-        let needed = if parameter == link.hardening { link.yield_force } else { link.stiffness };
+        let needed = if parameter == link.hardening {
+            link.yield_force
+        } else if parameter == link.yield_force || !self.is_present(link) {
+            link.stiffness
+        } else {
+            None
+        };
         let missing = needed.filter(|&setting| needed != parameter && self[setting] == 0.0)?;
         Some(missing.name())
     }

@@ -132,6 +132,21 @@ fn a_record_can_be_scaled_from_zero() {
     instance.refuses(status, &["record.horizontal", "record.txt"]);
 }
 
+/// Records in g and in tenths of g have samples in proportion to g, others none.
+#[test]
+fn derivatives_with_respect_to_gravity_count_the_unit_of_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.txt");
+    std::fs::write(&path, RECORD).unwrap();
+    for (unit, expected) in [("g", 0.3), ("g/10", 0.03), ("m/s2", 0.0), ("cm/s2", 0.0), ("mm/s2", 0.0)] {
+        let mut instance = begin(&[("record.dt", 0.5)]);
+        instance.set_text("record.horizontal", path.to_str().unwrap());
+        instance.set_text("record.horizontal_unit", unit);
+        let [found] = instance.derivatives(&["record.PGA"], "g")[..] else { panic!() };
+        assert!((found - expected).abs() < 1e-15, "{unit}: {found}");
+    }
+}
+
 #[test]
 fn undeclared_dependencies_are_refused() {
     let instance = begin(&[]);

@@ -95,6 +95,10 @@ fn parameters_without_effect_are_named_with_their_condition() {
     assert_eq!(with(&[("physical.height", 2.8)]), [("physical.height", "physical.center_height = 0")]);
     assert_eq!(with(&[("tie_2.ground_z", -1.0)]), [("tie_2.ground_z", "tie_2.stiffness")]);
     assert_eq!(with(&[("damper_1.yield_force", 1.0)]), [("damper_1.yield_force", "damper_1.stiffness")]);
+    assert_eq!(with(&[("damper_1.damping", 1e3), ("damper_1.ground_z", -1.0), ("damper_1.strength", 1e4)]), []);
+    let yields = [("damper_1.damping", 1e3), ("damper_1.ground_z", -1.0), ("damper_1.yield_force", 1.0)];
+    assert_eq!(with(&yields), [("damper_1.yield_force", "damper_1.stiffness")]);
+    assert_eq!(with(&[("tie_1.damping", 1e3)]), [("tie_1.damping", "tie_1.stiffness")]);
     assert_eq!(with(&[("tie_1.hardening", 0.1)]), [("tie_1.hardening", "tie_1.yield_force")]);
     assert_eq!(with(&[("tie_1.stiffness", 1e3), ("tie_1.ground_z", -1.0), ("tie_1.strength", 1e4)]), []);
     assert_eq!(unread(&[("physical.inertia", 1.0)]), [("physical.inertia", "parameterization = Physical")]);
@@ -105,7 +109,8 @@ fn parameters_without_effect_are_named_with_their_condition() {
 fn invalid_blocks_are_refused_with_the_reason() {
     for (values, words) in [
         (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "1.82"][..]),
-        (&[("tie_2.stiffness", 1e3)], &["tie_2 = 0", "a distance of its ends (m) above 0"]),
+        (&[("tie_2.stiffness", 1e3)], &["distance of the ends of tie_2 = 0", "expected one above 0 m"]),
+        (&[("damper_1.damping", 1e3)], &["distance of the ends of damper_1 = 0"]),
         (&[("friction", 1.5), ("foundation", 2.0)], &["friction = 1.5", "rigid base", "1.333"]),
     ] {
         let refusal = refusal(values);

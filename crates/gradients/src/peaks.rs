@@ -38,6 +38,8 @@ enum Quantity {
     Pull(usize),
     /// Its plastic elongation.
     Plastic(usize),
+    /// Its elongation.
+    Elongation(usize),
 }
 
 const CHANNELS: [Channel; 5] =
@@ -49,6 +51,7 @@ pub(crate) struct PeakSegments {
     channels: [Option<Box<Segment>>; CHANNELS.len()],
     pulls: [Option<Box<Segment>>; restraints::MAX],
     plastics: [Option<Box<Segment>>; restraints::MAX],
+    elongations: [Option<Box<Segment>>; restraints::MAX],
     /// Derivatives of the peak slip.
     slip: [f64; BATCH],
 }
@@ -59,6 +62,7 @@ impl PeakSegments {
             channels: Default::default(),
             pulls: Default::default(),
             plastics: Default::default(),
+            elongations: Default::default(),
             slip: [0.0; BATCH],
         }
     }
@@ -71,6 +75,7 @@ impl PeakSegments {
         for number in restraints {
             self.pulls[number] = Some(Box::new(*start));
             self.plastics[number] = Some(Box::new(*start));
+            self.elongations[number] = Some(Box::new(*start));
         }
     }
 
@@ -92,6 +97,9 @@ impl PeakSegments {
             }
             if after.plastic[number] != before.plastic[number] {
                 record(&mut self.plastics[number]);
+            }
+            if after.elongation[number] != before.elongation[number] {
+                record(&mut self.elongations[number]);
             }
         }
         if after.slip != before.slip {
@@ -128,6 +136,9 @@ impl PeakSegments {
                 Some(_) | None => peak(Quantity::Pull(i), peaks.pull[i], &self.pulls[i]),
             }),
             plastic: std::array::from_fn(|i| peak(Quantity::Plastic(i), peaks.plastic[i], &self.plastics[i])),
+            elongation: std::array::from_fn(|i| {
+                peak(Quantity::Elongation(i), peaks.elongation[i], &self.elongations[i])
+            }),
         }
     }
 }
@@ -169,6 +180,7 @@ fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(
     let values = |x: &Observation<Number>| match quantity {
         Quantity::Pull(number) => vec![size(x.restraints[number].pull)],
         Quantity::Plastic(number) => vec![size(x.restraints[number].plastic)],
+        Quantity::Elongation(number) => vec![x.restraints[number].elongation, -x.restraints[number].elongation],
         Quantity::Channel(Channel::Theta) => vec![x.theta, -x.theta],
         Quantity::Channel(Channel::Reaction) => x.reaction.to_vec(),
         Quantity::Channel(Channel::Horizontal) => vec![x.horizontal, -x.horizontal],

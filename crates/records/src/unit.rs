@@ -48,6 +48,15 @@ impl Unit {
         }
     }
 
+    /// Whether the unit is a multiple of gravity.
+    #[must_use]
+    pub fn is_of_gravity(self) -> bool {
+        match self {
+            Unit::G | Unit::TenthOfG => true,
+            Unit::MetrePerSecondSquared | Unit::CentimetrePerSecondSquared | Unit::MillimetrePerSecondSquared => false,
+        }
+    }
+
     /// Returns the spellings of the other units.
     pub(super) fn others(self) -> &'static str {
         match self {

@@ -274,6 +274,12 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
     tie::pull::observe(body, ties, plastic, kinematics)
 }
 
+/// Returns the elongation (m) of the restraint with this number and its rate (m/s).
+pub fn elongation<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, kinematics: &Kinematics<T>, number: usize) -> Dual<T> {
+    let stretch = tie::pull::stretch(body, &body.ties()[number], kinematics);
+    Dual::new(stretch.length, stretch.rate)
+}
+
 /// Returns the plastic elongations of all restraints (m), also while they yield. Positive for longer ones.
 pub fn plastic_elongations<P: Scalar, T: CombinesWith<P>>(
     body: &Body<P>,
@@ -316,6 +322,16 @@ pub fn fastest(body: &Body) -> f64 {
     stiffness.sqrt().max(damping)
 }
 
+/// Returns the circular frequencies and decay rates (rad/s) that single numbers of the restraints bring, by their names.
+pub fn rates(body: &Body) -> Vec<(String, f64)> {
+    let rates = tie::names(body.ties()).into_iter().zip(body.ties()).map(|(name, tie)| {
+        let mobility = tie::pull::mobility(body, tie);
+        let stiffness = (format!("{name}.stiffness"), (tie.stiffness * mobility).sqrt());
+        [stiffness, (format!("{name}.damping"), tie.damping * mobility)]
+    });
+    rates.flatten().collect()
+}
+
 /// Returns the energy stored in the restraints per mass (m²/s²).
 pub fn energy<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     body: &Body<P>,
@@ -352,7 +368,7 @@ pub fn watched(body: &Body, modes: &Modes) -> [Option<RestraintFunction>; WATCHE
     let (Modes { ties }, mut watched) = (modes, [None; WATCHED]);
     let (slots, _) = watched.as_chunks_mut::<{ tie::switching::WATCHED }>();
     let links = tie::links::<_, f64>(body, ties, &None).zip(slots).enumerate();
-    for (i, (link, slots)) in links.filter(|(_, (link, _))| link.tie.stiffness > 0.0) {
+    for (i, (link, slots)) in links.filter(|(_, (link, _))| link.tie.is_present()) {
         *slots = tie::switching::watched(link)
             .map(|function| function.map(|function| RestraintFunction::Tie(i as u8, function)));
     }

@@ -33,6 +33,12 @@ where
     pub fn pull(&self, number: usize) -> Dual<T> {
         self.forcing.restraints.pull_of(number).map_or_else(Dual::default, |function| sample(function, self))
     }
+
+    /// Returns the elongation (m) of the restraint with this number and its rate (m/s), if it pushes, too, and acts.
+    pub fn stroke(&self, number: usize) -> Dual<T> {
+        let acts = self.body.restraints.pushes(number) && self.forcing.restraints.pull_of(number).is_some();
+        if acts { restraints::elongation(self.body, &Kinematics::of(&self.instant), number) } else { Dual::default() }
+    }
 }
 
 impl<T: Elementary> PoseUpdate<'_, T>

@@ -17,7 +17,7 @@ use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
 use crate::unit::values::Values;
 use crate::unit::variables::{Fmi3Variable, Input, Kind, Output, Role, VARIABLES, Variable};
-use rocking_records::{Record, Unit as RecordUnit};
+use rocking_records::Record;
 
 /// A direction in Initialization Mode: components of inputs, parameters and start time.
 #[derive(Clone, Debug)]
@@ -326,8 +326,7 @@ fn varied<'a>(
 ) -> VariedRecord<'a, impl Fn(usize) -> f64 + use<'a>> {
     let (scale, gravity) = (values[Variable::RecordScale], values[Variable::G]);
     let scaled = direction.of(Variable::RecordScale);
-    // Only samples in units of g depend on g.
-    let of_gravity = if record.unit == RecordUnit::G { direction.of(Variable::G) / gravity } else { 0.0 };
+    let of_gravity = if record.unit.is_of_gravity() { direction.of(Variable::G) / gravity } else { 0.0 };
     let sample = move |i: usize| {
         let acceleration = record.acceleration[i];
         let raw = unscaled.map_or_else(|| acceleration / scale, |record| record.acceleration[i]);

@@ -128,6 +128,8 @@ struct Side {
     pressed: f64,
     /// θ_sep (rad).
     separation: f64,
+    /// Whether each damper is longer or shorter than at rest.
+    strokes: [f64; 2],
     /// Side of the centre of mass.
     uneven: f64,
     lean: f64,
@@ -155,6 +157,7 @@ impl Side {
             shear: sign(get("H"), sizes.force),
             pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
+            strokes: ["damper_1", "damper_2"].map(|damper| sign(get(&format!("{damper}.elongation")), sizes.r0)),
             uneven: sign(get("eccentricity"), sizes.half_width),
             lean: sign(get("theta"), 1.0),
             heavier: sign(get("N_L") - get("N_R"), sizes.force),
@@ -179,6 +182,8 @@ impl Side {
                 "derived.theta_separation" => self.separation < 0.8,
                 // Separated blocks remember which corner lifted first.
                 "u" | "u_dot" if self.regime[0] == 2.0 => same(self.lean, other.lean),
+                "peak.damper_1.elongation" => same(self.strokes[0], other.strokes[0]),
+                "peak.damper_2.elongation" => same(self.strokes[1], other.strokes[1]),
                 "peak.H" => same(self.shear, other.shear),
                 "peak.theta" => same(self.lean, other.lean),
                 "peak.N" => same(self.heavier, other.heavier),

@@ -139,6 +139,54 @@ fn the_peak_of_a_damper_counts_its_pushes() {
     }
 }
 
+/// Damping alone makes a dashpot: the limit of soft springs. Its stroke is the greatest elongation on the way, also inside a step.
+#[test]
+fn damping_alone_makes_a_dashpot() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = plain(foundation);
+        let with = |stiffness: f64| {
+            let tie = |side: f64| Tie { damping: 0.1 * plain.mass, ..damper(&plain, side, [stiffness, 0.0, 0.0]) };
+            plain.with_ties(&[tie(-1.0), tie(1.0)]).unwrap()
+        };
+        let [(dashpot, _), (soft, _)] = [0.0, 1e-14].map(|stiffness| run(with(stiffness), 2.0, 4.0));
+        assert!((dashpot.peaks().theta - soft.peaks().theta).abs() < 1e-9, "{foundation:?}");
+        let [taken, expected] = [&dashpot, &soft].map(|run| run.energies().restraints.dampers);
+        assert!(taken > 1.0 && (taken - expected).abs() < 1e-7 * expected, "{foundation:?}: {taken}, not {expected} J");
+        assert!(dashpot.energies().residual.abs() < 1e-6 * taken, "{foundation:?}: {}", dashpot.energies().residual);
+        let inputs = Inputs::default();
+        let (mut sampled, mut greatest) = (run(with(0.0), 2.0, 0.0).0, [0.0_f64; 2]);
+        for step in 1..=4000 {
+            sampled.advance(f64::from(step) * 1e-3, &inputs, &mut |_| ()).unwrap();
+            for (greatest, link) in greatest.iter_mut().zip(sampled.observe(&inputs).restraints) {
+                *greatest = greatest.max(link.elongation.abs());
+            }
+        }
+        for (found, sampled) in dashpot.peaks().elongation.iter().zip(greatest) {
+            assert!((found - sampled).abs() < 1e-5 * sampled, "{foundation:?}: {found}, not {sampled}");
+        }
+        assert!(greatest[0] > 1e-3);
+        assert_eq!(dashpot.peaks().elongation[2..], [0.0; 6]);
+    }
+}
+
+/// An error on steps that are too many names the number that asks for them.
+#[test]
+fn a_stiff_link_is_named() {
+    let plain = plain(Foundation::Rigid);
+    let stiff = |number: fn(&mut Tie) -> &mut f64| {
+        let mut tie = damper(&plain, 1.0, [1.0, 0.0, 0.0]);
+        *number(&mut tie) = 1e18;
+        let block = plain.with_ties(&[damper(&plain, -1.0, [1.0, 0.0, 0.0]), tie]).unwrap();
+        let (inputs, initial) = (Inputs::default(), Initial { theta: 0.1, ..Initial::default() });
+        let mut run = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);
+        run.advance(1e9, &inputs, &mut |_| ()).unwrap_err().to_string()
+    };
+    let error = stiff(|tie| &mut tie.stiffness);
+    assert!(error.contains("a slower motion than that of damper_2.stiffness"), "{error}");
+    let error = stiff(|tie| &mut tie.damping);
+    assert!(error.contains("a slower motion than that of damper_2.damping"), "{error}");
+}
+
 /// Elastic links lose nothing but their springs' energy `S²/2k` as they break at their strength S.
 #[test]
 fn links_that_break_lose_the_energy_of_their_springs() {

@@ -76,7 +76,7 @@ impl Run {
         for (k, (name, rows)) in names.iter().zip(of_parameters).enumerate() {
             let (follower, i) = (&followers[k / BATCH], k % BATCH);
             let of = |number: Number| number.eps[i];
-            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } =
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic, elongation } =
                 follower.peaks(&simulation);
             derivatives.push(Derivatives {
                 name: name.clone(),
@@ -91,6 +91,7 @@ impl Run {
                     slip: of(slip),
                     pull: pull.map(of),
                     plastic: plastic.map(of),
+                    elongation: elongation.map(of),
                 },
             });
         }

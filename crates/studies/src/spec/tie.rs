@@ -34,8 +34,13 @@ fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
         }
         found.push(key);
     }
-    if tie.stiffness <= 0.0 {
-        return Err("expected a stiffness > 0, as in stiffness=1e5".into());
+    if !tie.is_present() {
+        return Err(match kind {
+            LinkKind::Tie => "expected a stiffness > 0, as in stiffness=1e5".into(),
+            LinkKind::Damper => {
+                "expected a stiffness > 0, as in stiffness=1e6, or a damping > 0, as in damping=1e4".into()
+            }
+        });
     }
     check(&tie)?;
     Ok(tie)
@@ -47,6 +52,9 @@ fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
 /// The first impossible parameter.
 pub fn check(tie: &Tie) -> Result<(), String> {
     tie.check().map_err(|error| error.to_string())?;
+    if tie.yield_force > 0.0 && !tie.yields() {
+        return Err(format!("found yield_force = {} without stiffness; expected both", tie.yield_force));
+    }
     if tie.hardening > 0.0 && !tie.yields() {
         return Err(format!("found hardening = {} without yield_force; expected both", tie.hardening));
     }
@@ -76,6 +84,7 @@ mod tests {
         let found = damper("stiffness=1e5,ground_z=-1,yield_force=2e3,hardening=0.05").unwrap();
         let damper = Tie { ground: [0.0, -1.0], kind: LinkKind::Damper, ..Tie::default() };
         assert_eq!(found, Tie { stiffness: 1e5, yield_force: 2e3, hardening: 0.05, ..damper });
+        assert_eq!(super::damper("ground_z=-1,damping=1e4").unwrap(), Tie { damping: 1e4, ..damper });
     }
 
     #[test]
@@ -88,12 +97,20 @@ mod tests {
             ("stiffness=1e5,block_z=two", &["block_z", "`two`", "finite number"]),
             ("stiffness=1e5,block_z=2,block_z=3", &["block_z twice"]),
             ("stiffness=1e5,block_z=2,slack=-1", &["slack", "-1", ">= 0"]),
-            ("stiffness=1e5", &["length of a tie = 0", "a distance of its ends above 0"]),
+            ("stiffness=1e5", &["distance of the ends of a tie = 0", "expected one above 0 m"]),
             ("stiffness=1e5,block_z=2,hardening=0.1", &["hardening = 0.1 without yield_force"]),
             ("stiffness=1e5,block_z=2,yield_force=1,hardening=1", &["hardening of a tie = 1", "below 1"]),
         ] {
             let error = tie(text).unwrap_err();
             assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");
+        }
+        for (text, words) in [
+            ("ground_z=-1", "a stiffness > 0, as in stiffness=1e6, or a damping > 0"),
+            ("ground_z=-1,damping=1e4,yield_force=1e3", "yield_force = 1000 without stiffness"),
+            ("ground_z=-1,damping=1e4,stiffness=-1", "stiffness of a damper = -1"),
+        ] {
+            let error = damper(text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
         }
         let error = damper("stiffness=1e5,block_z=2,slack=0.1").unwrap_err();
         assert!(

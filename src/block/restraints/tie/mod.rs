@@ -48,7 +48,7 @@ pub struct Tie<T = f64> {
     pub block: [T; 2],
     /// End on the ground, `[x, z]` (m).
     pub ground: [T; 2],
-    /// Stiffness k (N/m); 0 means no tie.
+    /// Stiffness k (N/m). Without it there is no tie, and a damper is a dashpot, if it has a damping.
     pub stiffness: T,
     /// Tension T0 (N) at the length at rest.
     pub pretension: T,
@@ -139,9 +139,15 @@ impl<T: Copy> Tie<T> {
 }
 
 impl<T: Scalar<Real = f64>> Tie<T> {
+    /// Whether it acts: it has a stiffness, or is a dashpot.
+    pub fn is_present(&self) -> bool {
+        let is_dashpot = self.kind == LinkKind::Damper && self.damping.value() > 0.0;
+        self.stiffness.value() > 0.0 || is_dashpot
+    }
+
     /// Whether it can yield.
     pub fn yields(&self) -> bool {
-        self.yield_force.value() > 0.0
+        self.yield_force.value() > 0.0 && self.stiffness.value() > 0.0
     }
 }
 
@@ -306,8 +312,12 @@ impl Tie {
                 }
             }
         }
-        if self.stiffness > 0.0 && self.length() <= 0.0 {
-            return refused(of_kind("length"), self.length(), "a distance of its ends above 0");
+        if self.is_present() && self.length() <= 0.0 {
+            return refused(
+                format!("distance of the ends of a {}", self.kind.word()).into(),
+                self.length(),
+                "one above 0 m",
+            );
         }
         Ok(())
     }

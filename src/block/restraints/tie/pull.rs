@@ -201,9 +201,15 @@ pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     let mut all = [ObservedRestraint::of_all(T::from(0.0)); MAX_TIES];
     for (observed, link) in all.iter_mut().zip(links(body, states, plastics)) {
         let stretch = stretch(body, link.tie, kinematics);
+        let Tie { stiffness, damping, kind, .. } = *link.tie;
+        let acting = match kind {
+            LinkKind::Tie => stiffness.value(),
+            LinkKind::Damper => stiffness.value() + damping.value(),
+        };
+        let is_present = P::select_less(P::Real::from(0.0), acting, P::from(1.0), P::from(0.0));
         *observed = ObservedRestraint {
             pull: tension(link, &stretch),
-            elongation: stretch.length,
+            elongation: stretch.length * is_present,
             plastic: plastic(link, stretch.length),
         };
     }
@@ -294,13 +300,18 @@ fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
 
 /// Returns sums of bounds on squared circular frequencies ((rad/s)²) and decay rates (1/s) from ties. The block is free.
 pub fn stiffest(body: &Body, ties: &Ties) -> [f64; 2] {
-    let Body { mass, i0, h, eccentricity, .. } = *body;
     let (mut stiffness, mut damping) = (0.0, 0.0);
     for tie in ties.all() {
-        let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
-        let mobility = (1.0 + (x * x + z * z) / i0) / mass;
+        let mobility = mobility(body, tie);
         stiffness += tie.stiffness * mobility;
         damping += tie.damping * mobility;
     }
     [stiffness, damping]
+}
+
+/// Returns a bound on the acceleration of the end of a tie under a unit force (1/kg). The block is free.
+pub fn mobility(body: &Body, tie: &Tie) -> f64 {
+    let Body { mass, i0, h, eccentricity, .. } = *body;
+    let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
+    (1.0 + (x * x + z * z) / i0) / mass
 }

@@ -243,7 +243,7 @@ pub fn at_beginning<T: Elementary>(
 ) -> (TieStates, Plastic<T>) {
     let mut states = NO_TIES;
     let all = states.iter_mut().zip(ties.all());
-    for (state, tie) in all.filter(|(_, tie)| tie.stiffness.value() > 0.0) {
+    for (state, tie) in all.filter(|(_, tie)| tie.is_present()) {
         let stretch = stretch(body, tie, kinematics);
         let rounding_of_tension = rounding * size_of_tension(body, tie);
         let rounding_of_stretch = rounding * size_of_stretch(body, tie);
