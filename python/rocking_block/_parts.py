@@ -19,7 +19,7 @@ from rocking_block import _engine
 from rocking_block._pulse import Pulse
 from rocking_block._table import Table, of_columns
 from rocking_block._tie import links
-from rocking_block._words import optional, ticking
+from rocking_block._words import is_url, optional, ticking
 
 _ROWS = 10_000
 """Rows of a part by default, some ten seconds of work."""
@@ -48,24 +48,23 @@ def _idle(done: int, total: int) -> None:
 def _study(source: Source) -> _engine.Study:
     """Returns the study, which a worker reads once for all parts."""
     with warnings.catch_warnings():
-        # The caller has been warned.
+        # The caller has been warned, and has checked the study.
         warnings.simplefilter("ignore")
-        return _engine.Study(*source, _idle)
+        return _engine.Study(*source, True, _idle)
 
 
-def _rows(source: Source, number: int, count: int, threads: int, out: str | None) -> tuple[Any, str | None]:
+def _rows(source: Source, number: int, count: int, threads: int) -> tuple[Any, str | None]:
     """Returns the columns of a part, and the reason of the first failed run."""
     return _study(source).part(number, count, threads, _idle)
 
 
-def _file(source: Source, number: int, count: int, threads: int, out: str) -> tuple[int, str | None]:
+def _file(source: Source, number: int, count: int, threads: int, out: str, format: str) -> tuple[int, str | None]:
     """Writes a part unless it is complete; returns the number of its rows, and the reason of the first failed run."""
-    study, name = _study(source), _engine.part_file_name(number, count)
-    is_local = "://" not in out
-    folder: Any = Folder(out) if is_local else Store(out)
+    study, name = _study(source), _engine.part_file_name(number, count, format)
+    folder = _folder(out)
     if folder.is_complete(name, lambda file: study.is_complete(file, number, count)):
         return 0, None
-    content, rows, failure = study.part_file(number, count, threads, _idle)
+    content, rows, failure = study.part_file(number, count, format, threads, _idle)
     folder.write(name, content)
     return rows, failure
 
@@ -76,6 +75,9 @@ class Folder:
     def __init__(self, path: str) -> None:
         self.path = Path(path)
         self.path.mkdir(parents=True, exist_ok=True)
+
+    def names(self) -> list[str]:
+        return os.listdir(self.path)
 
     def is_complete(self, name: str, check: Callable[[Path], bool]) -> bool:
         return (self.path / name).exists() and check(self.path / name)
@@ -106,6 +108,9 @@ class Store:
         self.files, self.path = fsspec.core.url_to_fs(url)
         self.files.makedirs(self.path, exist_ok=True)
 
+    def names(self) -> list[str]:
+        return [file.rsplit("/", 1)[-1] for file in self.files.ls(self.path, detail=False)]
+
     def is_complete(self, name: str, check: Callable[[Path], bool]) -> bool:
         if not self.files.exists(f"{self.path}/{name}"):
             return False
@@ -116,6 +121,10 @@ class Store:
     def write(self, name: str, content: bytes) -> None:
         with self.files.transaction, self.files.open(f"{self.path}/{name}", "wb") as file:
             file.write(content)
+
+
+def _folder(out: str) -> Folder | Store:
+    return Store(out) if is_url(out) else Folder(out)
 
 
 def _count(parts: int | None, rows: int) -> int:
@@ -148,11 +157,20 @@ def _results(
                 future.cancel()
 
 
+def _format(out: str, count: int, wanted: str | None) -> str:
+    """Returns the format of the parts: the one that is wanted, or that of the parts in the folder."""
+    try:
+        return _engine.part_format(_folder(out).names(), count, wanted)
+    except ValueError as error:
+        raise ValueError(f"{out}: {error}") from None
+
+
 def made(
     source: Source,
     study: _engine.Study,
     out: str | None,
     parts: int | None,
+    part_format: str | None,
     executor: Executor,
     threads: int | None,
     progress: bool | None,
@@ -160,7 +178,8 @@ def made(
     """Makes the parts of a study on an executor; returns their table unless they are files, and the reason of a failed run."""
     count = _count(parts, study.rows)
     task: Callable[..., tuple[Any, str | None]] = _rows if out is None else _file
-    calls = [(source, number, count, threads or 1, out) for number in range(1, count + 1)]
+    place = () if out is None else (out, _format(out, count, part_format))
+    calls = [(source, number, count, threads or 1, *place) for number in range(1, count + 1)]
     kept = "" if out is None else "; the same call makes the missing parts"
     failures, table = [], _Rows(study.rows)
     for _, (result, failure) in _results(executor, task, calls, study.rows, kept, progress):

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, get_args, overload
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from rocking_block._block import Block
 from rocking_block._outcomes import Records, table_of_outcomes, varying, warn_of_failures
 from rocking_block._pulse import Pulse
 from rocking_block._table import Table, of_columns
-from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, run_options, ticking
+from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, is_url, run_options, ticking
 
 def spectrum(
     *,
@@ -260,6 +260,7 @@ def sweep(
     on_separation: OnSeparation | None = None,
     out: str | os.PathLike[str],
     parts: int | None = None,
+    part_format: Literal["parquet", "csv"] | None = None,
     executor: Executor,
     threads: int | None = None,
     progress: bool | None = None,
@@ -270,6 +271,7 @@ def sweep(
     on_separation: OnSeparation | None = None,
     out: str | os.PathLike[str] | None = None,
     parts: int | None = None,
+    part_format: Literal["parquet", "csv"] | None = None,
     executor: Executor | None = None,
     threads: int | None = None,
     progress: bool | None = None,
@@ -292,6 +294,8 @@ def sweep(
         those of `rocking sweep --part`; `read_table` and `fragility` read the folder.
     parts : int, optional
         Number of parts for the executor; by default one for 10,000 rows but at least 32, of at least 500 rows each.
+    part_format : {"parquet", "csv"}, optional
+        Format of the parts in `out`; by default that of the parts in the folder, or Parquet.
     executor : concurrent.futures.Executor, optional
         Runs the parts: a `ProcessPoolExecutor`, the `get_executor()` of a client of Dask, an `MPIPoolExecutor` of mpi4py, or another one.
         Workers read the records by the paths of the study.
@@ -336,17 +340,19 @@ def sweep(
     """
     if executor is None and parts is not None:
         raise ValueError("parts has no effect without an executor")
+    if part_format is not None and (executor is None or out is None):
+        raise ValueError("part_format has no effect without an executor and a folder for its parts, out")
     if executor is None:
         return swept(study, on_separation, out, threads, progress)[0]
     if out is not None and Path(os.fspath(out)).suffix:
         raise ValueError(f"out = {os.fspath(out)}; expected a folder for the parts of an executor")
     source = _source(study, on_separation)
     with ticking(progress) as tick:
-        read = _engine.Study(*source, tick)
+        read = _engine.Study(*source, False, tick)
     folder = None if out is None else os.fspath(out)
-    if folder is not None and "://" not in folder:
+    if folder is not None and not is_url(folder):
         folder = os.path.abspath(folder)
-    table, failure = _parts.made(source, read, folder, parts, executor, threads, progress)
+    table, failure = _parts.made(source, read, folder, parts, part_format, executor, threads, progress)
     if failure is not None:
         warnings.warn(f"some runs failed, such as: {failure}", RuntimeWarning, stacklevel=2)
     return table
@@ -369,11 +375,18 @@ def swept(
 ) -> tuple[Table, str | None]:
     """Returns the table of `sweep`, and the measure whose levels the study names, if it does."""
     source = _source(study, on_separation)
-    if out is not None and Path(out).suffix.lower() != ".csv":
-        raise ValueError(f"out = {os.fspath(out)}; expected a name in .csv")
+    ending = None if out is None else Path(out).suffix.lower()
+    if ending not in (None, ".csv", ".parquet"):
+        raise ValueError(f"out = {out}; expected a name in .csv or .parquet")
+    if out is not None and ending == ".parquet" and Path(out).exists():
+        raise ValueError(f"{out}: exists already, and a Parquet table is written whole; expected another name")
     with ticking(progress) as tick:
-        read = _engine.Study(*source, tick)
-        columns, failure = read.table(threads, out, tick)
+        read = _engine.Study(*source, False, tick)
+        if out is not None and ending == ".parquet":
+            content, columns, failure = read.parquet(threads, tick)
+            _parts.Folder(str(Path(out).absolute().parent)).write(Path(out).name, content)
+        else:
+            columns, failure = read.table(threads, out, tick)
     # The numbers of the rows are those of the arrays.
     table = of_columns(columns[1:])
     warn_of_failures(table["outcome"], failure, 4)

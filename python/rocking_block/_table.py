@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 import os
+import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, overload
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._html import html_table
-from rocking_block._words import optional
+from rocking_block._words import is_url, optional
 
 if TYPE_CHECKING:
     import pandas
@@ -292,7 +294,7 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
     Parameters
     ----------
     path : path
-        The file, the folder, or a pattern such as "runs/*.parquet". The rows of parts are in the order of the study, those of other files
+        The file, the folder, the URL of one for which fsspec is installed, or a pattern such as "runs/*.parquet". The rows of parts are in the order of the study, those of other files
         in the order of the names. Folders in it that are named as "region=north" give their rows a column of that name.
     partial : bool
         Read parts although others are missing.
@@ -304,31 +306,58 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
     ValueError
         The file is no table, or a part is missing, damaged or that of another study; the message names it.
     """
-    files, is_part = _files(path, partial)
-    if not _is_parquet(files[0].path):
+    with _local(path) as place:
+        return _read_table(place, partial)
+
+
+def _read_table(path: str | os.PathLike[str], partial: bool) -> Table:
+    files, _ = _files(path, partial)
+    if _is_of_engine(files[0]):
         return of_columns(map(_of_program, _engine.read_table(path, partial)))
     tables: list[Table] = []
 
-    def read(file: File) -> int:
+    def read(file: File) -> None:
         with optional("a Parquet file", "pyarrow"):
             import pyarrow.parquet
 
         tables.append(_with_keys(_of_arrow(pyarrow.parquet.ParquetFile(file.path).read()), file.keys))
-        return tables[-1].rows
 
     _read_parquet_files(files, read)
-    if len(tables) == 1:
-        return tables[0]
-    table = Table.concat(tables)
-    return table[np.argsort(table["row"], kind="stable")] if is_part else table
+    return tables[0] if len(tables) == 1 else Table.concat(tables)
 
 
 def for_each_batch(
     path: str | os.PathLike[str], named: Sequence[str], partial: bool, each: Callable[[Table, bool], None]
 ) -> None:
     """Passes the columns of a table that a fit over the named ones needs on in batches, with whether the rows are those of parts."""
+    with _local(path) as place:
+        _for_each_batch(place, named, partial, each)
+
+
+@contextmanager
+def _local(path: str | os.PathLike[str]) -> Iterator[str | os.PathLike[str]]:
+    """Yields a path on this machine: that of a URL is one of a copy of its files."""
+    url = os.fspath(path)
+    if not is_url(url):
+        yield path
+        return
+    with optional(url, "fsspec"):
+        import fsspec.core
+    files, at = fsspec.core.url_to_fs(url)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = os.path.join(folder, at.rstrip("/").rsplit("/", 1)[-1])
+        files.get(at, copy, recursive=True)
+        try:
+            yield copy
+        except ValueError as error:
+            raise ValueError(str(error).replace(copy, url)) from None
+
+
+def _for_each_batch(
+    path: str | os.PathLike[str], named: Sequence[str], partial: bool, each: Callable[[Table, bool], None]
+) -> None:
     files, is_part = _files(path, partial)
-    if not _is_parquet(files[0].path):
+    if _is_of_engine(files[0]):
         _engine.read_batches(path, partial, list(named), lambda columns: each(of_columns(map(_of_program, columns)), is_part))
         return
     with optional("a Parquet file", "pyarrow"):
@@ -338,7 +367,7 @@ def for_each_batch(
     def is_wanted(heading: str) -> bool:
         return _engine.is_needed(split_heading(heading)[0], list(named))
 
-    def read(file: File) -> int:
+    def read(file: File) -> None:
         keys = {name: value for name, value in file.keys.items() if is_wanted(name)}
         # By default the columns of all groups that were read stay in memory; without a buffer, those of one.
         with pyarrow.parquet.ParquetFile(file.path, pre_buffer=False, buffer_size=1 << 16) as content:
@@ -351,7 +380,6 @@ def for_each_batch(
             # An empty file has columns as well.
             if rows == 0:
                 each(_with_keys(_of_arrow(schema.empty_table().select(wanted)), keys), is_part)
-            return rows
 
     _read_parquet_files(files, read)
 
@@ -403,10 +431,12 @@ def _with_keys(table: Table, keys: Mapping[str, float | str]) -> Table:
     return Table({**table, **more}, table.units) if more else table
 
 
-def _is_parquet(file: str) -> bool:
-    """Returns whether a table is Parquet, by its name or by its content."""
-    with open(file, "rb") as content:
-        return file.lower().endswith(".parquet") or content.read(4) == b"PAR1"
+def _is_of_engine(file: File) -> bool:
+    """Returns whether the engine reads a file: a part, or CSV by its name and its content. Parquet of others has codecs and types that it does not know."""
+    if file.part is not None:
+        return True
+    with open(file.path, "rb") as content:
+        return not file.path.lower().endswith(".parquet") and content.read(4) != b"PAR1"
 
 
 def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, str | None, npt.NDArray[Any]]:
@@ -417,33 +447,20 @@ def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, 
     return name, unit, values.astype(np.int64) if name in _COUNTS else values
 
 
-def _read_parquet_files(files: list[File], read: Callable[[File], int]) -> None:
-    """Reads files with a function that returns the number of their rows, and checks parts."""
+def _read_parquet_files(files: list[File], read: Callable[[File], None]) -> None:
+    """Reads files with a function; says which one cannot be read."""
     with optional("a Parquet file", "pyarrow"):
         import pyarrow
         import pyarrow.parquet
 
-    first, study_of_first = None, None
     for file in files:
-        anew = f"; make it anew: delete it, and run part {file.part} again"
         try:
-            rows = read(file)
-            metadata = pyarrow.parquet.read_schema(file.path).metadata or {}
+            read(file)
         except (pyarrow.ArrowException, OSError) as error:
             # Errors of the system have a number.
             if isinstance(error, OSError) and error.errno is not None:
                 raise
-            reason = f"cannot be read as Parquet: {error}"
-            raise ValueError(f"{file.path}: is damaged: {reason}{anew}" if file.part else f"{file.path}: {reason}") from None
-        if file.part is None:
-            continue
-        *study, part = metadata.get(b"study", b"").decode().splitlines() or [""]
-        if first is None or first.keys != file.keys:
-            first, study_of_first = file, study
-        if study != study_of_first:
-            raise ValueError(f"{file.path}: is a part of another study than {first.path}")
-        if not part.endswith(f", {rows} rows"):
-            raise ValueError(f"{file.path}: is damaged: found {rows} rows, expected those of {part!r}{anew}")
+            raise ValueError(f"{file.path}: cannot be read as Parquet: {error}") from None
 
 
 def _of_arrow(table: Any) -> Table:

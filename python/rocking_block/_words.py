@@ -110,3 +110,7 @@ def ticking(progress: bool | None) -> Iterator[Callable[[int, int], object]]:
         yield tick
     finally:
         bar.close()
+
+
+def is_url(path: str) -> bool:
+    return "://" in path

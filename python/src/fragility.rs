@@ -9,7 +9,7 @@ use rocking_studies::fragility::{
 use rocking_studies::intensity::Measure;
 use rocking_studies::statistics::range;
 
-use crate::options::{choice, finite, invalid, whole};
+use crate::options::{choice, finite, invalid, pool, whole};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
@@ -80,7 +80,9 @@ impl Fragility {
         let samples = samples.map(|samples| whole("samples", samples, 2..=1_000_000)).transpose()?;
         let uncertainty = samples.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples as u32, seed));
         let (store, motions) = (std::mem::take(&mut store.0), Motions::of_first(first));
-        let found = wait(py, tick, move |_| Assessment::of(store, &motions, link, ci, uncertainty))?;
+        let pool = pool(None)?;
+        let fit = move || Assessment::of(store, &motions, link, ci, uncertainty);
+        let found = wait(py, tick, move |_| pool.install(fit))?;
         let found = found.map_err(invalid)?;
         Ok(PyClassInitializer::from(CurveNumbers::of(&found)).add_subclass(Fragility(found)))
     }
@@ -116,7 +118,8 @@ impl Fragility {
         measures: PyReadonlyArray1<f64>,
     ) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
         let measures = at(&measures)?;
-        let found = py.detach(|| self.0.band(&measures));
+        let pool = pool(None)?;
+        let found = py.detach(|| pool.install(|| self.0.band(&measures)));
         let (low, high): (Vec<f64>, Vec<f64>) = found.into_iter().map(|interval| ends(interval, 0.0, 1.0)).unzip();
         Ok([PyArray1::from_vec(py, low), PyArray1::from_vec(py, high)])
     }

@@ -69,7 +69,7 @@ mod _engine {
         record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor},
         risk::{AnnualRate, check_hazard, measure_name, measure_scale, read_hazard},
         search::{search_damping, search_overturning},
-        studies::{Study, outcomes, part_file_name},
+        studies::{Study, outcomes, part_file_name, part_format},
         table::{is_needed, read_batches, read_table, table_files},
         tie::link_numbers,
     };

@@ -17,7 +17,6 @@ use rocking_block::unit::variables::Variable;
 use rocking_studies::doubts;
 use rocking_studies::input::study_file::StudyFileError;
 use rocking_studies::intensity::Measure;
-use rocking_studies::output::csv;
 use rocking_studies::output::parts::{self, Part, PartNumber, PartState};
 use rocking_studies::output::resumable::{TableHeader, TableOptions, TableWriteError};
 use rocking_studies::output::runner::{self, Study as _, StudyRows};
@@ -28,7 +27,7 @@ use rocking_studies::run::rows::RunRow;
 use rocking_studies::run::sliding;
 use rocking_studies::spec::RunSpec;
 use rocking_studies::sweep::Sweep;
-use rocking_studies::sweep::file;
+use rocking_studies::sweep::file::{self, Checks};
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::blocks::Blocks;
@@ -111,11 +110,8 @@ pub fn outcomes<'py>(
     };
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
     let made = wait(py, tick, move |progress| {
-        let motion =
-            |number: u64| GroundMotion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
-        let mut motions = Vec::new();
-        let make = |numbers: Range<u64>| numbers.map(motion).collect::<Vec<_>>();
-        batches(&pool, grounds.len() as u64, 1, &Progress::default(), make, |batch| motions.extend(batch));
+        let motion = |ground| GroundMotion::new(Default::default(), ground, &of_record, g);
+        let motions: Vec<GroundMotion> = grounds.into_iter().map(motion).collect();
         let case = |number: u64| {
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
             (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block])
@@ -224,6 +220,7 @@ impl Study {
         text: &str,
         folder: PathBuf,
         on_separation: Option<&str>,
+        is_checked: bool,
         tick: &Bound<PyAny>,
     ) -> PyResult<Study> {
         // Line numbers are useful only for files: the text of a dictionary is never shown.
@@ -231,7 +228,9 @@ impl Study {
         let name_shown = name.unwrap_or("the study");
         let (file, content) = (name_shown.to_string(), text.to_string());
         // Checking that many combinations make valid blocks takes time.
-        let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
+        let checks = if is_checked { Checks::None } else { Checks::All };
+        let read = move |_: &Progress| file::read_for(&file, &content, &folder, checks);
+        let mut study = wait(py, tick, read)?.map_err(without_line)?;
         if let Some(on_separation) = on_separation {
             let choices = [OnSeparation::Terminate, OnSeparation::Fly];
             if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {
@@ -280,6 +279,22 @@ impl Study {
         Ok((columns(py, table)?, failure))
     }
 
+    /// Returns the file of the table in Parquet, and the table.
+    fn parquet<'py>(
+        &self,
+        py: Python<'py>,
+        threads: Option<i64>,
+        tick: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyBytes>, Vec<Column<'py>>, Option<String>)> {
+        let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
+        let (content, made) = wait(py, tick, move |progress| {
+            let made = made(&*study, &pool, progress);
+            (parts::file(&study.header(), made.table.clone(), "parquet"), made)
+        })?;
+        let (columns, failure) = for_python(py, made)?;
+        Ok((PyBytes::new(py, &content?), columns, failure))
+    }
+
     /// Returns the rows of a part.
     fn part<'py>(
         &self,
@@ -294,35 +309,43 @@ impl Study {
         for_python(py, made)
     }
 
-    /// Returns a part as CSV, the number of its rows, and the reason of the first failed run.
+    /// Returns the file of a part, the number of its rows, and the reason of the first failed run.
     fn part_file<'py>(
         &self,
         py: Python<'py>,
         number: u64,
         count: u64,
+        format: String,
         threads: Option<i64>,
         tick: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyBytes>, u64, Option<String>)> {
         let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
-        let (text, rows, failure) = wait(py, tick, move |progress| {
+        let (content, rows, failure) = wait(py, tick, move |progress| {
             let part = Part::new(&*study, number);
             let made = made(&part, &pool, progress);
-            let text = part.header().text().and_then(|header| Ok(header + &csv::lines(&made.table)?));
-            (text, part.rows(), made.failure.map(|failure| failure.to_string()))
+            let content = parts::file(&part.header(), made.table, &format);
+            (content, part.rows(), made.failure.map(|failure| failure.to_string()))
         })?;
-        Ok((PyBytes::new(py, text?.as_bytes()), rows, failure))
+        Ok((PyBytes::new(py, &content?), rows, failure))
     }
 
     /// Whether a file has all rows of a part; refuses the part of another study.
     fn is_complete(&self, file: PathBuf, number: u64, count: u64) -> PyResult<bool> {
         let part = Part::new(&*self.study, part_of(number, count)?);
-        let state = parts::state(&file, &part.header(), part.rows()).map_err(invalid)?;
+        let state = parts::state(&file, &part.header()).map_err(invalid)?;
         Ok(state == PartState::Complete)
     }
 }
 
 /// Returns the name of a part's file.
 #[pyfunction]
-pub fn part_file_name(number: u64, count: u64) -> PyResult<String> {
-    Ok(part_of(number, count)?.file_name("csv"))
+pub fn part_file_name(number: u64, count: u64, format: &str) -> PyResult<String> {
+    Ok(part_of(number, count)?.file_name(format))
+}
+
+/// Returns the format of parts in a folder with files of these names; refuses those of another set.
+#[pyfunction]
+pub fn part_format(names: Vec<String>, count: u64, wanted: Option<&str>) -> PyResult<String> {
+    let found = parts::format_in(names, count, wanted).map_err(PyValueError::new_err)?;
+    Ok(found.unwrap_or(parts::FORMATS[0].into()))
 }

@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import textwrap
 import time
 from pathlib import Path
 
@@ -47,7 +46,7 @@ def whole(study):
 def assert_whole(folder, parts, whole):
     """Tests that a folder has all parts, each once, with the rows of the study."""
     assert sorted(name for name in os.listdir(folder) if not name.startswith(".")) == [
-        f"part-{number:05}-of-{parts:05}.csv" for number in range(1, parts + 1)
+        f"part-{number:05}-of-{parts:05}.parquet" for number in range(1, parts + 1)
     ]
     found = rb.read_table(folder)
     np.testing.assert_array_equal(found["row"], np.arange(whole.rows))
@@ -95,12 +94,11 @@ def test_workers_of_dask_that_die_lose_no_row(study, whole, tmp_path):
 CLIENT = """
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import rocking_block as rb
 
 if __name__ == "__main__":
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(2) as pool:
         rb.sweep(sys.argv[1], executor=pool, parts=60, out=sys.argv[2])
 """
 
@@ -152,22 +150,26 @@ def test_a_full_disk_is_one_line_and_leaves_the_other_parts(study, tmp_path):
         subprocess.run(["umount", runs], check=True)
 
 
-def test_ranks_of_mpi_make_the_parts(study, whole, tmp_path):
+def example(engine):
+    """The script of docs/cluster.md for an engine, as it stands."""
+    text = (Path(__file__).resolve().parents[2] / "docs/cluster.md").read_text()
+    return next(code for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if f"from {engine} import" in code)
+
+
+def test_ranks_of_mpi_make_the_parts_of_the_example(study, whole, tmp_path):
     pytest.importorskip("mpi4py")
     if shutil.which("mpirun") is None:
         pytest.skip("mpirun is not installed")
-    script = """
-        import sys
-
-        from mpi4py.futures import MPIPoolExecutor
-
-        import rocking_block as rb
-
-        if __name__ == "__main__":
-            with MPIPoolExecutor() as pool:
-                rb.sweep(sys.argv[1], executor=pool, parts=10, out=sys.argv[2])
-    """
-    (tmp_path / "script.py").write_text(textwrap.dedent(script))
+    shutil.copy(study, tmp_path / "study.toml")
+    (tmp_path / "script.py").write_text(example("mpi4py.futures"))
     mpirun = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "3"]
-    subprocess.run([*mpirun, sys.executable, "-m", "mpi4py.futures", tmp_path / "script.py", study, tmp_path / "runs"], check=True)
-    assert_whole(tmp_path / "runs", 10, whole)
+    subprocess.run([*mpirun, sys.executable, "-m", "mpi4py.futures", "script.py"], cwd=tmp_path, check=True)
+    assert_whole(tmp_path / "runs", 100, whole)
+
+
+def test_dask_makes_the_parts_of_the_example(study, whole, tmp_path):
+    pytest.importorskip("distributed")
+    shutil.copy(study, tmp_path / "study.toml")
+    (tmp_path / "script.py").write_text(example("dask.distributed"))
+    subprocess.run([sys.executable, "script.py"], cwd=tmp_path, check=True, timeout=600)
+    assert_whole(tmp_path / "runs", 100, whole)

@@ -24,6 +24,20 @@ STUDY = {
 }
 
 
+STUDY_TEXT = f"""
+[study]
+design = "latin-hypercube"
+samples = 40
+seed = 4
+scales = [0.5, 2.0, 4.0]
+[parameters]
+alpha = {{ from = 0.1, to = 0.3 }}
+p = {{ from = 1.0, to = 4.0 }}
+[[records]]
+horizontal = "{RECORDS}/*.smc"
+"""
+
+
 @pytest.fixture(scope="module")
 def whole():
     return rb.sweep(STUDY)
@@ -31,8 +45,7 @@ def whole():
 
 @pytest.fixture(scope="module")
 def processes():
-    # The interpreter of the tests has threads, which a fork does not copy.
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(2) as pool:
         yield pool
 
 
@@ -59,7 +72,7 @@ def test_workers_write_parts_that_are_read_as_one_table(processes, whole, tmp_pa
     assert fit.median == rb.fragility(whole, "PGV", limit=0.3).median
     # Only the missing part is made.
     times = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()}
-    lost = tmp_path / "runs/part-00002-of-00005.csv"
+    lost = tmp_path / "runs/part-00002-of-00005.parquet"
     lost.unlink()
     with pytest.raises(ValueError, match="lacks 1 of 5 parts: 2; make these, or evaluate the others alone with partial=True"):
         rb.read_table(tmp_path / "runs")
@@ -79,17 +92,6 @@ def studies_read():
     return parts._study.cache_info().misses
 
 
-def to_parquet(folder):
-    """Makes parts in Parquet, as a program that knows it writes them, from those in CSV."""
-    import pyarrow.parquet
-
-    for file in list(folder.iterdir()):
-        study = [line[2:] for line in file.read_text().splitlines() if line.startswith("# ")]
-        table = rb.read_table(file).to_arrow().replace_schema_metadata({"study": "\n".join(study)})
-        pyarrow.parquet.write_table(table, file.with_suffix(".parquet"))
-        file.unlink()
-
-
 def without_its_end(content):
     return content[: len(content) // 2]
 
@@ -106,28 +108,77 @@ def spoilt(content):
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
 def test_a_damaged_part_is_named_with_its_remedy(damage, ending, whole, tmp_path):
     with ThreadPoolExecutor(1) as pool:
-        rb.sweep(STUDY, executor=pool, parts=3, out=tmp_path)
-    if ending == "parquet":
-        pytest.importorskip("pyarrow")
-        to_parquet(tmp_path)
-        assert rb.fragility(tmp_path, "PGV", limit=0.3).rows > 0
+        rb.sweep(STUDY, executor=pool, parts=3, part_format=ending, out=tmp_path)
+    assert rb.fragility(tmp_path, "PGV", limit=0.3).rows > 0
     file = tmp_path / f"part-00002-of-00003.{ending}"
     file.write_bytes(damage(file.read_bytes()))
     message = rf"{re.escape(str(file))}: is damaged: .*; make it anew: delete it, and run part 2 of 3 again$"
-    if ending == "csv" and damage is spoilt:
-        # The description of the study differs.
-        message = f"{re.escape(str(file))}: is a part of another study"
     for read in (lambda: rb.read_table(tmp_path), lambda: rb.fragility(tmp_path, "PGV", limit=0.3)):
         with pytest.raises(ValueError, match=message):
             read()
-    if ending == "parquet":
-        with pytest.raises(ValueError, match=rf"^{re.escape(str(file))}: cannot be read as Parquet: "):
-            rb.read_table(file)
-    else:
-        file.unlink()
-        with ThreadPoolExecutor(1) as pool:
-            rb.sweep(STUDY, executor=pool, parts=3, out=tmp_path)
-        same(rb.read_table(tmp_path), whole)
+    # The next call makes it anew, in the format of the others.
+    with ThreadPoolExecutor(1) as pool:
+        rb.sweep(STUDY, executor=pool, parts=3, out=tmp_path)
+    same(rb.read_table(tmp_path), whole)
+    assert len(os.listdir(tmp_path)) == 3
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_flipped_bit_is_named(ending, whole, tmp_path):
+    with ThreadPoolExecutor(1) as pool:
+        rb.sweep(STUDY, executor=pool, parts=3, part_format=ending, out=tmp_path)
+    file = tmp_path / f"part-00002-of-00003.{ending}"
+    content = file.read_bytes()
+    for bit in np.random.default_rng(1).integers(0, 8 * len(content), 200).tolist():
+        flipped = bytearray(content)
+        flipped[bit // 8] ^= 1 << (bit % 8)
+        file.write_bytes(flipped)
+        with pytest.raises(ValueError, match=rf"{re.escape(str(file))}: is damaged: .*; make it anew: delete it, and run part 2 of 3 again$"):
+            rb.read_table(tmp_path)
+    file.write_bytes(content)
+    same(rb.read_table(tmp_path), whole)
+
+
+def test_a_table_and_parts_are_parquet(whole, tmp_path):
+    """A folder keeps the format and the set with which it was begun."""
+    rb.sweep(STUDY, out=tmp_path / "whole.parquet")
+    same(rb.read_table(tmp_path / "whole.parquet"), whole)
+    with pytest.raises(ValueError, match="exists already"):
+        rb.sweep(STUDY, out=tmp_path / "whole.parquet")
+    with ThreadPoolExecutor(1) as pool:
+        rb.sweep(STUDY, executor=pool, parts=2, out=tmp_path / "runs")
+        assert sorted(os.listdir(tmp_path / "runs")) == ["part-00001-of-00002.parquet", "part-00002-of-00002.parquet"]
+        same(rb.read_table(tmp_path / "runs"), whole)
+        for arguments in ({"parts": 3}, {"parts": 2, "part_format": "csv"}):
+            with pytest.raises(ValueError, match="runs: has parts of another set, such as part-0000.-of-00002.parquet; expected some of"):
+                rb.sweep(STUDY, executor=pool, out=tmp_path / "runs", **arguments)
+        with pytest.raises(ValueError, match="part_format has no effect"):
+            rb.sweep(STUDY, executor=pool, part_format="csv")
+
+
+def test_the_example_of_processes_runs_as_it_stands(tmp_path):
+    """The start method is that of the platform: a fork has no threads of its parent, which has read the study and its records."""
+    (tmp_path / "study.toml").write_text(STUDY_TEXT)
+    text = (Path(__file__).resolve().parents[2] / "docs/cluster.md").read_text()
+    (tmp_path / "script.py").write_text(re.search(r"```python\n(from concurrent.futures .*?)```", text, re.DOTALL)[1])
+    run = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    assert "PGV" in run.stdout and len(list((tmp_path / "runs").iterdir())) >= 1
+    # Once more in a process that has read a study, and forks workers that read and fit.
+    script = """
+import rocking_block as rb
+from concurrent.futures import ProcessPoolExecutor
+table = rb.sweep("study.toml")
+fit = rb.fragility(table, "PGV", limit=0.3)
+rb.intensity(rb.read_record(RECORD))
+if __name__ == "__main__":
+    with ProcessPoolExecutor(2) as pool:
+        assert rb.sweep("study.toml", executor=pool, parts=3).rows == table.rows
+        assert pool.submit(rb.fragility, table, "PGV", limit=0.3).result().median == fit.median
+"""
+    (tmp_path / "script.py").write_text(script.replace("RECORD", repr(str(RECORDS / "0111a.smc"))))
+    run = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
@@ -137,10 +188,7 @@ def test_keys_of_folders_are_columns(ending, tmp_path):
     with ThreadPoolExecutor(1) as pool:
         for number, (region, study) in enumerate(studies.items(), 1):
             folder = tmp_path / f"region={region}" / f"year={2010 + number}"
-            rb.sweep(study, executor=pool, parts=number + 1, out=folder)
-            if ending == "parquet":
-                pytest.importorskip("pyarrow")
-                to_parquet(folder)
+            rb.sweep(study, executor=pool, parts=number + 1, part_format=ending, out=folder)
     table = rb.read_table(tmp_path)
     tables = {region.replace("%20", " "): rb.sweep(study) for region, study in studies.items()}
     assert table.rows == sum(one.rows for one in tables.values())
@@ -187,7 +235,7 @@ def test_parts_equal_those_of_the_program(processes, tmp_path):
         '[study]\ndesign = "grid"\n[parameters]\np = [1, 2, 3]\nfoundation = "rigid"\n'
         'pulse = { shape = "one-sine", amplitude = 6, period = 1 }\n'
     )
-    rb.sweep(tmp_path / "study.toml", executor=processes, parts=2, out=tmp_path / "ours")
+    rb.sweep(tmp_path / "study.toml", executor=processes, parts=2, part_format="csv", out=tmp_path / "ours")
     for part in ("1/2", "2/2"):
         command = [program, "sweep", "study.toml", "--part", part, "--out", "its", "--part-format", "csv"]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
@@ -242,11 +290,11 @@ def test_a_killed_worker_loses_only_its_part(processes, whole, tmp_path):
         pool.submit(die_while_writing).result()
         with pytest.raises(RuntimeError, match=r"part [2-4] of 4: .*terminated abruptly.*; the same call makes the missing parts"):
             rb.sweep(STUDY, executor=pool, parts=4, out=tmp_path)
-    assert [file.name for file in tmp_path.glob("part-*")] == ["part-00001-of-00004.csv"]
-    kept = (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns
+    assert [file.name for file in tmp_path.glob("part-*")] == ["part-00001-of-00004.parquet"]
+    kept = (tmp_path / "part-00001-of-00004.parquet").stat().st_mtime_ns
     rb.sweep(STUDY, executor=processes, parts=4, out=tmp_path)
     same(rb.read_table(tmp_path), whole)
-    assert (tmp_path / "part-00001-of-00004.csv").stat().st_mtime_ns == kept
+    assert (tmp_path / "part-00001-of-00004.parquet").stat().st_mtime_ns == kept
 
 
 class Waiting(Executor):
@@ -365,3 +413,10 @@ def test_a_url_is_a_folder_of_any_storage(processes, whole, tmp_path):
     same(rb.read_table(tmp_path / "runs"), whole)
     assert len(os.listdir(tmp_path / "runs")) == 3
     rb.sweep(STUDY, executor=processes, parts=3, out=f"file://{tmp_path}/runs")
+    # As they are written, they are read.
+    same(rb.read_table(f"file://{tmp_path}/runs"), whole)
+    assert rb.fragility(f"file://{tmp_path}/runs", "PGV", limit=0.3).rows == whole.rows
+    part = next((tmp_path / "runs").iterdir())
+    part.write_bytes(part.read_bytes()[:-1])
+    with pytest.raises(ValueError, match=f"^file://{tmp_path}/runs/{part.name}: is damaged: "):
+        rb.read_table(f"file://{tmp_path}/runs")

@@ -28,6 +28,7 @@ use commands::{
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
+use rocking_studies::output::runner;
 
 /// Simulate rigid blocks that rock under earthquakes and pulses.
 ///
@@ -158,8 +159,8 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Ida(options)) => ida::run(&options),
-        Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
-        Some(Command::Rate(options)) => rate::run(&options, &explicit),
+        Some(Command::Fragility(options)) => runner::pool(None)?.install(|| fragility::run(&options, &explicit)),
+        Some(Command::Rate(options)) => runner::pool(None)?.install(|| rate::run(&options, &explicit)),
         Some(Command::Search(options)) => search::run(&options, &explicit),
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Assess(options)) => assess::run(&options),

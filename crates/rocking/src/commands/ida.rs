@@ -14,6 +14,7 @@ use rocking_charts::numerals::significant;
 use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
+use rocking_studies::sweep::file::Checks;
 use rocking_studies::sweep::strength::Strengths;
 
 /// Options of `rocking ida`.
@@ -35,7 +36,7 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let format = picture.format()?;
     let csv = options.study.csv();
     check_table(csv)?;
-    let sweep = options.read(&NamedFile::of_options([("csv", Some(csv)), ("plot", plot)]))?;
+    let sweep = options.read(&NamedFile::of_options([("csv", Some(csv)), ("plot", plot)]), Checks::All)?;
     let measure = match &sweep.strengths {
         Strengths::Levels(measure, _) | Strengths::Hunt(measure, _) => *measure,
         Strengths::Scales(_) | Strengths::Least(..) => anyhow::bail!(

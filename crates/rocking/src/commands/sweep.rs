@@ -11,10 +11,10 @@ use crate::output::formats::{check_table, knows_parquet};
 use crate::output::summary::Summary;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
-use rocking_studies::output::parts::PartNumber;
+use rocking_studies::output::parts::{self, PartNumber};
 use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
-use rocking_studies::sweep::file as study_file;
+use rocking_studies::sweep::file::{self as study_file, Checks};
 use rocking_studies::sweep::parameters::SweptParameter;
 
 /// Options of `rocking sweep`.
@@ -60,13 +60,13 @@ pub struct SweepOptions {
 }
 
 impl SweepOptions {
-    /// Reads the study; none of its files may be one of the outputs.
-    pub fn read(&self, outputs: &[NamedFile]) -> anyhow::Result<Sweep> {
+    /// Reads the study with these checks; none of its files may be one of the outputs.
+    pub fn read(&self, outputs: &[NamedFile], checks: Checks) -> anyhow::Result<Sweep> {
         let SweepOptions { file, on_separation, .. } = self;
         check_distinct(&[NamedFile::new("the study", file)], outputs)?;
         let (name, text) = input::text(file)?;
         let folder = file.parent().unwrap_or(Path::new(""));
-        let mut sweep = study_file::read(&name, &text, folder)?;
+        let mut sweep = study_file::read_for(&name, &text, folder, checks)?;
         if let Some(on_separation) = *on_separation {
             let is_named = |swept: &SweptParameter| swept.parameter.metadata.variable == Variable::OnSeparation;
             let named = sweep.parameters.iter().any(is_named);
@@ -84,11 +84,16 @@ impl SweepOptions {
 pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     let SweepCommand { sweep: options, part: PartOptions { part, out, part_format, dry_run } } = options;
     let study = &options.study;
-    let default = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
     let part = part.zip(out.as_deref()).map(|(number, folder)| {
-        let extension = part_format.as_deref().unwrap_or(default);
-        (number, folder, extension, folder.join(number.file_name(extension)))
+        let names = folder.read_dir().into_iter().flatten().flatten();
+        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let format = parts::format_in(names, number.count(), part_format.as_deref());
+        let format = format.map_err(|reason| anyhow::anyhow!("{}: {reason}", folder.display()))?;
+        let extension = format.unwrap_or(parts::FORMATS[0].into());
+        let file = folder.join(number.file_name(&extension));
+        anyhow::Ok((number, folder, extension, file))
     });
+    let part = part.transpose()?;
     let table = match &part {
         Some((_, folder, _, file)) => {
             knows_parquet(file)?;
@@ -100,7 +105,11 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
             Some(NamedFile::new("--csv", study.csv()))
         }
     };
-    let sweep = options.read(table.as_slice())?;
+    let checks = match &part {
+        Some((number, ..)) if !dry_run => Checks::Part(*number),
+        _ => Checks::All,
+    };
+    let sweep = options.read(table.as_slice(), checks)?;
     warn(&sweep.remarks);
     if *dry_run {
         return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
@@ -109,7 +118,7 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
         let summary = study.run(&sweep, None)?;
         return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &sweep.remarks);
     };
-    let (file, summary) = study.run_part(&sweep, number, folder, extension)?;
+    let (file, summary) = study.run_part(&sweep, number, folder, &extension)?;
     let before = if summary.resumed > 0 { ", complete before" } else { "" };
     let mut items = Summary::default();
     items.item("part", [number.number(), number.count()], "part", format!("{number}{before}"));

@@ -188,7 +188,7 @@ impl StudyOptions {
         let path = folder.join(number.file_name(extension));
         let part = Part::new(study, number);
         let rows = part.rows();
-        let state = if self.force { PartState::Broken } else { parts::state(&path, &part.header(), rows)? };
+        let state = if self.force { PartState::Broken } else { parts::state(&path, &part.header())? };
         let summary = match state {
             PartState::Complete => StudySummary { rows, resumed: rows, failures: Failures::default(), reason: None },
             PartState::Absent | PartState::Broken => self.run_whole(&path, &part, None)?,
@@ -198,7 +198,8 @@ impl StudyOptions {
 
     /// Prints the expected cost of a study, from a sample of its rows.
     pub fn forecast(&self, study: &impl Study, parts: u64) -> anyhow::Result<()> {
-        let summary = forecast_summary(&Forecast::of(study, self.processor.width())?, parts);
+        let begin = std::time::Instant::now();
+        let summary = forecast_summary(&Forecast::of(study, self.processor.width(), || begin.elapsed())?, parts);
         self.report.print("sweep", &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
 

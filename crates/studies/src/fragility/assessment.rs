@@ -1,7 +1,6 @@
 //! Cases and a measure → its curve with intervals and quality.
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use crate::fragility::bootstrap::{Bootstrap, MIN_GROUPS, bootstrap};
 use crate::fragility::cases::{Case, Motions};
@@ -15,6 +14,7 @@ use crate::fragility::profile::{Interval, LikelihoodProfile};
 use crate::fragility::quality::{auc, brier, efficiency, p_value, sufficiency};
 use crate::fragility::regression::CurveFit;
 use crate::fragility::store::{CaseStore, StoredRows};
+use crate::output::runner::in_parallel;
 
 /// The method for intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,7 +192,7 @@ impl Assessment {
             None => {
                 let deviate = self.independence.deviate(self.confidence);
                 let profile = LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone());
-                measures.par_iter().map(|&measure| profile.probability(measure)).collect()
+                in_parallel(measures.len(), |number| profile.probability(measures[number]))
             }
         }
     }

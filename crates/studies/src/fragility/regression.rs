@@ -1,12 +1,12 @@
 //! Data → the curve or surface of maximum likelihood.
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::{Link, Term};
 use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::rows::{EqualRows, SortedRows, total};
+use crate::output::runner::in_parallel;
 
 /// A fitted curve or surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ impl Regression for Predictor<'_> {
         let chunks = self.observations.len().div_ceil(CHUNK);
         let parts: Vec<Sums> = match chunks {
             0..=8 => (0..chunks).map(chunk).collect(),
-            _ => (0..chunks).into_par_iter().map(chunk).collect(),
+            _ => in_parallel(chunks, chunk),
         };
         Ok(total(&parts))
     }

@@ -2,8 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
-
 use rocking_block::numerics::dual::Dual;
 use rocking_block::numerics::roots::greatest;
 use rocking_records::Record;
@@ -29,15 +27,13 @@ pub fn spectral_acceleration(record: &Record, period: f64) -> f64 {
 /// Spectrum intensities of strong-motion earthquakes, Symposium on Earthquake and Blast Effects on Structures, EERI, 1952, 20–36), by the
 /// trapezoidal rule in steps of 0.02 s.
 pub fn spectrum_intensity(record: &Record) -> f64 {
-    const STEPS: u32 = 120;
-    let velocity = |number: u32| {
-        let period = 0.1 + 2.4 * f64::from(number) / f64::from(STEPS);
+    const STEPS: usize = 120;
+    let velocity = |number: usize| {
+        let period = 0.1 + 2.4 * number as f64 / STEPS as f64;
         displacement(record, period) * TAU / period
     };
-    // Summed in order, so that the bits do not depend on the threads.
-    let velocities: Vec<f64> = (0..STEPS + 1).into_par_iter().map(velocity).collect();
-    let inner: f64 = velocities[1..STEPS as usize].iter().sum();
-    (inner + 0.5 * (velocities[0] + velocities[STEPS as usize])) * 2.4 / f64::from(STEPS)
+    let inner: f64 = (1..STEPS).map(velocity).sum();
+    (inner + 0.5 * (velocity(0) + velocity(STEPS))) * 2.4 / STEPS as f64
 }
 
 /// Greatest relative displacement max|u| (m).

@@ -36,11 +36,11 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Makes a sample of the rows of a study on this thread, within some seconds.
+    /// Makes a sample of the rows of a study on this thread, within some seconds. `clock` is the CPU time of the thread.
     ///
     /// # Errors
     /// None in practice: the rows are written to memory.
-    pub fn of(study: &impl Study, width: Option<VectorWidth>) -> io::Result<Forecast> {
+    pub fn of(study: &impl Study, width: Option<VectorWidth>, clock: impl Fn() -> Duration) -> io::Result<Forecast> {
         let (rows, together) = (study.rows(), study.rows_together());
         let strata = STRATA.min(rows.div_ceil(together)).max(1);
         let begin = Instant::now();
@@ -56,10 +56,10 @@ impl Forecast {
             let [first, end] = [stratum, stratum + 1].map(|stratum| rows / together * stratum / strata * together);
             let block = (end - first).min(MAX_BLOCK.next_multiple_of(together));
             let first = first + (end - first - block) / 2 / together * together;
-            let clock = Instant::now();
+            let before = clock();
             let made = study.make_range(first..first + block, width);
             if made.table.rows() > 0 {
-                costs.push(clock.elapsed().as_secs_f64() / block as f64);
+                costs.push((clock() - before).as_secs_f64() / block as f64);
                 bytes += lines(&made.table)?.len();
                 tried += block;
             }

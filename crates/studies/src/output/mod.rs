@@ -8,6 +8,7 @@
 //! | [`reading`] | tables of unknown columns → typed columns |
 //! | [`output_target`] | the name of an output → a file, a stream or standard output |
 //! | [`resumable`] | rows → a CSV file that an interrupted study can resume |
+//! | [`seal`] | the bytes of a file → a checksum in its end |
 //! | [`runner`] | numbered tasks → their results in order, computed on all cores |
 //! | [`parts`] | a study → its parts, each a file of a folder |
 //! | [`table_files`] | the parts of a study, or other files of one table → its rows |
@@ -22,5 +23,6 @@ pub mod parts;
 pub mod reading;
 pub mod resumable;
 pub mod runner;
+pub mod seal;
 pub mod table;
 pub mod table_files;

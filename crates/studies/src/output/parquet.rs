@@ -1,7 +1,8 @@
 //! Tables → Parquet, and back.
 //!
 //! The names of columns are those of the table, without their units, and missing numbers and empty texts are nulls. The metadata of the file has
-//! the units, a JSON object by the names of the columns, and the description of the study, line by line, under `units` and `study`.
+//! the units, a JSON object by the names of the columns, the description of the study, line by line, and a checksum of the whole file, under `units`,
+//! `study` and `checksum`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -18,6 +19,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
+use crate::output::seal::{self, SealingWriter};
 use crate::output::table::{Heading, Kind, Series, Table, Values};
 
 /// Rows of a group, which is kept in memory until it is compressed.
@@ -28,7 +30,7 @@ pub const MAGIC: &[u8] = b"PAR1";
 
 /// A file in progress.
 pub struct ParquetWriter<W: Write + Send> {
-    writer: SerializedFileWriter<W>,
+    writer: SerializedFileWriter<SealingWriter<W>>,
     group: Table,
 }
 
@@ -41,7 +43,7 @@ impl<W: Write + Send> ParquetWriter<W> {
         let units: BTreeMap<&str, &str> =
             columns.iter().filter_map(|heading| Some((heading.name.as_str(), heading.unit.as_deref()?))).collect();
         let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(error.into()))?;
-        let metadata = [("units", units), ("study", study.join("\n"))];
+        let metadata = [("units", units), ("study", study.join("\n")), ("checksum", seal::BLANK.into())];
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(Default::default()))
             .set_created_by(concat!("rocking-block ", env!("CARGO_PKG_VERSION")).into())
@@ -49,7 +51,7 @@ impl<W: Write + Send> ParquetWriter<W> {
             .build();
         let fields = columns.iter().map(field).collect::<Result<_>>()?;
         let schema = Type::group_type_builder("schema").with_fields(fields).build()?;
-        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
+        let writer = SerializedFileWriter::new(SealingWriter::new(out), Arc::new(schema), Arc::new(properties))?;
         Ok(ParquetWriter { writer, group: Table::new(columns.to_vec()) })
     }
 
@@ -70,7 +72,8 @@ impl<W: Write + Send> ParquetWriter<W> {
         if self.group.rows() > 0 {
             self.end_group()?;
         }
-        self.writer.into_inner()
+        self.writer.inner_mut().begin_end();
+        Ok(self.writer.into_inner()?.finish()?)
     }
 
     fn end_group(&mut self) -> Result<()> {
@@ -123,13 +126,15 @@ fn field(heading: &Heading) -> Result<Arc<Type>> {
     Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).with_logical_type(logical).build()?))
 }
 
-/// Returns the file of a table.
+/// Returns the file of a table with these columns; one without rows may lack them.
 ///
 /// # Errors
 /// None in practice: the file is written to memory.
-pub fn file(study: &[String], table: Table) -> Result<Vec<u8>> {
-    let mut writer = ParquetWriter::new(Vec::new(), study, &table.headings())?;
-    writer.push(table)?;
+pub fn file(study: &[String], columns: &[Heading], table: Table) -> Result<Vec<u8>> {
+    let mut writer = ParquetWriter::new(Vec::new(), study, columns)?;
+    if table.rows() > 0 {
+        writer.push(table)?;
+    }
     writer.finish()
 }
 
@@ -176,11 +181,6 @@ impl Groups {
     /// The description of the study, line by line.
     pub(super) fn study(&self) -> Vec<String> {
         entry(self.reader.metadata().file_metadata(), "study").unwrap_or_default().lines().map(String::from).collect()
-    }
-
-    /// Number of rows.
-    pub(super) fn rows(&self) -> u64 {
-        self.reader.metadata().file_metadata().num_rows() as u64
     }
 
     /// Number of groups.
@@ -290,6 +290,7 @@ mod tests {
     use super::*;
     use crate::output::parts::{self, PartState};
     use crate::output::resumable::TableHeader;
+    use crate::output::seal::Seal;
     use crate::output::table::samples;
     use crate::output::table_files::TableFiles;
 
@@ -327,7 +328,9 @@ mod tests {
         let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         assert_eq!(reader.num_row_groups(), 3);
         let groups = Groups::new(File::open(&path).unwrap()).unwrap();
-        assert_eq!((groups.study().join(" "), groups.rows()), ("a study of two lines".into(), rows));
+        assert_eq!(groups.study(), study);
+        assert_eq!(reader.metadata().file_metadata().num_rows(), rows as i64);
+        assert_eq!(seal::check(&path).unwrap(), Seal::Whole);
         let metadata = reader.metadata().file_metadata().key_value_metadata().unwrap();
         assert!(metadata.contains(&KeyValue::new("study".into(), "a study\nof two lines".to_string())), "{metadata:?}");
         assert!(
@@ -339,7 +342,7 @@ mod tests {
     fn other_content_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.parquet");
-        let content = file(&[], table(0..100)).unwrap();
+        let content = file(&[], &table(0..0).headings(), table(0..100)).unwrap();
         for content in [&b"row,x [m]\n0,1\n"[..], &content[..content.len() / 2], &content[content.len() / 2..]] {
             std::fs::write(&path, content).unwrap();
             assert_eq!(read(&path), None);
@@ -351,24 +354,48 @@ mod tests {
     fn a_damaged_part_is_named_with_its_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("part-00001-of-00001.parquet");
-        let study = ["a study", "part 1 of 1, 100 rows"].map(String::from);
+        let study = ["a study", "part 1 of 1, 100 rows of 100 in blocks of 3"].map(String::from);
         let header = TableHeader { study: study.to_vec(), columns: table(0..0).headings() };
-        let content = file(&study, table(0..100)).unwrap();
+        let content = file(&study, &header.columns, table(0..100)).unwrap();
         std::fs::write(&path, &content).unwrap();
-        assert_eq!(parts::state(&path, &header, 100).unwrap(), PartState::Complete);
+        assert_eq!(parts::state(&path, &header).unwrap(), PartState::Complete);
         let files = TableFiles::of(folder.path()).unwrap();
         assert_eq!(files.read(&|_| true).unwrap().0.rows(), 100);
-        let mut spoilt = content.clone();
+        let (mut spoilt, mut without_footer) = (content.clone(), content.clone());
         spoilt[10..200].fill(0);
-        for content in [&content[..content.len() - 1], &content[..content.len() / 2], b"", &spoilt] {
+        without_footer[content.len() - 300..].fill(0);
+        let check = |content: &[u8]| {
             std::fs::write(&path, content).unwrap();
             let message = files.read(&|_| true).unwrap_err().to_string();
-            let begin = format!("{}: is damaged: cannot be read as Parquet: ", path.display());
-            assert!(message.starts_with(&begin), "{message}");
+            assert!(message.starts_with(&format!("{}: is damaged: ", path.display())), "{message}");
             assert!(message.ends_with("; make it anew: delete it, and run part 1 of 1 again"), "{message}");
-            // The footer of a file that is spoilt inside is whole.
-            let state = if content == spoilt { PartState::Complete } else { PartState::Broken };
-            assert_eq!(parts::state(&path, &header, 100).unwrap(), state);
+            assert_eq!(parts::state(&path, &header).unwrap(), PartState::Broken);
+        };
+        let cut = [&content[..content.len() - 1], &content[..content.len() / 2], b""];
+        cut.into_iter().chain([&spoilt[..], &without_footer]).for_each(check);
+        for bit in (0..8 * content.len()).step_by(97) {
+            let mut flipped = content.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            check(&flipped);
+        }
+    }
+
+    /// The checksum of a file that was made with other rows than its description says is right.
+    #[test]
+    fn the_rows_of_a_part_are_those_of_its_plan() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part-00001-of-00001.parquet");
+        let study = ["a study", "part 1 of 1, 4 rows of 4 in blocks of 1"].map(String::from);
+        let row = |number: &u64| (*number, 0.5, "long");
+        for (rows, message) in [
+            (&[0, 1, 1, 3][..], "found row 1 in place of row 2"),
+            (&[0, 1, 2], "found 3 rows, expected 4"),
+            (&[0, 1, 2, 3, 3], "found 5 rows or more, expected 4"),
+        ] {
+            let table = samples::table(&rows.iter().map(row).collect::<Vec<_>>());
+            std::fs::write(&path, file(&study, &table.headings(), table).unwrap()).unwrap();
+            let found = TableFiles::of(folder.path()).unwrap().read(&|_| true).unwrap_err().to_string();
+            assert!(found.contains(&format!(": is damaged: {message}; make it anew")), "{found}");
         }
     }
 }

@@ -5,15 +5,20 @@
 
 use std::fmt::{self, Display};
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 use std::str::FromStr;
 
 use rocking_block::numerics::wide::VectorWidth;
 
+use crate::output::csv::lines;
+#[cfg(feature = "parquet")]
+use crate::output::parquet;
 use crate::output::reading::{TableReadError, is_parquet, parquet_description};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
+use crate::output::seal::{self, Seal, SealingWriter};
+use crate::output::table::Table;
 
 /// Number of blocks of rows in a part of a large study. It is enough for all parts to cost about the same.
 const BLOCKS: u64 = 32;
@@ -64,6 +69,51 @@ impl Display for PartNumber {
     }
 }
 
+/// Returns the file of a part, or of a table of its own, in a format.
+///
+/// # Errors
+/// None in practice: the file is written to memory.
+pub fn file(header: &TableHeader, rows: Table, format: &str) -> io::Result<Vec<u8>> {
+    #[cfg(feature = "parquet")]
+    if format == "parquet" {
+        return parquet::file(&header.study, &header.columns, rows).map_err(io::Error::other);
+    }
+    if format != "csv" {
+        return Err(io::Error::other(format!("found the format {format}; expected {}", FORMATS.join(" or "))));
+    }
+    let mut writer = SealingWriter::new(Vec::new());
+    writer.write_all((header.text()? + &lines(&rows)?).as_bytes())?;
+    writer.finish_text()
+}
+
+/// The formats that this build writes; the first is the default of parts.
+pub const FORMATS: &[&str] = if cfg!(feature = "parquet") { &["parquet", "csv"] } else { &["csv"] };
+
+/// The format of a part in a folder with files of these names: that which is wanted, or of the parts that are there.
+///
+/// # Errors
+/// There are parts of another set or format, which would not be read together.
+pub fn format_in(
+    names: impl IntoIterator<Item = String>,
+    count: u64,
+    wanted: Option<&str>,
+) -> Result<Option<String>, String> {
+    let format = |name: &String| name.rsplit_once('.').map(|(_, format)| format.to_string());
+    let mut parts = names.into_iter().filter_map(|name| Some((PartNumber::of_file(&name)?, format(&name)?, name)));
+    let other = |(part, format, _): &(PartNumber, String, String)| {
+        part.count != count || wanted.is_some_and(|wanted| wanted != format)
+    };
+    let first = parts.next();
+    match first.iter().cloned().chain(parts).find(other) {
+        Some((_, _, name)) => {
+            let format = wanted.map(|format| format!(" in {format}")).unwrap_or_default();
+            let expected = format!("expected some of {count} parts{format}, or another folder");
+            Err(format!("has parts of another set, such as {name}; {expected}"))
+        }
+        None => Ok(wanted.map(String::from).or(first.map(|(_, format, _)| format))),
+    }
+}
+
 /// Reads `3/100`.
 impl FromStr for PartNumber {
     type Err = String;
@@ -77,20 +127,33 @@ impl FromStr for PartNumber {
     }
 }
 
-/// A part of a study.
-#[derive(Clone, Copy, Debug)]
-pub struct Part<'a, S> {
-    study: &'a S,
+/// The rows of a part, by their numbers in the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartPlan {
     part: PartNumber,
+    /// Rows of the study.
+    of: u64,
     /// Rows of a block; the last block of the study may have fewer.
     block: u64,
 }
 
-impl<S: Study> Part<'_, S> {
-    /// Takes a part of a study.
-    pub fn new(study: &S, part: PartNumber) -> Part<'_, S> {
-        let block = (study.rows() / (BLOCKS * part.count)).clamp(1, MAX_BLOCK);
-        Part { study, part, block: block.next_multiple_of(study.rows_together()) }
+impl PartPlan {
+    /// The part.
+    pub fn part(&self) -> PartNumber {
+        self.part
+    }
+
+    /// Number of its rows.
+    pub fn rows(&self) -> u64 {
+        let rounds = self.rounds();
+        let Some(last) = rounds.checked_sub(1) else { return 0 };
+        let begin = self.block_of(last) * self.block;
+        last * self.block + self.block.min(self.of - begin)
+    }
+
+    /// The number in the study of the row at a position in the part.
+    pub fn row(&self, position: u64) -> u64 {
+        self.block_of(position / self.block) * self.block + position % self.block
     }
 
     /// The block of a round, by its number in the study.
@@ -100,9 +163,54 @@ impl<S: Study> Part<'_, S> {
     }
 
     fn rounds(&self) -> u64 {
-        let blocks = self.study.rows().div_ceil(self.block);
+        let blocks = self.of.div_ceil(self.block);
         let complete = blocks / self.part.count;
         complete + u64::from(self.block_of(complete) < blocks)
+    }
+}
+
+/// Writes `part 3 of 100, 720 rows of 72000 in blocks of 24`, the line of its description that tells parts apart.
+impl Display for PartPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{PART}{}, {} rows of {} in blocks of {}", self.part, self.rows(), self.of, self.block)
+    }
+}
+
+impl FromStr for PartPlan {
+    type Err = ();
+
+    fn from_str(line: &str) -> Result<PartPlan, ()> {
+        let read = || {
+            let (part, rows) = line.strip_prefix(PART)?.split_once(", ")?;
+            let (number, count) = part.split_once(" of ")?;
+            let part = PartNumber::new(number.parse().ok()?, count.parse().ok()?)?;
+            let (of, block) = rows.split_once(" rows of ")?.1.split_once(" in blocks of ")?;
+            let plan = PartPlan { part, of: of.parse().ok()?, block: block.parse().ok().filter(|block| *block > 0)? };
+            // The number of rows is that of the plan.
+            (plan.to_string() == line).then_some(plan)
+        };
+        read().ok_or(())
+    }
+}
+
+/// A part of a study.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a, S> {
+    study: &'a S,
+    plan: PartPlan,
+}
+
+impl<S: Study> Part<'_, S> {
+    /// Takes a part of a study.
+    pub fn new(study: &S, part: PartNumber) -> Part<'_, S> {
+        let of = study.rows();
+        let block = (of / (BLOCKS * part.count)).clamp(1, MAX_BLOCK);
+        Part { study, plan: PartPlan { part, of, block: block.next_multiple_of(study.rows_together()) } }
+    }
+
+    /// The numbers of its rows.
+    pub fn plan(&self) -> PartPlan {
+        self.plan
     }
 }
 
@@ -117,15 +225,12 @@ fn mixed(number: u64) -> u64 {
 impl<S: Study> Study for Part<'_, S> {
     fn header(&self) -> TableHeader {
         let mut header = self.study.header();
-        header.study.push(format!("{PART}{}, {} rows", self.part, self.rows()));
+        header.study.push(self.plan.to_string());
         header
     }
 
     fn rows(&self) -> u64 {
-        let rounds = self.rounds();
-        let Some(last) = rounds.checked_sub(1) else { return 0 };
-        let begin = self.block_of(last) * self.block;
-        last * self.block + self.block.min(self.study.rows() - begin)
+        self.plan.rows()
     }
 
     fn runs_in_a_row(&self) -> u64 {
@@ -138,8 +243,7 @@ impl<S: Study> Study for Part<'_, S> {
 
     /// Makes rows by their positions in the part.
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
-        let row = |&position: &u64| self.block_of(position / self.block) * self.block + position % self.block;
-        self.study.make(&numbers.iter().map(row).collect::<Vec<_>>(), width)
+        self.study.make(&numbers.iter().map(|&position| self.plan.row(position)).collect::<Vec<_>>(), width)
     }
 }
 
@@ -153,7 +257,7 @@ pub enum PartState {
     Absent,
     /// All rows of this study's part.
     Complete,
-    /// The file ends early.
+    /// The file ends early, or has other bytes than were written.
     Broken,
 }
 
@@ -180,11 +284,15 @@ impl PartsError {
 ///
 /// # Errors
 /// It is that of another study, or cannot be read.
-pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, PartsError> {
+pub fn state(path: &Path, header: &TableHeader) -> Result<PartState, PartsError> {
     if !path.exists() {
         return Ok(PartState::Absent);
     }
-    let (found, found_rows) = match description(path).and_then(|study| Ok((study, complete_rows(path)?))) {
+    let seal = seal::check(path).map_err(|error| refused(path, error))?;
+    if seal == Seal::Broken {
+        return Ok(PartState::Broken);
+    }
+    let found = match description(path) {
         Ok(description) => description,
         Err(PartsError::Read(_)) => return Ok(PartState::Broken),
         Err(error) => return Err(error),
@@ -198,14 +306,14 @@ pub fn state(path: &Path, header: &TableHeader, rows: u64) -> Result<PartState, 
             None => return Ok(PartState::Broken),
         }
     }
-    Ok(if found_rows == rows { PartState::Complete } else { PartState::Broken })
+    Ok(if seal == Seal::Whole { PartState::Complete } else { PartState::Broken })
 }
 
 /// The description in the file of a part, line by line.
 pub(super) fn description(path: &Path) -> Result<Vec<String>, PartsError> {
     let file = open(path)?;
     if is_parquet(path) {
-        return Ok(parquet_description(&path.display().to_string(), file)?.0);
+        return Ok(parquet_description(&path.display().to_string(), file)?);
     }
     // A damaged file may have bytes that are no text.
     let text = |line: io::Result<Vec<u8>>| match line {
@@ -215,33 +323,6 @@ pub(super) fn description(path: &Path) -> Result<Vec<String>, PartsError> {
     let comments = BufReader::new(file).split(b'\n').map(text);
     let is_comment = |line: &Result<String, PartsError>| line.as_ref().map_or(true, |line| line.starts_with("# "));
     comments.take_while(is_comment).map(|line| Ok(line?["# ".len()..].into())).collect()
-}
-
-/// Counts the rows in the file of a part, of CSV those with an end.
-fn complete_rows(path: &Path) -> Result<u64, PartsError> {
-    let file = open(path)?;
-    if is_parquet(path) {
-        return Ok(parquet_description(&path.display().to_string(), file)?.1);
-    }
-    let mut reader = BufReader::new(file);
-    let (mut lines, mut line) = (0, Vec::new());
-    loop {
-        line.clear();
-        reader.read_until(b'\n', &mut line).map_err(|error| refused(path, error))?;
-        if !line.ends_with(b"\n") {
-            // The first line after the comments has the headings.
-            return Ok(u64::saturating_sub(lines, 1));
-        }
-        lines += u64::from(!line.starts_with(b"# "));
-    }
-}
-
-/// Whether the last line of a file has an end.
-pub(super) fn ends_with_line(path: &Path) -> Result<bool, PartsError> {
-    let mut last = [0];
-    let read = open(path)?;
-    let read = (&read).seek(SeekFrom::End(-1)).and_then(|_| (&read).read_exact(&mut last));
-    read.map(|()| last == *b"\n").map_err(|error| refused(path, error))
 }
 
 fn open(path: &Path) -> Result<File, PartsError> {

@@ -101,7 +101,7 @@ impl Growing {
     /// Begins a column of CSV.
     fn of(heading: &str) -> Growing {
         match split_heading(heading).0 {
-            "row" => Growing::of_kind(Kind::Integer),
+            ROW => Growing::of_kind(Kind::Integer),
             // The name of a file may be a number.
             "record" | "vertical" => Growing::of_kind(Kind::Text),
             _ => Growing::of_kind(Kind::Real),
@@ -188,6 +188,9 @@ enum Content<'c> {
         group: Option<GroupReader>,
     },
 }
+
+/// Column of the numbers of rows.
+pub(super) const ROW: &str = "row";
 
 /// Rows of a batch.
 const BATCH: u64 = 1 << 16;
@@ -346,6 +349,17 @@ impl<'a> TableReader<'a> {
         }
     }
 
+    /// The values of the column `row` in the last rows, if it is one of whole numbers.
+    pub(super) fn last_numbers(&self, rows: u64) -> Option<&[i64]> {
+        let number = self.headings.iter().position(|heading| heading == ROW)?;
+        match self.columns.get(number)? {
+            Some(Growing::Numbers(Series { values: Values::Integer(values), .. })) => {
+                values.get(values.len().checked_sub(rows as usize)?..)
+            }
+            _ => None,
+        }
+    }
+
     /// Headings of all columns.
     pub fn headings(&self) -> &[String] {
         &self.headings
@@ -381,15 +395,14 @@ pub fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
 }
 
-/// Returns the description in a Parquet file, line by line, and its number of rows.
+/// Returns the description in a Parquet file, line by line.
 #[cfg(feature = "parquet")]
-pub(super) fn parquet_description(file: &str, content: File) -> Result<(Vec<String>, u64), TableReadError> {
-    let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
-    Ok((groups.study(), groups.rows()))
+pub(super) fn parquet_description(file: &str, content: File) -> Result<Vec<String>, TableReadError> {
+    Ok(Groups::new(content).map_err(|error| not_parquet(file, error))?.study())
 }
 
 #[cfg(not(feature = "parquet"))]
-pub(super) fn parquet_description(file: &str, _: File) -> Result<(Vec<String>, u64), TableReadError> {
+pub(super) fn parquet_description(file: &str, _: File) -> Result<Vec<String>, TableReadError> {
     Err(no_parquet(file))
 }
 

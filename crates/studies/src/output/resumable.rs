@@ -11,6 +11,7 @@ use crate::output::csv::{heading_line, read_batches};
 use crate::output::output_target::{OutputTarget, OutputTargetError};
 #[cfg(feature = "parquet")]
 use crate::output::parquet::ParquetWriter;
+use crate::output::seal::SealingWriter;
 use crate::output::table::{Heading, Table};
 
 /// The reason why a table cannot be created, resumed or written.
@@ -79,6 +80,7 @@ enum Sink {
         out: Box<dyn Write + Send>,
         outlives_reader: bool,
     },
+    Part(SealingWriter<Box<dyn Write + Send>>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetWriter<Box<dyn Write + Send>>>),
 }
@@ -145,7 +147,7 @@ impl ResumableTable {
                 )));
             }
             let Some(out) = target.open_stream().map_err(io("written"))? else { unreachable!("not a file") };
-            return ResumableTable::stream(name, header, out, outlives_reader);
+            return ResumableTable::begun(name, header, Sink::Stream { out, outlives_reader });
         };
         let exists = file_path.exists();
         if exists && !resume && !force {
@@ -179,16 +181,10 @@ impl ResumableTable {
         header: &TableHeader,
         out: Box<dyn Write + Send>,
     ) -> Result<ResumableTable, TableWriteError> {
-        ResumableTable::stream(name.into(), header, out, false)
+        ResumableTable::begun(name.into(), header, Sink::Part(SealingWriter::new(out)))
     }
 
-    fn stream(
-        name: String,
-        header: &TableHeader,
-        out: Box<dyn Write + Send>,
-        outlives_reader: bool,
-    ) -> Result<ResumableTable, TableWriteError> {
-        let sink = Sink::Stream { out, outlives_reader };
+    fn begun(name: String, header: &TableHeader, sink: Sink) -> Result<ResumableTable, TableWriteError> {
         let mut table = ResumableTable { name, sink, rows: 0, failures: Failures::default() };
         table.write(header.text())?;
         Ok(table)
@@ -210,13 +206,17 @@ impl ResumableTable {
         Ok(ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() })
     }
 
-    /// Writes the end of a table, which Parquet has.
+    /// Writes the end of a table: that of a whole one has a checksum.
     ///
     /// # Errors
     /// The output takes no bytes.
     pub fn finish(self) -> Result<(), TableWriteError> {
         match self.sink {
             Sink::File { .. } | Sink::Stream { .. } => Ok(()),
+            Sink::Part(out) => {
+                let failed = |error| TableWriteError::Io { file: self.name, what: "written", error };
+                out.finish_text().map(|_| ()).map_err(failed)
+            }
             #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => {
                 let ended = writer.finish().map(|_| ());
@@ -228,7 +228,7 @@ impl ResumableTable {
     /// Whether it takes rows as lines of text.
     pub(super) fn is_text(&self) -> bool {
         match self.sink {
-            Sink::File { .. } | Sink::Stream { .. } => true,
+            Sink::File { .. } | Sink::Stream { .. } | Sink::Part(_) => true,
             #[cfg(feature = "parquet")]
             Sink::Parquet(_) => false,
         }
@@ -274,7 +274,7 @@ impl ResumableTable {
     /// The file cannot be written.
     pub fn push(&mut self, lines: std::io::Result<String>, rows: &Table) -> Result<(), TableWriteError> {
         match &mut self.sink {
-            Sink::File { .. } | Sink::Stream { .. } => self.write(lines)?,
+            Sink::File { .. } | Sink::Stream { .. } | Sink::Part(_) => self.write(lines)?,
             #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => writer
                 .push(rows.clone())
@@ -291,6 +291,7 @@ impl ResumableTable {
     fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableWriteError> {
         let written = text.and_then(|text| match &mut self.sink {
             Sink::File { file, .. } => file.write_all(text.as_bytes()),
+            Sink::Part(out) => out.write_all(text.as_bytes()),
             Sink::Stream { out, outlives_reader } => {
                 let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
                 written.or_else(|error| match error.kind() {

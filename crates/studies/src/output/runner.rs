@@ -9,6 +9,7 @@ use std::sync::mpsc::sync_channel;
 use crate::output::csv::lines;
 use crate::output::resumable::{Failures, ResumableTable, TableHeader, TableOptions, TableWriteError};
 use crate::output::table::Table;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 
@@ -129,6 +130,15 @@ pub type Follower<'a> = &'a mut dyn FnMut(Table) -> Result<(), TableWriteError>;
 /// The system refuses a thread.
 pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
     rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()
+}
+
+/// Makes numbered results on the current pool of threads, or one after the other outside of a pool. The global pool of the library is
+/// never started: a forked process lacks its threads, and would wait for them for ever.
+pub fn in_parallel<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    match rayon::current_thread_index() {
+        Some(_) => (0..count).into_par_iter().map(&make).collect(),
+        None => (0..count).map(&make).collect(),
+    }
 }
 
 /// Returns the rows per batch. They fill the lanes of this width most of the time, and occupy all threads.

@@ -1,10 +1,12 @@
 //! The parts of a study, or other files of one table → its rows.
 
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::output::parts::{PART, PartNumber, PartsError, description, ends_with_line, refused};
-use crate::output::reading::{TableReadError, TableReader, is_parquet};
+use crate::output::parts::{PART, PartNumber, PartPlan, PartsError, description, refused};
+use crate::output::reading::{ROW, TableReadError, TableReader};
+use crate::output::seal::{self, Seal};
 use crate::output::table::{Table, Values};
 
 /// The files of a table: a single one, the parts of a folder, or others. The parts are all of one set. Folders named `key=value` split it: each has a set
@@ -188,19 +190,23 @@ impl TableFiles {
                 TableReadError::Damaged { reason, .. } => damaged(reason),
                 TableReadError::Refused { .. } => PartsError::Read(error),
             };
+            match seal::check(path).map_err(|error| refused(path, error))? {
+                Seal::Whole => (),
+                Seal::Broken => return Err(damaged("its bytes do not have their checksum".into()).into()),
+                Seal::Absent => return Err(damaged("found no checksum in its end".into()).into()),
+            }
             let mut study = description(path).map_err(|error| match error {
                 PartsError::Read(error) => unread(error),
                 other => other,
             })?;
             let own = study.pop().unwrap_or_default();
             let begin = format!("{PART}{part}, ");
-            let rows = own.strip_prefix(&begin).and_then(|rows| rows.strip_suffix(" rows"));
-            let expected: u64 = match rows.and_then(|rows| rows.parse().ok()) {
-                Some(expected) => expected,
-                None if own.starts_with(PART) => {
+            let plan = match own.parse::<PartPlan>() {
+                Ok(plan) if plan.part() == part => plan,
+                _ if own.starts_with(PART) && !own.starts_with(&begin) => {
                     return Err(PartsError::of_other_study(path, &own, &(begin + "…")).into());
                 }
-                None => return Err(damaged(format!("found `{own}`, expected `{begin}…`")).into()),
+                _ => return Err(damaged(format!("found `{own}`, expected `{begin}…`")).into()),
             };
             match &first {
                 Some((other, first)) if other.keys == *keys => {
@@ -210,21 +216,32 @@ impl TableFiles {
                 }
                 _ => first = Some((file, study)),
             }
-            let before = reader.rows();
+            let (before, mut passed) = (reader.rows(), 0);
             let mut rows = reader.begin_file(path).map_err(unread)?;
             while reader.next_batch(&mut rows).map_err(unread)? {
+                let found = reader.rows() - before;
+                check_rows(reader, &plan, passed..found).map_err(damaged)?;
+                passed = found;
                 each(reader)?;
             }
-            let found = reader.rows() - before;
-            if found != expected {
-                return Err(damaged(format!("found {found} rows, expected {expected}")).into());
-            }
-            if !is_parquet(path) && !ends_with_line(path)? {
-                return Err(damaged("found no end of its last line".into()).into());
+            if passed != plan.rows() {
+                return Err(damaged(format!("found {passed} rows, expected {}", plan.rows())).into());
             }
         }
         Ok(())
     }
+}
+
+/// Compares the last rows of a reader with those of a part at these positions; the error says what was found.
+fn check_rows(reader: &TableReader, plan: &PartPlan, positions: Range<u64>) -> Result<(), String> {
+    let Some(found) = reader.last_numbers(positions.end - positions.start) else {
+        return Err(format!("found no whole numbers in the column {ROW}"));
+    };
+    if positions.end > plan.rows() {
+        return Err(format!("found {} rows or more, expected {}", positions.end, plan.rows()));
+    }
+    let place = positions.zip(found).find(|(position, found)| i64::try_from(plan.row(*position)) != Ok(**found));
+    place.map_or(Ok(()), |(position, found)| Err(format!("found row {found} in place of row {}", plan.row(position))))
 }
 
 fn is_pattern(path: &Path) -> bool {
@@ -256,9 +273,6 @@ fn decoded(text: &str) -> String {
     }
     String::from_utf8_lossy(&bytes).into_owned()
 }
-
-/// Column of the numbers of rows.
-const ROW: &str = "row";
 
 /// Lists the tables in a folder, or those in its folders if it has none.
 fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), PartsError> {

@@ -1,9 +1,12 @@
 //! Records and the requested measures → a ground motion of a sweep.
 
+use std::sync::{Arc, OnceLock};
+
 use crate::building::FloorMotion;
 use crate::intensity::{Measure, pga};
 use rocking_block::block::Block;
 use rocking_block::excitation::records::Ground;
+use rocking_records::Record;
 
 /// A ground motion and its intensity measures.
 #[derive(Clone, Debug)]
@@ -17,19 +20,46 @@ pub struct GroundMotion {
     pub ground: Ground,
     /// The floor on which the block stands, in a study with a building. The ground is 0.
     pub floor: Option<usize>,
-    /// Measures of the unscaled horizontal record, computed once for all blocks. `None` stands for a missing value.
-    intensities: Vec<(Measure, Option<f64>)>,
+    intensities: Arc<Intensities>,
+    /// PFA and PFV of the floor.
+    of_floor: Vec<(Measure, Option<f64>)>,
     /// PGA of the unscaled vertical record (m/s²).
     vertical_pga: Option<f64>,
 }
 
+/// Measures of an unscaled horizontal record. Each is computed where the first row needs it, once for all blocks: a part of a study
+/// need not have all records.
+#[derive(Debug)]
+struct Intensities {
+    record: Option<Record>,
+    /// Gravity of the Arias intensity (m/s²).
+    gravity: f64,
+    /// `None` stands for a missing value.
+    values: Vec<(Measure, OnceLock<Option<f64>>)>,
+}
+
+impl Intensities {
+    fn get(&self, measure: Measure) -> Option<f64> {
+        let (_, value) = self.values.iter().find(|(known, _)| *known == measure)?;
+        *value.get_or_init(|| measure.of(self.record.as_ref()?, self.gravity))
+    }
+}
+
 impl GroundMotion {
-    /// Computes these measures of the record alone. `gravity` (m/s²) is that of the Arias intensity.
+    /// A motion with these measures of the record alone. `gravity` (m/s²) is that of the Arias intensity.
     pub fn new(names: [String; 2], ground: Ground, measures: &[Measure], gravity: f64) -> GroundMotion {
-        let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
-        let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
+        let values = measures.iter().map(|&measure| (measure, OnceLock::new())).collect();
+        let intensities = Arc::new(Intensities { record: ground.horizontal.clone(), gravity, values });
         let vertical_pga = ground.vertical.as_ref().map(pga);
-        GroundMotion { files: names.clone(), names, ground, floor: None, intensities, vertical_pga }
+        GroundMotion {
+            files: names.clone(),
+            names,
+            ground,
+            floor: None,
+            intensities,
+            of_floor: Vec::new(),
+            vertical_pga,
+        }
     }
 
     /// Names of its records: `h.AT2 + v.AT2`.
@@ -43,16 +73,17 @@ impl GroundMotion {
         let FloorMotion { floor, record, pfa, pfv } = motion;
         let mut on_floor = GroundMotion { floor: Some(floor), ..self.clone() };
         on_floor.ground.horizontal = Some(record);
-        on_floor.intensities.extend([(Measure::Pfa, Some(pfa)), (Measure::Pfv, Some(pfv))]);
+        on_floor.of_floor = vec![(Measure::Pfa, Some(pfa)), (Measure::Pfv, Some(pfv))];
         on_floor
     }
 
     /// A measure of the horizontal record times `scale`. A relative one is relative to this block.
     ///
-    /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not compute it.
+    /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not name it.
     pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
         let (of_record, factor) = measure.record_measure(block);
-        let (_, value) = self.intensities.iter().find(|(computed, _)| *computed == of_record)?;
+        let of_floor = self.of_floor.iter().find(|(measure, _)| *measure == of_record);
+        let value = of_floor.map_or_else(|| self.intensities.get(of_record), |(_, value)| *value);
         let scales: f64 = std::iter::repeat_n(scale.abs(), measure.power().into()).product();
         value.map(|value| value * factor * scales)
     }

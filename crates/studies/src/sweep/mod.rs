@@ -25,6 +25,7 @@ pub mod strength;
 use crate::building::Building;
 use crate::doubts;
 use crate::intensity::Measure;
+use crate::output::parts::Part;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
 use crate::output::table::{Table, headings};
@@ -35,6 +36,7 @@ use crate::run::{Run, is_moved};
 use crate::search::{self, OutcomeMap, Scan};
 use crate::sweep::change::{Change, holds_of_variables, tie_field};
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
+use crate::sweep::file::Checks;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
@@ -109,6 +111,21 @@ impl Sweep {
         self.design.combinations(&self.parameters)
     }
 
+    /// The numbers of the combinations that are checked, in their order.
+    fn combinations_to_check(&self, checks: Checks) -> Box<dyn Iterator<Item = u64> + '_> {
+        match checks {
+            Checks::All => Box::new(0..self.combinations().unwrap_or(0)),
+            Checks::Part(part) => {
+                let plan = Part::new(self, part).plan();
+                let per_combination = self.motions.len() as u64 * self.strengths.count();
+                let mut last = None;
+                let numbers = (0..plan.rows()).map(move |position| plan.row(position) / per_combination);
+                Box::new(numbers.filter(move |number| last.replace(*number) != Some(*number)))
+            }
+            Checks::None => Box::new(std::iter::empty()),
+        }
+    }
+
     /// The values of the parameters in a combination, in the order of `parameters`.
     pub fn combination(&self, number: u64) -> Vec<f64> {
         self.design.combination(number, &self.parameters)
@@ -139,8 +156,8 @@ impl Sweep {
     }
 
     /// Remarks on blocks and pulses beyond reason, one of each kind.
-    pub fn doubts(&self) -> Vec<String> {
-        let values = || (0..self.combinations().unwrap_or(0)).map(|number| self.values(&self.combination(number)));
+    fn doubts(&self, checks: Checks) -> Vec<String> {
+        let values = || self.combinations_to_check(checks).map(|number| self.values(&self.combination(number)));
         // A motion without records stands for no ground motion.
         let has_record = self.motions.iter().all(|motion| !motion.ground.is_empty());
         let mut remarks = doubts::of_blocks(values().filter_map(|values| self.block(&values).ok()));

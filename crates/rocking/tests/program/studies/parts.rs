@@ -1,8 +1,11 @@
 //! Studies in parts: `rocking sweep --part`, folders of parts, and the forecast of a study's cost.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
+
+use rocking_studies::output::seal::SealingWriter;
 
 use crate::program::{Table, files, program, refusal, refused, rocking, stdout};
 use crate::studies::sweep::{GRID, SAMPLES, folder};
@@ -144,6 +147,85 @@ fn two_tasks_on_the_same_part_leave_one_whole_file() {
     assert!(read("alone") == read("parts"));
 }
 
+/// Readers name a part with a single other bit, and its task makes it anew.
+#[test]
+fn a_flipped_bit_is_named_and_mended() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    make_parts(path, 2, "parts");
+    let file = path.join("parts/part-00002-of-00002.csv");
+    let bytes = fs::read(&file).unwrap();
+    for bit in (0..8 * bytes.len()).step_by(8 * bytes.len() / 40 + 3) {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&file, &flipped).unwrap();
+        let refusal = refusal(path, &["fragility", "parts", "--im", "PGV", "--limit", "0.2"]);
+        assert!(refusal.starts_with("parts/part-00002-of-00002.csv: is damaged: "), "bit {bit}: {refusal}");
+        assert!(refusal.ends_with("; make it anew: delete it, and run part 2 of 2 again"), "bit {bit}: {refusal}");
+        let printed = make_part(path, "2/2", "parts");
+        assert!(!printed.contains("complete before"), "bit {bit}: {printed}");
+        assert!(fs::read(&file).unwrap() == bytes, "bit {bit}");
+    }
+}
+
+/// The rows of a part are those of its plan, also where its checksum is right.
+#[test]
+fn a_part_with_other_rows_than_its_plan_is_named() {
+    let folder = folder(RECORDED);
+    let path = folder.path();
+    make_parts(path, 2, "parts");
+    let file = path.join("parts/part-00002-of-00002.csv");
+    let text = fs::read_to_string(&file).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let count = lines.len();
+    // The last line but one is in place of that before, and the last has the checksum.
+    let doubled = [&lines[..count - 3], &[lines[count - 2]; 2]].concat().join("\n") + "\n";
+    let mut writer = SealingWriter::new(Vec::new());
+    writer.write_all(doubled.as_bytes()).unwrap();
+    fs::write(&file, writer.finish_text().unwrap()).unwrap();
+    let refusal = refusal(path, &["fragility", "parts", "--im", "PGV", "--limit", "0.2"]);
+    let number = |line: &str| line.split(',').next().unwrap().to_string();
+    let expected = format!("found row {} in place of row {}", number(lines[count - 2]), number(lines[count - 3]));
+    assert!(refusal.contains(&expected), "{refusal}");
+}
+
+/// Parts of one set are in a folder: another is refused before its rows are made.
+#[test]
+fn a_part_of_another_set_is_refused_before_it_runs() {
+    let folder = folder(&RECORDED.replace("samples = 20", "samples = 2000000"));
+    let path = folder.path();
+    fs::create_dir(path.join("parts")).unwrap();
+    fs::write(path.join("parts/part-00002-of-00003.csv"), "").unwrap();
+    let arguments = ["sweep", "study.toml", "--part", "1/4", "--out", "parts"];
+    assert_eq!(
+        refusal(path, &arguments),
+        "parts: has parts of another set, such as part-00002-of-00003.csv; expected some of 4 parts, or another folder"
+    );
+    let thirds = ["sweep", "study.toml", "--part", "1/3", "--out", "parts", "--part-format", "parquet"];
+    refused(
+        path,
+        &thirds,
+        &["such as part-00002-of-00003.csv; expected some of 3 parts in parquet, or another folder"],
+    );
+    assert_eq!(files(&path.join("parts")), ["part-00002-of-00003.csv"]);
+}
+
+/// A part checks its own combinations, and a dry run all: that of a large study takes minutes.
+#[test]
+fn a_part_checks_its_own_combinations() {
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\np = [1, 2, 3, 4]\neccentricity = [0, 5]\nfoundation = \"rigid\"\n\
+                 pulse = { shape = \"one-sine\", amplitude = 6, period = 1 }\n";
+    let folder = folder(study);
+    let path = folder.path();
+    refused(path, &["sweep", "study.toml", "--dry-run"], &["eccentricity"]);
+    let part = |number: usize| {
+        let part = format!("{number}/8");
+        let arguments = ["sweep", "study.toml", "--part", &part, "--out", "parts", "--part-format", "csv"];
+        rocking(path, &arguments).status.success()
+    };
+    assert_eq!((1..=8).filter(|number| part(*number)).count(), 4);
+}
+
 /// A task that is killed while it computes leaves nothing that a reader would take, and no part.
 #[test]
 fn a_task_that_is_killed_leaves_no_part() {
@@ -216,11 +298,13 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
     let bytes = fs::read(&missing).unwrap();
     let arguments = ["fragility", "parts", "--im", "PGV"];
     for (content, reason) in [
-        (&bytes[..bytes.len() - 1], "found no end of its last line"),
-        (&bytes[..bytes.len() - 20], "row 29 has "),
-        (&bytes[..0], "found ``, expected `part 3 of 4, …`"),
-        (&bytes[..300], "found `"),
-        (b"\xff\xfe\x00", "found ``, expected `part 3 of 4, …`"),
+        (&bytes[..bytes.len() - 1], "its bytes do not have their checksum"),
+        (&bytes[..bytes.len() - 20], "found no checksum in its end"),
+        (&bytes[..0], "found no checksum in its end"),
+        (&bytes[..300], "found no checksum in its end"),
+        (b"\xff\xfe\x00", "found no checksum in its end"),
+        // Zeros in the description.
+        (&[&bytes[..50], &[0; 100], &bytes[150..]].concat(), "its bytes do not have their checksum"),
     ] {
         fs::write(&missing, content).unwrap();
         let refusal = refusal(path, &arguments);

@@ -2,7 +2,6 @@
 
 use chacha20::rand_core::Rng;
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use crate::fragility::bootstrap::Bootstrap;
 use crate::fragility::cases::Case;
@@ -16,6 +15,7 @@ use crate::fragility::quality::{AreaUnderCurve, Scatter};
 use crate::fragility::regression::{CurveFit, Sums, fit_of};
 use crate::fragility::rows::{EqualRows, OWN, RowSorter, SortedRows, total};
 use crate::fragility::separation::{Ends, Hulls, check_classes, check_overlap};
+use crate::output::runner::in_parallel;
 use crate::statistics::sampling;
 
 /// Rows of a picture.
@@ -158,7 +158,7 @@ impl ManyRows {
         let (mut marks, mut passed, mut last) = (Vec::new(), 0, None);
         let apart = self.count.div_ceil(MAX_MARKS);
         self.sorted.batches(&mut |rows| {
-            let probabilities: Vec<f64> = rows.par_iter().map(|row| fit.probability(&row.measures[..1])).collect();
+            let probabilities = in_parallel(rows.len(), |number| fit.probability(&rows[number].measures[..1]));
             let mut sum = 0.0;
             for (row, probability) in rows.iter().zip(probabilities) {
                 let &EqualRows { measures: [measure, _], fraction, motion, count } = row;
@@ -198,7 +198,7 @@ impl ManyRows {
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
         self.sorted.batches(&mut |rows| {
-            let sums: Vec<Sums> = rows.par_iter().map(sums_of).collect();
+            let sums = in_parallel(rows.len(), |number| sums_of(&rows[number]));
             for (row, sums) in rows.iter().zip(sums) {
                 let sum = of_motions.get_mut(row.motion as usize).unwrap_or(&mut of_own);
                 *sum = *sum + sums;
