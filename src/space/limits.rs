@@ -14,6 +14,33 @@ pub(super) struct SpaceLimits {
     pub(super) longest: f64,
 }
 
+/// Returns the circular frequency of the body on the feet that touch and the rates of decay (1/s), each with the number behind it.
+fn rates(body: &SpaceBody, contacts: &[FootContact]) -> [(&'static str, f64); 4] {
+    let touching = body.feet.iter().zip(contacts).filter(|(_, contact)| contact.touches());
+    let slides = contacts.contains(&FootContact::Slides);
+    let sum: f64 = touching.map(|(foot, _)| foot.frequency_square).sum();
+    // The force of a foot that slides is inclined, in the direction of friction.
+    let inclination = if slides { (1.0 + body.friction * body.friction).sqrt() } else { 1.0 };
+    let square = sum.min(body.fastest_square) * inclination;
+    // Times of dashpots over those of springs (s).
+    let retardation = body.damping / body.stiffness;
+    let horizontal = body.horizontal_damping / body.horizontal_stiffness;
+    let relaxation = if slides { 1.0 / horizontal } else { 0.0 };
+    [
+        ("the stiffness of the feet", square.sqrt()),
+        ("the vertical damping of the feet", retardation * square),
+        ("the horizontal damping of the feet", horizontal * square),
+        ("the horizontal stiffness of feet that slide over their damping", relaxation),
+    ]
+}
+
+/// Returns the number of the body that makes its motion fastest, and the circular frequency or rate of decay that it causes.
+pub(super) fn fastest_number(body: &SpaceBody, contacts: &[FootContact]) -> String {
+    let [first, others @ ..] = rates(body, contacts);
+    let (name, rate) = others.into_iter().fold(first, |a, b| if b.1 > a.1 { b } else { a });
+    if rate > 0.0 { format!("{name}, {rate:.1e} rad/s") } else { "the excitation".into() }
+}
+
 /// The largest rotation in a step (rad).
 const MAX_TURN: f64 = 1.0;
 
@@ -30,24 +57,15 @@ impl SpaceLimits {
     /// forces by 5 tolerances times the weight.
     pub(super) fn set(&mut self, body: &SpaceBody, contacts: &[FootContact], tolerance: f64, pulse_frequency: f64) {
         const OF_WEIGHT: f64 = 10.0;
-        let touching = || body.feet.iter().zip(contacts).filter(|(_, contact)| contact.touches());
-        let slides = contacts.contains(&FootContact::Slides);
-        let sum: f64 = touching().map(|(foot, _)| foot.frequency_square).sum();
-        // The force of a foot that slides is inclined, in the direction of friction.
-        let inclination = if slides { (1.0 + body.friction * body.friction).sqrt() } else { 1.0 };
-        let square = sum.min(body.fastest_square) * inclination;
-        // Times of dashpots over those of springs (s).
-        let retardation = body.damping / body.stiffness;
-        let horizontal = body.horizontal_damping / body.horizontal_stiffness;
-        let relaxation = if slides { 1.0 / horizontal } else { 0.0 };
-        let decay = retardation.max(horizontal) * square;
-        let frequency = square.sqrt().max(body.p);
-        self.longest = LONGEST / frequency.max(decay).max(relaxation).max(pulse_frequency);
+        let [(_, frequency), rates @ ..] = rates(body, contacts);
+        let frequency = frequency.max(body.p);
+        let fastest = rates.into_iter().map(|(_, rate)| rate).fold(frequency, f64::max);
+        self.longest = LONGEST / fastest.max(pulse_frequency);
 
         let rocking = body.alpha * body.p;
         let (turning, across) = (1.0 / (tolerance * rocking), 1.0 / (tolerance * body.r0 * rocking));
         let on_supports = OF_WEIGHT * body.gravity / (body.omega_v * (2.0 * body.xi_v).max(1.0));
-        let most = if sum > 0.0 { (body.r0 * rocking).min(on_supports) } else { body.r0 * rocking };
+        let most = if contacts.iter().any(FootContact::touches) { (body.r0 * rocking).min(on_supports) } else { body.r0 * rocking };
         let upright = 1.0 / (tolerance * most);
         let work = turning / (2.0 * body.mass * body.r0 * body.r0 * rocking);
         let weights = &mut self.weights;

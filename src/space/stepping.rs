@@ -9,6 +9,7 @@ use crate::simulation::{Ending, MAX_STEPS, SimulationError};
 use crate::space::equations::SpaceEquations;
 use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
+use crate::space::limits::fastest_number;
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
 use crate::space::run::SpaceRun;
 
@@ -151,8 +152,9 @@ impl SpaceRun {
         let time = self.state.time;
         let omega = three(&self.state.numbers, OMEGA).norm();
         let longest = self.memory.limits.longest(omega);
-        if *budget == 0 || !is_resolved(stop - time, longest) {
-            return Err(SimulationError::TooManySteps { time, until: stop, steps: MAX_STEPS - *budget });
+        if *budget == 0 || !is_resolved(time, longest) {
+            let fastest = fastest_number(&self.setup.body, &self.state.contacts);
+            return Err(SimulationError::TooManySteps { time, until: stop, steps: MAX_STEPS - *budget, fastest });
         }
         *budget -= 1;
         let attempt = self.accepted_step(stop, longest, excitation)?;
@@ -233,7 +235,7 @@ impl SpaceRun {
         let SpaceRun { setup, state, memory } = self;
         let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
         let time = state.time;
-        let shortest = shortest(time, stop);
+        let shortest = shortest(time, longest);
         let mut attempt = state.control.attempt(stop - time, longest, shortest);
         memory.stepper.begin(time, &state.numbers, &memory.rates);
         loop {
