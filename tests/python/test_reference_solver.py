@@ -29,9 +29,9 @@ WIDER = {
 def stored():
     for folder in compare.FOLDERS:
         for case in compare.cases(folder):
-            records = {case.get(direction, {}).get("kind") for direction in ("a_gx", "a_gz")}
-            marks = [pytest.mark.check] if "record" in records else []
-            yield pytest.param(folder, case, id=case["name"], marks=marks)
+            # Records and the block in space take seconds each.
+            long = any("record" == ((case.get(name) or {}).get("kind")) for name in ("a_gx", "a_gz")) or folder == "reference_space"
+            yield pytest.param(folder, case, id=case["name"], marks=[pytest.mark.check] if long else [])
 
 
 @pytest.mark.parametrize("folder, case", list(stored()))

@@ -8,10 +8,12 @@ from pathlib import Path
 import friction
 import ground
 import plane
+import space
 import stepping
 
 TESTS = Path(__file__).resolve().parents[1]
-FOLDERS = ["reference", "reference_more", "reference_links"]
+# Those in space, where they are there.
+FOLDERS = [folder for folder in ("reference", "reference_more", "reference_links", "reference_space") if (TESTS / folder).exists()]
 
 # Changes within this time (s) are one instant, in which their order depends on the solver.
 INSTANT = 1e-9
@@ -22,7 +24,7 @@ PAUSE = 5e-6
 @dataclass
 class Result:
     """The number of events, where they differ, and the greatest differences: of θ over α, of event times (s), and of the other columns
-    over their greatest value."""
+    over their greatest value, or 1e-6."""
 
     events: int
     wrong: str
@@ -36,6 +38,8 @@ def cases(folder):
 
 
 def model(case):
+    if "numbers" in case:
+        return space.BlockInSpace(case)
     if case.get("foundation") == "rigid":
         return plane.RigidBase(case)
     if case.keys() & {"friction", "eccentricity", "ties", "links"}:
@@ -46,12 +50,18 @@ def model(case):
 def recompute(case, times):
     """Returns the rows at the times, and the events."""
     block = model(case)
-    rows = stepping.run(block, block.start, ground.pieces(case), times)
-    return rows, block.log
+    if "numbers" in case:
+        motions, end = [case["excitation"][name] for name in ("a_gx", "a_gy", "a_gz")], case["t_asked"]
+    else:
+        motions, end = [case.get(name) for name in ("a_gx", "a_gz")], case["t_end"]
+    return stepping.run(block, block.start, ground.pieces(motions, end), times), block.log
 
 
 def stored(case):
-    """The case's events: (time, change), the change a name, (regime before, after) in the plane or (regime, slip) after it beyond."""
+    """The case's events: (time, change), the change (regime before, after) in the plane, (regime, slip) after it or a link's name beyond
+    the paper, (kind, foot) in space."""
+    if "numbers" in case:
+        return [(event["t"], (event["kind"], event["foot"])) for event in case["events"]]
     events = []
     for time, *change in case["events"]:
         if len(change) == 2:
@@ -95,7 +105,10 @@ def compare(folder, case):
         expected = [{name: float(word) for name, word in row.items()} for row in csv.DictReader(file)]
     rows, found = recompute(case, [row["t"] for row in expected])
     events = stored(case)
-    if folder != "reference":
+    if "numbers" in case:
+        # Feet share events without an order: each has its own.
+        events, found = (sorted(list_, key=lambda event: event[1][1]) for list_ in (events, found))
+    elif folder != "reference":
         # Not all list where the spring of a limp tie goes slack.
         if not any(of_link(change, "slack") for _, change in events):
             found = [event for event in found if not of_link(event[1], "slack")]
@@ -106,10 +119,12 @@ def compare(folder, case):
     differs = next((pair for pair in zip(found, events) if pair[0][1:] != pair[1][1:]), None)
     if differs:
         wrong = f"event {differs[0]}, expected {differs[1]}"
-    theta = max(abs(new["theta"] - row["theta"]) for new, row in zip(rows, expected)) / case["alpha"]
+    angles = {"theta", "tilt_x", "tilt_y", "twist"} & expected[0].keys()
+    alpha = case["numbers"]["alpha"] if "numbers" in case else case["alpha"]
+    theta = max(abs(new[name] - row[name]) for name in angles for new, row in zip(rows, expected)) / alpha
     times = max((abs(new[0] - known[0]) for new, known in zip(found, events)), default=0.0)
     others = 0.0
-    for name in expected[0].keys() - {"t", "theta"}:
-        scale = max(abs(row[name]) for row in expected) or 1.0
+    for name in expected[0].keys() - angles - {"t"}:
+        scale = max(1e-6, *(abs(row[name]) for row in expected))
         others = max(others, max(abs(new[name] - row[name]) for new, row in zip(rows, expected)) / scale)
     return Result(len(events), wrong, theta, times, others)

@@ -18,9 +18,9 @@ class Missing(Exception):
     """A record that may not be redistributed is not at hand."""
 
 
-def read(name, scale):
+def read(given):
     """Returns interval (s) and samples (m/s2) of a record."""
-    file, interval = FILES[name]
+    file, interval = FILES[given["record"]] if "record" in given else (given["file"], None)
     path = RECORDS / file
     if not path.exists():
         raise Missing(path.name)
@@ -28,40 +28,46 @@ def read(name, scale):
     if interval is None:
         # The fourth line has "1991    0.0100    NPTS, DT" or "NPTS=   4156, DT=   0.0050 SEC".
         interval, lines = float(re.findall(r"[\d.]+", lines[3])[1]), lines[4:]
-    return interval, [9.81 * scale * float(word) for line in lines for word in line.split()]
+    return interval, [9.81 * given["scale"] * float(word) for line in lines for word in line.split()]
 
 
 def motion(given, end):
     """Returns the kinks of a motion until `end`, and a function that gives its smooth piece around a time."""
-    kind = given.get("kind")
-    if kind is None:
+    if not given:
         return [], lambda middle: lambda t: 0.0
-    if kind == "record":
-        interval, samples = read(given["record"], given["scale"])
+    start = given.get("start", 0.0)
+    if given["kind"] == "record":
+        # From the record's time `start` on.
+        interval, samples = read(given)
 
         def line(middle):
-            i = int(middle / interval)
+            i = int((middle + start) / interval)
             if i + 1 >= len(samples):
                 return lambda t: 0.0
             slope = (samples[i + 1] - samples[i]) / interval
-            return lambda t: samples[i] + slope * (t - i * interval)
+            return lambda t: samples[i] + slope * (t + start - i * interval)
 
-        return [i * interval for i in range(1, len(samples)) if i * interval < end], line
-    amplitude, omega = given["a_p"], given["omega_p"]
-    wave = {"sine": sin, "cosine": cos}[kind]
-    period = 2 * pi / omega
-    pulse = lambda middle: (lambda t: amplitude * wave(omega * t)) if middle < period else (lambda t: 0.0)
-    return [period], pulse
+        kinks = [i * interval - start for i in range(1, len(samples))]
+        return [kink for kink in kinks if 0 < kink < end], line
+    # One period, from `start` on.
+    amplitude, omega = given.get("a_p", given.get("a")), given.get("omega_p", given.get("omega"))
+    wave = {"sine": sin, "cosine": cos}[given["kind"]]
+    stop = start + 2 * pi / omega
+
+    def pulse(middle):
+        if start < middle < stop:
+            return lambda t: amplitude * wave(omega * (t - start))
+        return lambda t: 0.0
+
+    return [kink for kink in (start, stop) if 0 < kink < end], pulse
 
 
-def pieces(case):
-    """Cuts the ground motion of a case into smooth pieces (begin, end, function of t that gives a_gx and a_gz)."""
-    end = case["t_end"]
-    kinks_x, around_x = motion(case.get("a_gx", {}), end)
-    kinks_z, around_z = motion(case.get("a_gz", {}), end)
-    cuts = [0.0, *sorted({kink for kink in kinks_x + kinks_z if kink < end}), end]
+def pieces(motions, end):
+    """Cuts motions into smooth pieces (begin, end, function of t that gives each motion's acceleration)."""
+    motions = [motion(given, end) for given in motions]
+    cuts = [0.0, *sorted({kink for kinks, _ in motions for kink in kinks}), end]
     found = []
     for begin, stop in zip(cuts, cuts[1:]):
-        x, z = around_x((begin + stop) / 2), around_z((begin + stop) / 2)
-        found.append((begin, stop, lambda t, x=x, z=z: (x(t), z(t))))
+        smooth = [around((begin + stop) / 2) for _, around in motions]
+        found.append((begin, stop, lambda t, smooth=smooth: [piece(t) for piece in smooth]))
     return found
