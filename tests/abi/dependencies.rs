@@ -8,7 +8,7 @@ use crate::host::{FMU, Instance, call};
 use crate::solver::{NAMES, STATES, Solver};
 
 /// Blocks that inputs make slide or lift at once.
-const STANDING: [Scene; 5] = [
+const STANDING: [Scene; 6] = [
     ("gripping at rest on the rigid base", &[("foundation", 2.0), ("friction", 0.2)], 0.0),
     (
         "gripping with a corner of the rigid base",
@@ -19,6 +19,11 @@ const STANDING: [Scene; 5] = [
     // The horizontal force is 0.4 % of the weight at the beginning and 0.3 % later.
     ("hardly gripping at rest on the rigid base", &[("foundation", 2.0), ("friction", 0.0042)], 0.0),
     ("sliding on the rigid base", &[("foundation", 2.0), ("friction", 1e-4)], 0.0),
+    (
+        "sliding with a corner of the rigid base",
+        &[("foundation", 2.0), ("friction", 0.02), ("initial.theta", 0.1)],
+        1.0,
+    ),
 ];
 
 /// Shifts of a known, relative to its size.
