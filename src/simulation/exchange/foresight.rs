@@ -36,7 +36,7 @@ impl Simulation {
         let mut passes_events = false;
         ahead.advance_to_event(stop, self.run.pose.time, inputs, &mut |_| passes_events = true).ok()?;
         let Pending { function, .. } = ahead.run.pending?;
-        // A corner may be held or let go on the way, or a tie become slack, which is not reported.
+        // A corner may be held or let go on the way, or a restraint become slack, which is not reported.
         let [then, now] = [&ahead.run.pose, &self.run.pose];
         let direct =
             !passes_events && then.contacts == now.contacts && then.restraints.modes() == now.restraints.modes();

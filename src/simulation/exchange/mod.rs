@@ -175,7 +175,7 @@ impl Simulation {
                 (below <= 0.0).then_some((function?, below))
             });
             let Some((function, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            // A tie may be taut and break in one instant.
+            // A restraint may be taut and break in one instant.
             self.run.peaks.include_restraints(&now);
             now = self.run.apply(&self.setup, function, &now, observer)?;
             offsets = self.offsets(&now);
