@@ -82,12 +82,7 @@ impl Values {
         }
         let ties = self.ties(|variable| self[variable]);
         for (tie, (name, _)) in ties.iter().zip(*LINKS) {
-            // The limits of the variables exclude all other errors.
-            tie.check().map_err(|_| BlockError::OutOfRange {
-                name: name.into(),
-                value: tie.length(),
-                expected: "a distance of its ends (m) above 0",
-            })?;
+            tie.check(name)?;
         }
         block.with_ties(&ties)
     }

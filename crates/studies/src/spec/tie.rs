@@ -46,7 +46,7 @@ fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
 /// # Errors
 /// The first impossible parameter.
 pub fn check(tie: &Tie) -> Result<(), String> {
-    tie.check().map_err(|error| error.to_string())?;
+    tie.check(&format!("a {}", tie.kind.word())).map_err(|error| error.to_string())?;
     if tie.hardening > 0.0 && !tie.yields() {
         return Err(format!("found hardening = {} without yield_force; expected both", tie.hardening));
     }
