@@ -55,6 +55,7 @@ impl Simulation {
             last_event: time,
             events_in_this_instant: 0,
             pending: None,
+            begins: !system.block.restraints.is_empty(),
         };
         run.end_if_separated(&setup);
         let start = run.now(&block, &excitation);
@@ -114,10 +115,22 @@ impl Simulation {
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
+        self.report_beginning(observer);
         if self.run.pending.is_some() {
             self.apply_pending(inputs, observer, |_| ())?;
         }
         Ok(())
+    }
+
+    /// Reports the events of restraints that yield or are broken at the beginning, once.
+    pub(super) fn report_beginning(&mut self, observer: &mut dyn FnMut(&Event)) {
+        if !std::mem::take(&mut self.run.begins) {
+            return;
+        }
+        let (time, regime) = (self.time(), self.regime());
+        for event in restraints::events_at_beginning(self.block(), &self.restraints()) {
+            observer(&Event { time, kind: EventKind::Restraint(event), before: regime, after: regime });
+        }
     }
 
     /// Applies a pending event as [`Simulation::apply_pending_event`] does, and returns the rates right after it.

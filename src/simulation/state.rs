@@ -87,6 +87,8 @@ pub(super) struct RunState {
     pub(super) events_in_this_instant: u32,
     /// An event that the motion has reached and that has not been applied.
     pub(super) pending: Option<Pending>,
+    /// Whether events of restraints at the beginning have yet to be reported.
+    pub(super) begins: bool,
 }
 
 /// An event that has not been applied.

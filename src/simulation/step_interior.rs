@@ -150,11 +150,17 @@ fn first_extended_event<L: MotionMode, const N: usize>(
             continue;
         }
         let mut sample = |elapsed| function.sample(&inside.at(elapsed));
-        let fall = roots::first_fall(start, end, rounding, duration, roots::PIECES, false, &mut sample);
+        let down = roots::leaves_downwards(start, rounding, duration, &mut sample);
+        let fall = if down {
+            Some(0.0)
+        } else {
+            roots::first_fall(start, end, rounding, duration, roots::PIECES, false, &mut sample)
+        };
         if let Some(elapsed) = fall
             && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
-            first = Some(EventCrossing { elapsed, function, rise_unseen: elapsed == 0.0 && start.re >= -rounding });
+            let rise_unseen = elapsed == 0.0 && !down && start.re >= -rounding;
+            first = Some(EventCrossing { elapsed, function, rise_unseen });
         }
     }
     first

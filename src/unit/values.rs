@@ -82,12 +82,7 @@ impl Values {
         }
         let ties = self.ties(|variable| self[variable]);
         for (tie, (name, _)) in ties.iter().zip(*LINKS) {
-            // The limits of the variables exclude all other errors.
-            tie.check().map_err(|_| BlockError::OutOfRange {
-                name: format!("distance of the ends of {name}").into(),
-                value: tie.length(),
-                expected: "one above 0 m",
-            })?;
+            tie.check(name)?;
         }
         block.with_ties(&ties)
     }

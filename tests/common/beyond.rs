@@ -192,13 +192,14 @@ pub type Pause = (f64, Change);
 /// are left out there.
 ///
 /// Changes within a nanosecond belong to one instant, in which their order depends on the solver.
+/// A limp tie whose spring is loose, which the reference calls slack, is no event here: it stopped pulling when it became limp.
 pub fn instants(events: &[(f64, Change)]) -> (Vec<(f64, Vec<Change>)>, Vec<Pause>) {
     let link = |change: &Change, word: &str| match change {
         Change::Tie(name) => name.strip_prefix(word).map(str::to_string),
         Change::Regime { .. } => None,
     };
     let (mut lasting, mut pauses) = (Vec::<(f64, Change)>::new(), Vec::new());
-    for (time, change) in events {
+    for (time, change) in events.iter().filter(|(_, change)| link(change, "slack").is_none()) {
         let unloaded = link(change, "yield").and_then(|number| {
             let unloads = |(at, earlier): &(f64, Change)| {
                 time - at < PAUSE && link(earlier, "unload").is_some_and(|earlier| earlier == number)

@@ -117,3 +117,23 @@ fn invalid_blocks_are_refused_with_the_reason() {
         assert!(words.iter().all(|word| refusal.contains(word)), "{refusal}");
     }
 }
+
+/// A pretension above the strength, and one that presses the block past its anchor, are refused at the end of initialization, by the name of
+/// the tie.
+#[test]
+fn impossible_pretensions_are_refused_by_the_name_of_the_tie() {
+    for (changes, words) in [
+        (
+            &[("tie_1.strength", 1e3)] as &[_],
+            "pretension of tie_1 = 5000000 is not valid; expected a force (N) up to the strength",
+        ),
+        (
+            &[],
+            "found no balance of the block at the start; expected a pretension of tie_1 that does not press it past the anchor",
+        ),
+    ] {
+        let start =
+            [("tie_1.stiffness", 1e4), ("tie_1.pretension", 5e6), ("tie_1.ground_z", -2.0), ("tie_1.block_z", 0.0)];
+        assert_eq!(refusal(&[&start, changes].concat()), words);
+    }
+}

@@ -430,24 +430,24 @@ impl RestraintFunction {
         }
     }
 
-    /// Changes the state of the restraint after this function has fallen through zero.
+    /// Changes the state of the restraint after this function has fallen through zero. `rounding` is the round-off of a zero over its largest
+    /// term.
     pub fn switch<T: Elementary>(
         self,
         body: &Body<T>,
         states: &mut States<T>,
         kinematics: impl Fn() -> Kinematics<T>,
+        rounding: f64,
     ) -> Option<RestraintEvent> {
         match self {
             RestraintFunction::Tie(tie, function) => {
                 let (i, link) = (usize::from(tie), states.link(body, tie));
-                let (state, event) = function.switched(body, link, &kinematics);
+                let (state, event) = function.switched(body, link, &kinematics, rounding);
                 if let Some(plastic) = &mut states.plastic {
                     plastic[i] = tie::pull::plastic(link, tie::pull::stretch(body, link.tie, &kinematics()).length);
                 }
                 states.ties[i] = state;
-                let kind = link.tie.kind;
-                let number = body.ties()[..i].iter().filter(|tie| tie.kind == kind).count() as u8;
-                event.map(|event| RestraintEvent::Tie(kind, number, event))
+                event.map(|event| RestraintEvent::of_tie(body, i, event))
             }
         }
     }
@@ -467,7 +467,21 @@ pub enum RestraintEvent {
     Tie(LinkKind, u8, tie::TieEvent),
 }
 
+/// Returns the events by which restraints came into these states before a run began: those that yield or are broken.
+pub fn events_at_beginning<T>(body: &Body<T>, states: &States<T>) -> impl Iterator<Item = RestraintEvent> {
+    let States { ties, plastic: _ } = *states;
+    let count = body.ties().len();
+    (0..count).filter_map(move |i| Some(RestraintEvent::of_tie(body, i, ties[i].event_at_beginning()?)))
+}
+
 impl RestraintEvent {
+    /// Returns an event of the tie with this index.
+    fn of_tie<T>(body: &Body<T>, index: usize, event: tie::TieEvent) -> RestraintEvent {
+        let kind = body.ties()[index].kind;
+        let number = body.ties()[..index].iter().filter(|tie| tie.kind == kind).count() as u8;
+        RestraintEvent::Tie(kind, number, event)
+    }
+
     /// Returns its name in tables.
     pub fn word(self) -> &'static str {
         match self {

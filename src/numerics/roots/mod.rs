@@ -173,7 +173,7 @@ fn descends(start: Dual, end: Dual, duration: f64) -> bool {
     start.eps <= 0.0 && end.eps <= 0.0 && start.re + third * start.eps >= end.re - third * end.eps
 }
 
-/// Whether a function that begins at zero first leaves the band of its round-off downwards.
+/// Whether a function that begins at zero first leaves the band of its round-off downwards, by its rate there.
 pub fn leaves_downwards(start: Dual, rounding: f64, duration: f64, function: &mut Function) -> bool {
     // The time at which its rate would take it to −2 `rounding`.
     let mut time = if start.re.abs() <= rounding { -2.0 * rounding / start.eps } else { 0.0 };
@@ -262,8 +262,8 @@ pub fn may_fall(start: Dual, end: Dual, rounding: f64, duration: f64) -> bool {
     if start.re > rounding {
         may_be_below(0.0, start, end, duration)
     } else {
-        // An event has just happened or is about to: search, unless the function stays at zero.
-        has_fallen(start.re, rounding) || end.re.abs() > rounding
+        // An event has just happened or is about to: search, unless the function stays at zero. It may also leave zero and be back.
+        has_fallen(start.re, rounding) || end.re.abs() > rounding || -start.eps * duration > rounding
     }
 }
 

@@ -152,6 +152,7 @@ impl Simulation {
         until: f64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
+        self.report_beginning(observer);
         let offsets = self.run.piece.map(|piece| piece.offsets);
         let foreseen = self.foreseen().filter(|foreseen| foreseen.pose.time == self.run.pose.time);
         self.begin_exchange();

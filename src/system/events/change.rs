@@ -99,7 +99,7 @@ impl Path {
 }
 
 /// Round-off of a zero relative to its largest term: about 450 ulp.
-pub(crate) const ROUNDING: f64 = 1e-13;
+pub const ROUNDING: f64 = 1e-13;
 
 /// The fate of a corner that no longer bears anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,8 +45,7 @@ use crate::system::motion_mode::MotionMode;
 use change::{PoseUpdate, Release};
 use placement::Placement;
 
-pub(crate) use change::ROUNDING;
-pub use change::{Path, TransitionCounts};
+pub use change::{Path, ROUNDING, TransitionCounts};
 pub use event::{Event, EventKind};
 pub use lift_off::gap_opening;
 

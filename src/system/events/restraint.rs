@@ -48,7 +48,7 @@ where
     /// Changes the state of a restraint after `function` has fallen through zero.
     pub(super) fn switch(&mut self, function: RestraintFunction, now: &Evaluation<T>) -> Option<EventKind> {
         let kinematics = || Kinematics::of(&now.instant);
-        function.switch(&self.system.block, &mut self.pose.restraints, kinematics).map(EventKind::Restraint)
+        function.switch(&self.system.block, &mut self.pose.restraints, kinematics, ROUNDING).map(EventKind::Restraint)
     }
 }
 

@@ -42,7 +42,10 @@ where
                     None
                 };
                 placement = match kept {
-                    Some(kept) => kept,
+                    Some((kept, footing)) => {
+                        self.pose.footing = footing;
+                        kept
+                    }
                     None => {
                         let held = placement.with_pivot_constraint(block, pivot);
                         let gained = held.velocities.kinetic(block) - placement.velocities.kinetic(block);
@@ -109,19 +112,33 @@ where
         TransitionCounts::EVALUATION
     }
 
-    /// Returns the placement after a corner landed and lifted in the same instant. An impulse stops the `pivot`, or with friction it
-    /// slides.
+    /// Returns placement and footing after a corner landed and lifted in the same instant. An impulse stops the `pivot`. With friction, or
+    /// if the impulse would lift it, it slides.
     ///
     /// `None` if the gap of that corner would close again at once.
-    fn with_momentum(&self, pivot: Corner, before: &Placement<T>) -> (Option<Placement<T>>, TransitionCounts) {
+    fn with_momentum(
+        &self,
+        pivot: Corner,
+        before: &Placement<T>,
+    ) -> (Option<(Placement<T>, Footing<T>)>, TransitionCounts) {
         let (block, i) = (&self.system.block, pivot.other().index());
         let mut after = *before;
-        if block.friction.value() == 0.0 {
-            after.set_velocities(block, impact::grip(block, Regime::on(pivot), after.theta, after.velocities));
-        }
         let mut trial = *self;
+        let (mut footing, mut counts) = (self.pose.footing, TransitionCounts::NONE);
+        if block.friction.value() == 0.0 {
+            let slides = Footing::Free { u: after.u, u_dot: after.velocities.u_dot };
+            trial.pose.footing = slides;
+            trial.place(&after);
+            counts += TransitionCounts::EVALUATION;
+            if pressure_if_gripped(block, trial.regime(), &trial.now().instant).value() < -grip::rounding(block) {
+                footing = slides;
+            } else {
+                after.set_velocities(block, impact::grip(block, trial.regime(), after.theta, after.velocities));
+            }
+        }
+        trial.pose.footing = footing;
         trial.place(&after);
-        let counts = trial.apply_friction(&mut after) + trial.place_foot(&after) + TransitionCounts::EVALUATION;
+        counts += trial.apply_friction(&mut after) + trial.place_foot(&after) + TransitionCounts::EVALUATION;
         let now = trial.now();
         let support = self.support(pivot.other()).eps;
         let rate = (after.corners[i].1 - support).value();
@@ -130,7 +147,7 @@ where
         } else {
             (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0
         };
-        (opens.then_some(after), counts)
+        (opens.then_some((after, footing)), counts)
     }
 
     /// Returns whether and how a touching corner leaves its support. It has the reaction `n` per mass (m/s²) and the rate `corner_dot`

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
+use crate::block::restraints::tie;
 use crate::excitation::Inputs;
 use crate::excitation::records::Ground;
 use crate::simulation::exchange::ContinuousStates;
@@ -83,6 +84,16 @@ fn clock_slack(step: f64, time: f64) -> f64 {
 
 fn no_block() -> Fault {
     Fault::new("found no block; expected the call after initialization")
+}
+
+/// Returns the fault of a block whose beginning is not finite, with the ties that may press it past their anchors.
+fn no_balance(block: &Block) -> Fault {
+    let names = tie::names(block.ties()).into_iter().zip(block.ties());
+    let names: Vec<String> = names.filter(|(_, tie)| tie.pulls_without_length()).map(|(name, _)| name).collect();
+    Fault::new(format!(
+        "found no balance of the block at the start; expected a pretension of {} that does not press it past the anchor",
+        if names.is_empty() { "ties".into() } else { names.join(", ") }
+    ))
 }
 
 impl Unit {
@@ -426,6 +437,9 @@ impl Unit {
                 experiment.start,
                 &acting,
             );
+            if !simulation.pose().is_finite() {
+                return Err(no_balance(simulation.block()));
+            }
             self.acting = Some(acting);
             if self.interface == Interface::ModelExchange {
                 simulation.begin_exchange();

@@ -247,7 +247,7 @@ fn strategy() -> impl Strategy<Value = Draw> {
         let counts = [ties, ties, dampers, dampers];
         for ((names, i), count) in LINKS.into_iter().zip([0.0, 1.0, 0.0, 1.0]).zip(counts) {
             let [zero_or, slack, brittle, yields] = [1.0; 4].map(|most| between(0.0, most) < 0.5);
-            let drawn = [
+            let mut drawn = [
                 between(-1.0, 1.0) * half_width,
                 between(0.0, 4.0),
                 between(-4.0, 4.0) * half_width,
@@ -260,6 +260,8 @@ fn strategy() -> impl Strategy<Value = Draw> {
                 mass * between(0.1, 3.0),
                 between(0.0, 0.05),
             ];
+            // A pretension above the strength is refused.
+            drawn[6] = drawn[6].max(1.2 * drawn[9]);
             let has = [true, true, true, true, i < count, !zero_or, brittle, yields, yields, !slack, slack];
             for ((name, value), has) in names.iter().zip(drawn).zip(has) {
                 values.push((name, if has { value } else { 0.0 }));

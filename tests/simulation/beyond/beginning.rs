@@ -1,11 +1,12 @@
 //! The first instant of uneven and tied blocks.
 
-use rocking_block::block::restraints::tie::YieldDirection;
-use rocking_block::block::restraints::{LinkKind, Tie, TieState};
+use rocking_block::block::restraints::tie::{TieEvent, YieldDirection};
+use rocking_block::block::restraints::{LinkKind, RestraintEvent, Tie, TieState};
 use rocking_block::block::{Block, Body, Common, Corner, Foundation, Regime};
-use rocking_block::excitation::{Inputs, Pulse};
+use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
+use rocking_block::system::events::EventKind;
 
 use crate::blocks::{block, block_on};
 
@@ -223,5 +224,74 @@ fn ties_without_slack_begin_taut() {
         };
         assert_eq!(begin(0.0)[..2], [TieState::Taut; 2], "{reach} m, {foundation:?}");
         assert_eq!(begin(0.2)[..2], [TieState::Taut, TieState::Slack], "{reach} m, {foundation:?}");
+    }
+}
+
+/// A pretension above the strength is refused, with the name of the tie.
+#[test]
+fn a_pretension_above_the_strength_is_refused() {
+    let plain = block_on(Foundation::Viscoelastic, [0.25, 2.0, 40.0, 0.1], &Common::default());
+    let tie = Tie { block: [0.0, 1.0], ground: [0.0, -1.0], stiffness: 2e5, pretension: 5000.0, ..Tie::default() };
+    let damper = Tie { kind: LinkKind::Damper, pretension: 0.0, ..tie };
+    let refused = |second: Tie| plain.with_ties(&[tie, damper, second]).map_err(|error| error.to_string());
+    let error = refused(Tie { strength: 4999.0, ..tie }).unwrap_err();
+    assert_eq!(error, "pretension of tie_2 = 5000 is not valid; expected a force (N) up to the strength");
+    for second in [Tie { strength: 5000.0, ..tie }, Tie { stiffness: 2e3, ..tie }, Tie { yield_force: 1.0, ..tie }] {
+        let block = refused(second).unwrap();
+        let (run, seen) = first_instant(block, Initial::default());
+        assert!(seen.v.is_finite() && seen.restraints.iter().all(|link| link.pull.is_finite()), "{seen:?}");
+        assert!(run.restraints().ties[1] != TieState::Broken, "{second:?}");
+    }
+}
+
+/// A link that yields or is broken at the beginning is reported there, once, and only there.
+#[test]
+fn links_that_yield_or_break_at_the_beginning_are_reported() {
+    use TieEvent::{Break, Yield};
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = block_on(foundation, [0.2, 1.5, 60.0, 0.1], &Common::default());
+        let Body { b, h, mass, gravity, .. } = plain.body;
+        let tie = Tie { block: [0.0, h], ground: [-5.0 * b, h], stiffness: 0.5 * mass * gravity, ..Tie::default() };
+        let damper = Tie { kind: LinkKind::Damper, ..tie };
+        let [weak, brittle] = [1e-3, 2e-3].map(|part| part * mass * gravity * b);
+        let links = [
+            tie,
+            Tie { yield_force: weak, ..tie },
+            Tie { strength: brittle, ..tie },
+            Tie { yield_force: weak, ..damper },
+        ];
+        let initial = Initial { theta: 0.1, ..Initial::default() };
+        let (mut run, _) = first_instant(plain.with_ties(&links).unwrap(), initial);
+        let mut events = Vec::new();
+        for until in [1e-9, 2e-9] {
+            run.advance(until, &Inputs::default(), &mut |event| events.push((event.kind, event.time))).unwrap();
+        }
+        // The block falls back from rest, so that the links unload at once.
+        events.retain(|(kind, _)| !matches!(kind, EventKind::Restraint(RestraintEvent::Tie(_, _, TieEvent::Unload))));
+        let tie = |kind, number, event| (EventKind::Restraint(RestraintEvent::Tie(kind, number, event)), 0.0);
+        let expected = [tie(LinkKind::Tie, 1, Yield), tie(LinkKind::Tie, 2, Break), tie(LinkKind::Damper, 0, Yield)];
+        assert_eq!(events, expected, "{foundation:?}");
+    }
+}
+
+/// A soft tie whose pretension is far above its yield force and stretches it by kilometres yields with a constant force, from the start on.
+#[test]
+fn a_soft_tie_far_beyond_its_yield_force_yields_on() {
+    let plain = block([0.25, 1.1013609019627575, 40.0, 0.1], &Common { mass: 1000.0, ..Common::default() });
+    let tie = Tie {
+        ground: [0.0, -2.646957107663824],
+        stiffness: 0.004343788527091111,
+        pretension: 116.24899475697869,
+        yield_force: 1.1706410309158282,
+        ..Tie::default()
+    };
+    let settings = Settings { tolerance: 1e-8, on_separation: OnSeparation::Fly, ..Settings::default() };
+    let inputs = Inputs { a_gx: Ramp::held(4.644979040014527), ..Inputs::default() };
+    let block = plain.with_ties(&[tie]).unwrap();
+    let mut run = Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &inputs);
+    for step in 1..=400 {
+        run.advance(f64::from(step) * 0.000256, &inputs, &mut |_| ()).unwrap();
+        let pull = run.observe(&inputs).restraints[0].pull;
+        assert!((pull - tie.yield_force).abs() < 1e-2 * tie.yield_force, "{pull} N at {} s", run.time());
     }
 }

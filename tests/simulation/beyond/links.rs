@@ -4,8 +4,9 @@ use rocking_block::block::restraints::{self, LinkKind, ObservedRestraint, States
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Kinematics, Ratios, Supports};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
-use rocking_block::system::events::{Event, EventKind};
+use rocking_block::system::events::{Event, EventKind, ROUNDING};
 
+use super::random_number;
 use crate::cases::cases;
 
 /// Returns a block of α = 0.25 on supports or on the rigid base.
@@ -82,7 +83,7 @@ fn a_prescribed_motion_follows_pragers_loop() {
                 let kinematics = Kinematics { sin_cos, theta_dot: 0.0, center, velocity };
                 for function in restraints::watched(&block, &states.modes()).into_iter().flatten() {
                     if function.value(&block, &states, &kinematics) < 0.0 {
-                        events.extend(function.switch(&block, &mut states, || kinematics));
+                        events.extend(function.switch(&block, &mut states, || kinematics, ROUNDING));
                     }
                 }
                 let exact = (force_there + stiffness * (s - from)).clamp(line(s, -1.0), line(s, 1.0));
@@ -417,15 +418,6 @@ fn a_block_rests_with_plastic_elongations() {
     }
 }
 
-/// A random number in [0, 1): splitmix64.
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *seed;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
-
 /// Ties and dampers of random blocks on supports and on the rigid base, with friction, eccentric, in flight: the energies add up, the
 /// mirror image moves alike, and no link chatters.
 #[test]
@@ -435,7 +427,7 @@ fn random_blocks_keep_energy_and_symmetry() {
     for case in 0..cases {
         let mirrored = [1.0, -1.0].map(|side| {
             let mut seed = case;
-            let mut draw = |low: f64, high: f64| low + (high - low) * random(&mut seed);
+            let mut draw = |low: f64, high: f64| low + (high - low) * random_number(&mut seed);
             let foundation = if draw(0.0, 1.0) < 0.5 { Foundation::Viscoelastic } else { Foundation::Rigid };
             let ratios = Ratios { eta: draw(20.0, 100.0), xi_v: draw(0.0, 0.4) };
             let dimensionless =

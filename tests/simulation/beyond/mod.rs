@@ -2,6 +2,7 @@
 
 mod beginning;
 mod friction;
+mod laws;
 mod links;
 mod random;
 mod ties;
@@ -17,6 +18,15 @@ use crate::compare::check_cases;
 
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
 const CLOSE: f64 = 1e-7;
+
+/// A random number in [0, 1): splitmix64.
+fn random_number(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *seed;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
 
 fn slips(simulation: &Simulation) -> i32 {
     match simulation.footing() {

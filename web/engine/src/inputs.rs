@@ -223,7 +223,7 @@ fn tie(fields: &mut Fields, kind: LinkKind, number: usize) -> Tie {
     if fields.has_errors() {
         return tie;
     }
-    if let Err(error) = tie.check() {
+    if let Err(error) = tie.check(&format!("{}_{number}", kind.word())) {
         let key = error.name().split(" of ").next().unwrap_or_default().replace(' ', "_");
         let key = if tie.number(&key).is_some() { &key } else { "stiffness" };
         fields.refuse(FieldError::new(field(key), error.to_string()));

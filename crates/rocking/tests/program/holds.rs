@@ -123,7 +123,7 @@ fn an_invalid_tie_is_refused() {
     let folder = folder();
     for (tie, words) in [
         ("block_x=1", "expected a stiffness > 0"),
-        ("stiffness=1e3", "length of a tie = 0"),
+        ("stiffness=1e3", "distance of the ends of a tie = 0"),
         ("stiffness=1e3,block=2", "found key `block`; expected one of block_x"),
     ] {
         let arguments = ["simulate", "--theta", "0.1", "--mass", "5", "--csv", "run.csv", "--tie", tie];

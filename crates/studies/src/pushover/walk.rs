@@ -8,6 +8,7 @@ use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::{has_fallen, sign_change};
 use rocking_block::system::System;
 use rocking_block::system::beginning::Initial;
+use rocking_block::system::events::ROUNDING;
 use rocking_block::system::instant::Pose;
 
 /// A function along the path: positive until it falls through zero.
@@ -275,7 +276,7 @@ impl<'a> Walk<'a> {
             },
             Watched::Restraint(function) => {
                 let kinematics = self.at.kinematics;
-                if let Some(event) = function.switch(&self.block, &mut self.stretch.states, || kinematics) {
+                if let Some(event) = function.switch(&self.block, &mut self.stretch.states, || kinematics, ROUNDING) {
                     self.record(LandmarkKind::Restraint(event));
                 }
             }

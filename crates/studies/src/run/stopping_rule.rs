@@ -252,8 +252,7 @@ fn is_held_by_ties(simulation: &Simulation) -> bool {
         return false;
     }
     let is_within = is_within_balance(block, simulation.state()[0]);
-    let acts = |state: &TieState| matches!(state, TieState::Taut | TieState::Yields(_));
-    if !is_within && !simulation.restraints().ties.iter().any(acts) {
+    if !is_within && !simulation.restraints().ties.into_iter().any(TieState::acts) {
         return false;
     }
     let [kinetic, most_acceleration] = if is_within { STILL } else { STILL_BEYOND_BALANCE };

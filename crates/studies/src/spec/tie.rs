@@ -51,7 +51,7 @@ fn link(kind: LinkKind, text: &str) -> Result<Tie, String> {
 /// # Errors
 /// The first impossible parameter.
 pub fn check(tie: &Tie) -> Result<(), String> {
-    tie.check().map_err(|error| error.to_string())?;
+    tie.check(&format!("a {}", tie.kind.word())).map_err(|error| error.to_string())?;
     if tie.yield_force > 0.0 && !tie.yields() {
         return Err(format!("found yield_force = {} without stiffness; expected both", tie.yield_force));
     }

@@ -151,6 +151,13 @@ impl<T: Scalar<Real = f64>> Tie<T> {
     }
 }
 
+impl Tie {
+    /// Whether it pulls even at a length of zero. Its pretension stretches it by its length at rest or more, as a weight over a pulley does.
+    pub fn pulls_without_length(&self) -> bool {
+        self.stiffness > 0.0 && self.pretension > self.stiffness * (self.length() + self.slack)
+    }
+}
+
 /// Returns the names of ties and dampers, such as `tie_1`, each numbered within its kind.
 pub fn names<T>(ties: &[Tie<T>]) -> Vec<String> {
     let number = |i: usize, kind| ties[..=i].iter().filter(|tie| tie.kind == kind).count();
@@ -293,12 +300,12 @@ impl<T: Elementary> Tie<T> {
 }
 
 impl Tie {
-    /// Refuses an impossible tie.
+    /// Refuses an impossible tie. Errors call it `name`, such as "tie_1".
     ///
     /// # Errors
     /// The first impossible parameter, with its value and the valid ones.
-    pub fn check(&self) -> Result<(), BlockError> {
-        let of_kind = |name: &str| format!("{} of a {}", name.replace('_', " "), self.kind.word()).into();
+    pub fn check(&self, name: &str) -> Result<(), BlockError> {
+        let of_kind = |number: &str| format!("{} of {name}", number.replace('_', " ")).into();
         let refused = |name, value, expected| Err(BlockError::OutOfRange { name, value, expected });
         for (LinkNumber { name, quantity, .. }, &mut value) in NUMBERS.into_iter().zip({ *self }.numbers()) {
             match quantity {
@@ -313,11 +320,10 @@ impl Tie {
             }
         }
         if self.is_present() && self.length() <= 0.0 {
-            return refused(
-                format!("distance of the ends of a {}", self.kind.word()).into(),
-                self.length(),
-                "one above 0 m",
-            );
+            return refused(format!("distance of the ends of {name}").into(), self.length(), "one above 0 m");
+        }
+        if self.stiffness > 0.0 && self.strength > 0.0 && self.pretension > self.strength {
+            return refused(of_kind("pretension"), self.pretension, "a force (N) up to the strength");
         }
         Ok(())
     }
@@ -332,7 +338,7 @@ impl Block {
         if ties.len() > MAX_TIES {
             return Err(BlockError::OutOfRange { name: "ties".into(), value: ties.len() as f64, expected: EXPECTED });
         }
-        ties.iter().try_for_each(Tie::check)?;
+        names(ties).iter().zip(ties).try_for_each(|(name, tie)| tie.check(name))?;
         self.body.restraints.ties = Ties::of(ties);
         Ok(self)
     }
@@ -358,8 +364,34 @@ pub enum TieState {
     Yields(YieldDirection),
     /// Stretched, but shortening so fast that dashpot and spring together would push.
     Limp,
+    /// Limp, while its spring yields and becomes shorter.
+    LimpYields,
     /// Broken.
     Broken,
+}
+
+impl TieState {
+    /// Returns the direction in which its spring yields, if it does.
+    #[inline(always)]
+    pub fn yields(self) -> Option<YieldDirection> {
+        match self {
+            TieState::Yields(direction) => Some(direction),
+            TieState::LimpYields => Some(YieldDirection::Shorter),
+            TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => None,
+        }
+    }
+
+    /// Whether the tie pulls or pushes.
+    #[inline(always)]
+    pub fn acts(self) -> bool {
+        matches!(self, TieState::Taut | TieState::Yields(_))
+    }
+
+    /// Whether its spring is stretched, or of a damper also pressed.
+    #[inline(always)]
+    pub fn is_strained(self) -> bool {
+        self.acts() || matches!(self, TieState::Limp | TieState::LimpYields)
+    }
 }
 
 /// The direction in which a tie yields.

@@ -1,8 +1,9 @@
 //! The pull of ties, along the line between their ends.
 //!
 //! A taut tie stretched by `s = L − L0 − slack + T0/k` pulls with `T = k (s − s_p) + c ṡ`; slack, limp and broken ties do not pull.
-//! The plastic elongation s_p changes while the tie yields in the direction σ: then `k (s − s_p) − h s_p = σ F_y` with the kinematic
-//! hardening `h = k r/(1 − r)`, so that s_p follows from s and the spring pulls with `r k s + (1 − r) σ F_y`.
+//! The plastic elongation s_p changes while the spring yields in the direction σ, also that of a limp tie: then
+//! `k (s − s_p) − h s_p = σ F_y` with the kinematic hardening `h = k r/(1 − r)`, so that s_p follows from s and the force of the spring is
+//! `r k s + (1 − r) σ F_y`.
 
 use super::{Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
 use crate::block::restraints::ObservedRestraint;
@@ -48,8 +49,8 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, tie: &Tie<P>, kine
 /// Returns the plastic elongation s_p (m) of a tie stretched by `length` (m).
 pub fn plastic<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
     let Link { tie, state, plastic } = link;
-    match (state, plastic) {
-        (TieState::Yields(direction), _) => {
+    match (state.yields(), plastic) {
+        (Some(direction), _) => {
             (length - tie.yield_force / tie.stiffness * direction.sign()) * (P::from(1.0) - tie.hardening)
         }
         (_, Some(plastic)) => T::from(plastic),
@@ -76,22 +77,19 @@ pub fn taut_tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link
 #[inline(always)]
 fn spring<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, length: T) -> T {
     let Link { tie, state, .. } = link;
-    match state {
-        TieState::Yields(direction) => {
+    match state.yields() {
+        Some(direction) => {
             length * (tie.hardening * tie.stiffness)
                 + (P::from(1.0) - tie.hardening) * tie.yield_force * direction.sign()
         }
-        TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => elastic(link, length) * tie.stiffness,
+        None => elastic(link, length) * tie.stiffness,
     }
 }
 
 /// Returns the tension (N) of a tie in its state.
 #[inline(always)]
 pub fn tension<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(link: Link<P, S>, stretch: &Stretch<T>) -> T {
-    match link.state {
-        TieState::Taut | TieState::Yields(_) => taut_tension(link, stretch),
-        TieState::Slack | TieState::Limp | TieState::Broken => T::from(0.0),
-    }
+    if link.state.acts() { taut_tension(link, stretch) } else { T::from(0.0) }
 }
 
 /// Adds the pull of the ties to a forcing `[x, z, moment]` per mass.
@@ -102,7 +100,7 @@ pub fn add_pull<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     kinematics: &Kinematics<T>,
     [mut x, mut z, mut moment]: [T; 3],
 ) -> [T; 3] {
-    for link in links(body, states, plastic).filter(|link| acts(link.state)) {
+    for link in links(body, states, plastic).filter(|link| link.state.acts()) {
         let stretch = stretch(body, link.tie, kinematics);
         let pull = tension(link, &stretch) * (P::from(1.0) / body.mass);
         let along = stretch.along;
@@ -114,22 +112,16 @@ pub fn add_pull<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     [x, z, moment]
 }
 
-/// Whether a tie in this state pulls or pushes.
-#[inline(always)]
-fn acts(state: TieState) -> bool {
-    matches!(state, TieState::Taut | TieState::Yields(_))
-}
-
 /// Whether a tie pulls or pushes.
 #[inline(always)]
 pub fn pulls(states: &TieStates) -> bool {
-    any(states, acts)
+    any(states, TieState::acts)
 }
 
 /// Whether a tie may take energy, in its dashpot or by yielding.
 #[inline(always)]
 pub fn dissipates(states: &TieStates) -> bool {
-    any(states, |state| acts(state) || state == TieState::Limp)
+    any(states, TieState::is_strained)
 }
 
 /// Whether any of the states is one of these. Without a loop the compiler evaluates it for constant states.
@@ -160,7 +152,7 @@ pub fn less_static_pull<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematic
     for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
         let Stretch { length, along: [_, z, _], .. } = stretch(body, tie, kinematics);
         let link = at_rest(tie, length);
-        let tension = if acts(link.state) { spring(link, length) } else { T::from(0.0) };
+        let tension = if link.state.acts() { spring(link, length) } else { T::from(0.0) };
         force = force - tension * z;
     }
     force
@@ -183,7 +175,7 @@ fn stiffness_at_rest<T: Elementary>(body: &Body<T>, tie: &Tie<T>, kinematics: &K
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
     match link.state {
-        TieState::Slack | TieState::Limp | TieState::Broken => 0.0,
+        TieState::Slack | TieState::Limp | TieState::LimpYields | TieState::Broken => 0.0,
         TieState::Taut => stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)),
         TieState::Yields(_) => {
             tie.hardening.value() * stiffness * z * z + spring(link, length).value() * (1.0 - z * z) / (stretch + free)
@@ -202,13 +194,18 @@ pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     for (observed, link) in all.iter_mut().zip(links(body, states, plastics)) {
         let stretch = stretch(body, link.tie, kinematics);
         let Tie { stiffness, damping, kind, .. } = *link.tie;
-        let acting = match kind {
-            LinkKind::Tie => stiffness.value(),
-            LinkKind::Damper => stiffness.value() + damping.value(),
+        let pull = tension(link, &stretch);
+        // Round-off may take the tension of a tie below zero where it goes slack.
+        let (acting, pull) = match kind {
+            LinkKind::Tie => {
+                let pulls = T::select_less(pull.value(), T::Real::from(0.0), T::from(0.0), pull);
+                (stiffness.value(), pulls)
+            }
+            LinkKind::Damper => (stiffness.value() + damping.value(), pull),
         };
         let is_present = P::select_less(P::Real::from(0.0), acting, P::from(1.0), P::from(0.0));
         *observed = ObservedRestraint {
-            pull: tension(link, &stretch),
+            pull,
             elongation: stretch.length * is_present,
             plastic: plastic(link, stretch.length),
         };
@@ -272,12 +269,12 @@ pub fn power<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
     let links = links(body, states, plastic).filter(|link| link.tie.kind == kind);
     sum_stretched(body, links, kinematics, |link, stretch| {
         let dashpot = (tension(link, &stretch) - spring(link, stretch.length)) * stretch.rate;
-        match link.state {
-            TieState::Yields(direction) => {
+        match link.state.yields() {
+            Some(direction) => {
                 let Tie { yield_force, hardening, .. } = *link.tie;
                 dashpot + stretch.rate * ((P::from(1.0) - hardening) * yield_force * direction.sign())
             }
-            TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => dashpot,
+            None => dashpot,
         }
     })
 }
@@ -291,7 +288,7 @@ fn sum_stretched<'a, P: Scalar + 'a, S: Copy, T: CombinesWith<P> + From<S>>(
 ) -> T {
     let mut sum = T::from(0.0);
     for link in links {
-        if acts(link.state) || link.state == TieState::Limp {
+        if link.state.is_strained() {
             sum = sum + term(link, stretch(body, link.tie, kinematics)) * (P::from(1.0) / body.mass);
         }
     }

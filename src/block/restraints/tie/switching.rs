@@ -2,11 +2,11 @@
 //!
 //! A tie becomes taut when its elastic elongation rises through zero, slack when its tension falls through zero, and breaks when its
 //! tension reaches its strength, that of a damper in either sense. It yields when the force of its spring reaches the yield surface, and
-//! unloads when its rate of elongation changes its sign.
+//! unloads when its rate of elongation changes its sign, also while it is limp.
 
 use serde::{Deserialize, Serialize};
 
-use super::pull::{elastic, plastic, stretch, taut_tension, yielding_at_rest};
+use super::pull::{self, elastic, plastic, stretch, taut_tension, yielding_at_rest};
 use super::{Link, LinkKind, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection};
 use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
@@ -76,7 +76,7 @@ impl std::fmt::Display for TieEvent {
 /// Number of functions of a tie that are watched at once, at most.
 pub const WATCHED: usize = 4;
 
-/// Returns the watched functions of a tie in its state. Two are of pulling and breaking, two of yielding.
+/// Returns the watched functions of a tie in its state. Where a landing turns its rate, it unloads before it is limp.
 pub fn watched<P, S>(link: Link<P, S>) -> [Option<TieFunction>; WATCHED]
 where
     P: Elementary,
@@ -87,26 +87,23 @@ where
         LinkKind::Tie => [Some(TieFunction::Tension), breaks.then_some(TieFunction::Strength)],
         LinkKind::Damper => [TieFunction::Thrust, TieFunction::Strength].map(|function| breaks.then_some(function)),
     };
-    let yielding = match link.state {
-        TieState::Taut if link.tie.yields() => [Longer, Shorter].map(|direction| Some(TieFunction::Yield(direction))),
-        TieState::Yields(direction) => [Some(TieFunction::Unload(direction)), None],
-        TieState::Slack | TieState::Taut | TieState::Limp | TieState::Broken => [None; 2],
-    };
-    let [first, second] = match link.state {
-        TieState::Slack => [Some(TieFunction::Shortness), None],
-        TieState::Taut | TieState::Yields(_) => acting,
-        TieState::Limp => [Some(TieFunction::Stretch), Some(TieFunction::Limpness)],
-        TieState::Broken => [None; 2],
-    };
-    [first, second, yielding[0], yielding[1]]
+    let [pull, strength] = acting;
+    let [stretch, limpness] = [TieFunction::Stretch, TieFunction::Limpness].map(Some);
+    let yields = |direction| link.tie.yields().then_some(TieFunction::Yield(direction));
+    let unloads = |direction| Some(TieFunction::Unload(direction));
+    match link.state {
+        TieState::Slack => [Some(TieFunction::Shortness), None, None, None],
+        TieState::Taut => [pull, strength, yields(Longer), yields(Shorter)],
+        TieState::Yields(direction) => [unloads(direction), pull, strength, None],
+        TieState::Limp => [stretch, limpness, yields(Shorter), None],
+        TieState::LimpYields => [unloads(Shorter), stretch, limpness, None],
+        TieState::Broken => [None; WATCHED],
+    }
 }
 
 /// Returns the function whose value is the tension of a tie, if it pulls.
 pub fn of_pull(state: TieState) -> Option<TieFunction> {
-    match state {
-        TieState::Taut | TieState::Yields(_) => Some(TieFunction::Tension),
-        TieState::Slack | TieState::Limp | TieState::Broken => None,
-    }
+    state.acts().then_some(TieFunction::Tension)
 }
 
 /// Returns the elongation (m) that separates a taut tie from yielding. Stretched by `length` (m), it is `F_y/k − σ (s − s_p/(1 − r))`.
@@ -132,7 +129,9 @@ impl TieFunction {
         let Link { tie, .. } = link;
         let stretch_with_rate = || {
             let stretch = stretch(body, tie, &kinematics());
-            Dual::new(elastic(link, stretch.length), stretch.rate)
+            // While the spring yields, its elastic elongation changes by r ṡ.
+            let share = if link.state.yields().is_some() { tie.hardening } else { T::from(1.0) };
+            Dual::new(elastic(link, stretch.length), stretch.rate * share)
         };
         let tension = || taut_tension(link, &stretch(body, tie, &rates()));
         match self {
@@ -198,32 +197,53 @@ impl TieFunction {
         }
     }
 
-    /// Returns the state of the tie and the reported event after this function's fall.
+    /// Returns the state of the tie and the reported event after this function's fall. `rounding` is the round-off of a zero over its largest
+    /// term.
     pub fn switched<T: Elementary>(
         self,
         body: &Body<T>,
         link: Link<T, T>,
         kinematics: impl Fn() -> Kinematics<T>,
+        rounding: f64,
     ) -> (TieState, Option<TieEvent>) {
-        let Link { tie, .. } = link;
+        let Link { tie, state, .. } = link;
+        let elongation = || elastic(link, stretch(body, tie, &kinematics()).length).value();
         match self {
-            TieFunction::Shortness | TieFunction::Limpness => (TieState::Taut, Some(TieEvent::Taut)),
+            TieFunction::Shortness => (TieState::Taut, Some(TieEvent::Taut)),
+            TieFunction::Limpness => (state.yields().map_or(TieState::Taut, TieState::Yields), Some(TieEvent::Taut)),
             TieFunction::Tension => {
-                let stretched = elastic(link, stretch(body, tie, &kinematics()).length).value() > 0.0;
-                let damped = tie.damping.value() > 0.0 && stretched;
-                (if damped { TieState::Limp } else { TieState::Slack }, Some(TieEvent::Slack))
+                let stretched = elongation() > 0.0;
+                let after = match state.yields() {
+                    _ if !stretched || tie.damping.value() == 0.0 => TieState::Slack,
+                    Some(YieldDirection::Shorter) => TieState::LimpYields,
+                    Some(YieldDirection::Longer) | None => TieState::Limp,
+                };
+                (after, Some(TieEvent::Slack))
             }
             TieFunction::Stretch => (TieState::Slack, None),
             TieFunction::Strength | TieFunction::Thrust => (TieState::Broken, Some(TieEvent::Break)),
-            TieFunction::Yield(direction) => (TieState::Yields(direction), Some(TieEvent::Yield)),
-            TieFunction::Unload(_) => (TieState::Taut, Some(TieEvent::Unload)),
+            // Where `h s_p` is F_y, a tie reaches its yield surface as its spring becomes loose.
+            TieFunction::Yield(YieldDirection::Shorter)
+                if tie.kind == LinkKind::Tie && elongation() <= rounding * size_of_stretch(body, tie) =>
+            {
+                (TieState::Slack, state.acts().then_some(TieEvent::Slack))
+            }
+            TieFunction::Yield(direction) => {
+                let after = if state.acts() { TieState::Yields(direction) } else { TieState::LimpYields };
+                (after, Some(TieEvent::Yield))
+            }
+            TieFunction::Unload(_) => {
+                (if state.acts() { TieState::Taut } else { TieState::Limp }, Some(TieEvent::Unload))
+            }
         }
     }
 }
 
-/// Size of the terms of a stretch (m).
+/// Size of the terms of a stretch (m). That by the pretension of a soft tie may be far above its length.
 fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
-    tie.length().value().max(body.r0.value())
+    let [stiffness, pretension] = [tie.stiffness, tie.pretension].map(|number| number.value());
+    let by_pretension = if stiffness > 0.0 { pretension / stiffness } else { 0.0 };
+    tie.length().value().max(body.r0.value()).max(by_pretension)
 }
 
 /// Size of the terms of a tension (N).
@@ -241,9 +261,9 @@ pub fn at_beginning<T: Elementary>(
     kinematics: &Kinematics<T>,
     rounding: f64,
 ) -> (TieStates, Plastic<T>) {
-    let mut states = NO_TIES;
-    let all = states.iter_mut().zip(ties.all());
-    for (state, tie) in all.filter(|(_, tie)| tie.is_present()) {
+    let (mut states, mut plastics) = (NO_TIES, [T::from(0.0); MAX_TIES]);
+    let all = states.iter_mut().zip(&mut plastics).zip(ties.all());
+    for ((state, plastic), tie) in all.filter(|(_, tie)| tie.is_present()) {
         let stretch = stretch(body, tie, kinematics);
         let rounding_of_tension = rounding * size_of_tension(body, tie);
         let rounding_of_stretch = rounding * size_of_stretch(body, tie);
@@ -256,6 +276,7 @@ pub fn at_beginning<T: Elementary>(
         *state = if tie.kind == LinkKind::Tie && is_short {
             TieState::Slack
         } else if tie.kind == LinkKind::Tie && tension < -rounding_of_tension {
+            *plastic = pull::plastic(link, stretch.length);
             TieState::Limp
         } else if strength > 0.0 && tension.abs() > strength + rounding_of_tension {
             TieState::Broken
@@ -263,5 +284,16 @@ pub fn at_beginning<T: Elementary>(
             taut
         };
     }
-    (states, ties.all().iter().any(Tie::yields).then_some([T::from(0.0); MAX_TIES]))
+    (states, ties.all().iter().any(Tie::yields).then_some(plastics))
+}
+
+impl TieState {
+    /// Returns the event that brings a tie into this state before a run begins, if it is reported.
+    pub(in crate::block) fn event_at_beginning(self) -> Option<TieEvent> {
+        match self {
+            TieState::Yields(_) | TieState::LimpYields => Some(TieEvent::Yield),
+            TieState::Broken => Some(TieEvent::Break),
+            TieState::Slack | TieState::Taut | TieState::Limp => None,
+        }
+    }
 }
