@@ -411,6 +411,28 @@ fn options_of_parts_say_what_they_expect() {
     assert!(!folder.path().join("parts").exists());
 }
 
+/// The CPU time of one core is that of an idle machine, also where other programs take most of the time of all cores.
+#[cfg(unix)]
+#[test]
+fn a_dry_run_counts_cpu_time() {
+    let folder = folder(&RECORDED.replace("samples = 20", "samples = 2000"));
+    let seconds = || {
+        let printed = stdout(folder.path(), &["sweep", "study.toml", "--dry-run", "--json"]);
+        serde_json::from_str::<serde_json::Value>(&printed).unwrap()["seconds"].as_f64().unwrap()
+    };
+    let alone = seconds();
+    let is_over = std::sync::atomic::AtomicBool::new(false);
+    let busy = std::thread::scope(|scope| {
+        for _ in 0..10 * std::thread::available_parallelism().map_or(2, usize::from) {
+            scope.spawn(|| while !is_over.load(std::sync::atomic::Ordering::Relaxed) {});
+        }
+        let busy = seconds();
+        is_over.store(true, std::sync::atomic::Ordering::Relaxed);
+        busy
+    });
+    assert!(busy < 2.5 * alone, "{busy} s beside others, {alone} s alone");
+}
+
 /// The sample of a small study is all of it, and the size of its rows is exact.
 #[test]
 fn a_dry_run_forecasts_rows_and_size() {
