@@ -109,7 +109,9 @@ class Store:
         self.files.makedirs(self.path, exist_ok=True)
 
     def names(self) -> list[str]:
-        return [file.rsplit("/", 1)[-1] for file in self.files.ls(self.path, detail=False)]
+        # A bucket has no empty folders.
+        listed = self.files.ls(self.path, detail=False) if self.files.exists(self.path) else []
+        return [file.rsplit("/", 1)[-1] for file in listed]
 
     def is_complete(self, name: str, check: Callable[[Path], bool]) -> bool:
         if not self.files.exists(f"{self.path}/{name}"):

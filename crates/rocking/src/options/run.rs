@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::fs;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::Args;
@@ -198,8 +199,7 @@ impl StudyOptions {
 
     /// Prints the expected cost of a study, from a sample of its rows.
     pub fn forecast(&self, study: &impl Study, parts: u64) -> anyhow::Result<()> {
-        let begin = std::time::Instant::now();
-        let summary = forecast_summary(&Forecast::of(study, self.processor.width(), || begin.elapsed())?, parts);
+        let summary = forecast_summary(&Forecast::of(study, self.processor.width(), thread_time)?, parts);
         self.report.print("sweep", &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
 
@@ -225,6 +225,20 @@ impl StudyOptions {
         self.report.print(command, &written, &warnings, &(summary.text + &written.lines()), &summary.json)?;
         failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
+}
+
+/// CPU time of this thread: the wall clock also counts the time for which other programs have its core.
+#[cfg(unix)]
+fn thread_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// The wall clock, where the CPU time of a thread cannot be asked for.
+#[cfg(not(unix))]
+fn thread_time() -> Duration {
+    static BEGIN: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
+    BEGIN.elapsed()
 }
 
 fn forecast_summary(forecast: &Forecast, parts: u64) -> Summary {

@@ -323,7 +323,9 @@ fn a_folder_of_parts_gives_the_fit_of_the_table() {
     fs::write(path.join("study.toml"), RECORDED.replace("seed = 3", "seed = 4")).unwrap();
     make_part(path, "3/4", "parts");
     refused(path, &arguments, &["part-00003-of-00004.csv: is a part of another study; found `seed = 4`"]);
-    make_part(path, "1/2", "parts");
+    make_part(path, "1/2", "halves");
+    let half = "part-00001-of-00002.csv";
+    fs::copy(path.join("halves").join(half), path.join("parts").join(half)).unwrap();
     refused(path, &arguments, &["parts of different sets, part-00001-of-00002.csv and"]);
     fs::create_dir(path.join("none")).unwrap();
     refused(path, &["fragility", "none", "--im", "PGV"], &["none: has no parts of a study"]);
@@ -409,6 +411,28 @@ fn options_of_parts_say_what_they_expect() {
         assert!(printed.status.code() == Some(2) && message.contains(expected), "{options:?}: {message}");
     }
     assert!(!folder.path().join("parts").exists());
+}
+
+/// The CPU time of one core is that of an idle machine, also where other programs take most of the time of all cores.
+#[cfg(unix)]
+#[test]
+fn a_dry_run_counts_cpu_time() {
+    let folder = folder(&RECORDED.replace("samples = 20", "samples = 2000"));
+    let seconds = || {
+        let printed = stdout(folder.path(), &["sweep", "study.toml", "--dry-run", "--json"]);
+        serde_json::from_str::<serde_json::Value>(&printed).unwrap()["seconds"].as_f64().unwrap()
+    };
+    let alone = seconds();
+    let is_over = std::sync::atomic::AtomicBool::new(false);
+    let busy = std::thread::scope(|scope| {
+        for _ in 0..10 * std::thread::available_parallelism().map_or(2, usize::from) {
+            scope.spawn(|| while !is_over.load(std::sync::atomic::Ordering::Relaxed) {});
+        }
+        let busy = seconds();
+        is_over.store(true, std::sync::atomic::Ordering::Relaxed);
+        busy
+    });
+    assert!(busy < 2.5 * alone, "{busy} s beside others, {alone} s alone");
 }
 
 /// The sample of a small study is all of it, and the size of its rows is exact.
