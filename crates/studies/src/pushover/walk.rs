@@ -8,7 +8,6 @@ use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::{has_fallen, sign_change};
 use rocking_block::system::System;
 use rocking_block::system::beginning::Initial;
-use rocking_block::system::events::ROUNDING;
 use rocking_block::system::instant::Pose;
 
 /// A function along the path: positive until it falls through zero.
