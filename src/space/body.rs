@@ -103,17 +103,7 @@ impl SpaceBody {
             Base::List { .. } => (0.75 * gravity / r0).sqrt(),
         };
         let standing = feet.iter().filter(|foot| foot.gap == 0.0).count() as f64;
-        let (omega_v, xi_v, stiffness, damping) = match parameters.supports {
-            SpaceSupports::OfRocking { .. } if matches!(parameters.base, Base::List { .. }) => {
-                return Err(SpaceError::Missing { name: "omega_v, or K and C" });
-            }
-            SpaceSupports::OfRocking { eta, xi_v } => of_frequency(eta * p, xi_v, mass / standing),
-            SpaceSupports::OfHeave { omega_v, xi_v } => of_frequency(omega_v, xi_v, mass / standing),
-            SpaceSupports::OfFoot { stiffness, damping } => {
-                let omega_v = (stiffness * standing / mass).sqrt();
-                (omega_v, damping * standing / (2.0 * mass * omega_v), stiffness, damping)
-            }
-        };
+        let (omega_v, xi_v, stiffness, damping) = supports(parameters, p, mass / standing)?;
         let horizontal_damping = 2.0 * parameters.xi_h.unwrap_or(xi_v) * kappa.sqrt() * omega_v * (mass / standing);
         let horizontal_stiffness = kappa * stiffness;
         for (name, value) in [
@@ -197,6 +187,21 @@ impl SpaceBody {
         }
         self.fastest_square = sum.symmetric_eigenvalues().max();
     }
+}
+
+/// Returns ω_v, ξ_v, and K and C of a foot, with p (rad/s) and the share of the mass (kg) of each foot without a gap.
+fn supports(parameters: &SpaceParameters, p: f64, share: f64) -> Result<(f64, f64, f64, f64), SpaceError> {
+    Ok(match parameters.supports {
+        SpaceSupports::OfRocking { .. } if matches!(parameters.base, Base::List { .. }) => {
+            return Err(SpaceError::Missing { name: "omega_v, or K and C" });
+        }
+        SpaceSupports::OfRocking { eta, xi_v } => of_frequency(eta * p, xi_v, share),
+        SpaceSupports::OfHeave { omega_v, xi_v } => of_frequency(omega_v, xi_v, share),
+        SpaceSupports::OfFoot { stiffness, damping } => {
+            let omega_v = (stiffness / share).sqrt();
+            (omega_v, damping / (2.0 * share * omega_v), stiffness, damping)
+        }
+    })
 }
 
 /// Returns ω_v, ξ_v, and K and C of a foot that carries this mass (kg).

@@ -67,8 +67,8 @@ impl SpaceEquations<'_> {
             let forces = FootForces::of(body, foot, contact, &at, [numbers[0], numbers[1]]);
             force += forces.force;
             moment += at.arm.cross(&forces.force);
-            dashpots = dashpots + forces.dashpot_power(body, at.velocity.z);
-            slip = slip + forces.slip_power(body);
+            dashpots += forces.dashpot_power(body, at.velocity.z);
+            slip += forces.slip_power(body);
             [rates[0], rates[1]] = forces.stretch_rate;
             rates[2] = forces.slip_rate;
         }
