@@ -24,7 +24,7 @@ PAUSE = 5e-6
 @dataclass
 class Result:
     """The number of events, where they differ, and the greatest differences: of θ over α, of event times (s), and of the other columns
-    over their greatest value, or 1e-6."""
+    over their greatest value, or 1e-4 (SI)."""
 
     events: int
     wrong: str
@@ -125,6 +125,6 @@ def compare(folder, case):
     times = max((abs(new[0] - known[0]) for new, known in zip(found, events)), default=0.0)
     others = 0.0
     for name in expected[0].keys() - angles - {"t"}:
-        scale = max(1e-6, *(abs(row[name]) for row in expected))
+        scale = max(1e-4, *(abs(row[name]) for row in expected))
         others = max(others, max(abs(new[name] - row[name]) for new, row in zip(rows, expected)) / scale)
     return Result(len(events), wrong, theta, times, others)
