@@ -24,7 +24,7 @@ class Cases:
 
     def __init__(self, im: str, limit: str | float | None) -> None:
         self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
-        self.all = self.failed = self.separated = self.undecided = self.partly = 0
+        self.all = self.failed = self.separated = self.undecided = self.partly = self.missing = 0
         self.least = self.most = 0.0
         self.store = _engine.CaseStore()
         self.batches: list[Rows] = []
@@ -44,20 +44,12 @@ class Cases:
             peak = numbers(table, "peak.theta/alpha")
         else:
             peak = np.full(len(outcome), np.nan)
-        exceeded = outcome == "overturned"
-        if not isinstance(limit, str):
-            exceeded |= peak > limit
-        if limit == "balance":
-            # Without ties, even blocks have it in `peak.theta/alpha`.
-            even = "peak.theta/balance" not in table and "eccentricity" not in table
-            exceeded |= numbers(table, "peak.theta/alpha" if even else "peak.theta/balance") > 1.0
-        named = _named(limit)
-        if named is not None:
-            exceeded |= _peaks(table, named[0]) > named[1]
-        fraction = exceeded.astype(np.float64)
-        separated = (outcome == "separated") & ~exceeded
-        undecided = (outcome == "undecided") & ~exceeded
-        failed = outcome == "failed"
+        response = np.full(len(outcome), np.nan)
+        if "ensemble.samples" not in table:
+            response = _response(table, limit, peak)
+        words, codes = np.unique(outcome, return_inverse=True)
+        # The engine decides; nan is unknown.
+        fraction = _engine.verdicts(limit_word(limit), words.tolist(), codes.astype(np.int64), response)
         unknown = np.zeros(len(outcome))
         if "ensemble.samples" in table:
             # The samples of an ensemble count, not the run in its middle; the probability is nan if none is known.
@@ -66,10 +58,11 @@ class Cases:
             # Tables of earlier versions do not have it.
             if f"ensemble.unknown({word})" in table:
                 unknown = numbers(table, f"ensemble.unknown({word})") / numbers(table, "ensemble.samples")
-            none = np.isnan(fraction)
-            undecided, separated = none & (outcome == "undecided"), none & (outcome == "separated")
-            failed = none & ~undecided & ~separated
-        decided = ~separated & ~undecided & ~failed
+        none = np.isnan(fraction)
+        undecided, separated = none & (outcome == "undecided"), none & (outcome == "separated")
+        missing = none & (outcome == "completed") & ("ensemble.samples" not in table)
+        failed = none & ~undecided & ~separated & ~missing
+        decided = ~none
         places = np.asarray(table["row"]) if is_part else np.arange(self.all, self.all + len(outcome))
         least = float(np.sum((fraction * (1.0 - unknown))[decided]))
         self.least += least
@@ -79,6 +72,7 @@ class Cases:
         self.failed += int(failed.sum())
         self.separated += int(separated.sum())
         self.undecided += int(undecided.sum())
+        self.missing += int(missing.sum())
         rocked = (outcome == "completed") & (peak > 0.0)
         if "events.liftoffs" in table:
             rocked &= np.asarray(table["events.liftoffs"]) > 0
@@ -181,6 +175,17 @@ def _named(limit: object) -> tuple[str, float] | None:
     except ValueError:
         return None
     return found if found[0] in _COLUMNS and 0.0 < found[1] < np.inf else None
+
+
+def _response(table: Table, limit: str | float, peak: Floats) -> Floats:
+    """Returns the greatest value of the quantity of a limit in each row, nan where it is missing."""
+    named = _named(limit)
+    if named is not None:
+        return _peaks(table, named[0])
+    # Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
+    if limit == "balance" and ("peak.theta/balance" in table or "eccentricity" in table):
+        return numbers(table, "peak.theta/balance")
+    return numbers(table, "peak.theta/alpha") if limit == "balance" else peak
 
 
 def _peaks(table: Table, quantity: str) -> Floats:

@@ -103,6 +103,8 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their duration was too short."""
     separated: int
     """Rows omitted because their runs ended at complete separation, with the outcome open."""
+    without_response: int
+    """Rows omitted because their runs were completed without the response of the limit."""
     exceeded: tuple[float, float]
     """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
     _source: Rows | Files
@@ -112,7 +114,7 @@ class Fragility(_engine.Fragility):
         cls,
         source: Rows | Files,
         options: tuple[str, float, int | None, int],
-        labels: tuple[str, str, str | float, int, int, int, tuple[float, float]],
+        labels: tuple[str, str, str | float, int, int, int, int, tuple[float, float]],
         tick: Any = lambda done, total: None,
         cases: Cases | None = None,
     ) -> Self:
@@ -126,7 +128,7 @@ class Fragility(_engine.Fragility):
             first = list(range(int(motions.max(initial=-1)) + 1))
         fit = super().__new__(cls, store, first, *options, tick)
         fit._source, fit.ci = source, options[1]
-        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.exceeded = labels
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.without_response, fit.exceeded = labels
         fit._arguments = (source, options, labels)
         return fit
 
@@ -211,7 +213,7 @@ class Fragility(_engine.Fragility):
             ("median", f"{self.median:.4g}{unit}", f"[{', '.join(ends[0])}]"),
             ("β", f"{self.beta:.3g}", f"[{', '.join(ends[1])}]"),
             ("exceeded", self._exceeded(), ""),
-            ("left out", f"{self.failed} failed, {self.separated} separated, {self.undecided} undecided", ""),
+            ("left out", f"{self.failed} failed, {self.separated} separated, {self.undecided} undecided, {self.without_response} without response", ""),
             *([("deviance of the fit", f"{fit.deviance:.4g} (df = {fit.degrees_of_freedom}), p = {fit.p:.3g}", "")] if fit else []),
             ("AUC, Brier score", f"{self.auc:.3f}, {self.brier:.3f}", ""),
         ]
@@ -291,7 +293,7 @@ def fragility(
     Warns
     -----
     UserWarning
-        Runs are undecided, the probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
+        Runs are undecided or lack the response of the limit, the probability falls as the measure grows, or a bootstrap of fewer than ten records has no intervals.
 
     Examples
     --------
@@ -325,13 +327,15 @@ def fragility(
             column.setflags(write=False)
     assert cases.limit is not None
     im, unit, shares = cases.im, cases.unit, (cases.least / cases.all, cases.most / cases.all)
-    labels = (im, unit, cases.limit, cases.failed, cases.separated, cases.undecided, shares)
+    labels = (im, unit, cases.limit, cases.failed, cases.separated, cases.undecided, cases.missing, shares)
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         fit = Fragility(source, options, labels, tick, cases)
     doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
     if cases.partly:
         doubts.append(f"in {cases.partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
+    if fit.without_response:
+        doubts.append(f"{fit.without_response} rows without the response of the limit are left out of the curve")
     if doubts:
         span = " to ".join(f"{100 * share:.1f} %" for share in fit.exceeded)
         warnings.warn(f"{'; '.join(doubts)}: it is exceeded in {span} of all rows", stacklevel=2)
@@ -371,7 +375,7 @@ def export_fragility(
     Raises
     ------
     ValueError
-        A logistic or falling curve, a measure that the program does not have, or curves that do not fit together.
+        A logistic or falling curve, a measure without a unit or that the program does not have, or curves that do not fit together.
 
     Warns
     -----
@@ -394,15 +398,16 @@ def export_fragility(
         states = [curve] if isinstance(curve, Fragility) else curve
         if not isinstance(states, Sequence) or not states or not all(isinstance(state, Fragility) for state in states):
             raise TypeError(f"curves[{name!r}] = {curve!r}; expected a Fragility or several")
-        ims = sorted({state.im for state in states})
-        if len(ims) > 1:
-            raise ValueError(f"found curves over {' and '.join(ims)} for {name}; expected one measure")
-        base, factor = _engine.measure_scale(ims[0], alpha, p, g)
+        measures = sorted({(state.im, state.unit) for state in states})
+        if len(measures) > 1:
+            shown = " and ".join(f"{im} [{unit}]" if unit else im for im, unit in measures)
+            raise ValueError(f"found curves over {shown} for {name}; expected one measure in one unit")
+        im = measures[0][0]
         limits = [limit_word(state.limit) for state in states]
         rows = states[0].rows
-        description = f"{', '.join(limits)} over {ims[0]} in {rows} rows, by rocking-block {_engine.__version__}"
-        components.append((name, base, factor, list(zip(limits, states, strict=True)), description))
-    texts, remarks = _engine.export_fragility(program, components, g)
+        description = f"{', '.join(limits)} over {im} in {rows} rows, by rocking-block {_engine.__version__}"
+        components.append((name, measures[0], list(zip(limits, states, strict=True)), description))
+    texts, remarks = _engine.export_fragility(program, components, alpha, p, g)
     files = [Path(path)]
     if len(texts) == 2:
         files[0].mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._cases import numbers, outcomes_of
-from rocking_block._outcomes import OF_BLOCKS
 from rocking_block._studies import swept
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats, OnSeparation
@@ -49,12 +48,12 @@ class Ida(_engine.Ida):
     _arguments: tuple[Any, ...]
 
     def __new__(cls, table: Table, im: str) -> Self:
-        names = _names(table)
+        described = [(name, list(map(str, table[name].tolist()))) for name in table if _engine.describes_curve(name, im)]
         levels, peaks = numbers(table, im), numbers(table, "peak.theta/alpha")
         missing = np.flatnonzero(np.isnan(levels))
         if missing.size:
             raise ValueError(f"{im} is missing in row {missing[0]}; expected a level in each row")
-        found = super().__new__(cls, names, levels, peaks, outcomes_of(table).tolist())
+        found = super().__new__(cls, described, levels, peaks, outcomes_of(table).tolist())
         found.im, found.unit, found.table = im, table.units.get(im, ""), table
         found._arguments = (table, im)
         return found
@@ -139,7 +138,7 @@ def ida(
     Raises
     ------
     ValueError
-        The study has a mistake or no levels; or a row of the table has no level.
+        The study has a mistake or no levels; a row of the table has no level, or two of a curve have one.
 
     Examples
     --------
@@ -170,20 +169,6 @@ def ida(
         table = read_table(study) if isinstance(study, str | os.PathLike) else by_name(study)
     name = split_heading(im)[0]
     return Ida(table, name if name in table else _engine.measure_name(name))
-
-
-def _names(table: Table) -> list[str]:
-    """Returns the names of the curves of the rows: the columns before the factor on the record, that is, of block and ground motion."""
-    columns = list(table)
-    before = columns[: columns.index("scale")] if "scale" in table else []
-    # Tables of `outcomes` have the parameters of the block after it.
-    before += [name for name in OF_BLOCKS if name in table and name not in before]
-    if not before:
-        raise ValueError("the table names no records; expected a column record before a column scale, as of sweep")
-    varying = [name for name in before if len(np.unique(table[name].astype(str))) > 1] or before[:1]
-    rows = zip(*(table[name].tolist() for name in varying), strict=True)
-    return [", ".join(f"{name} = {value}" if name not in ("record", "vertical") else str(value) for name, value in zip(varying, row, strict=True))
-            for row in rows]
 
 
 def _fraction(fraction: float) -> float:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from rocking_block import _engine
 from rocking_block._fragility import Fragility
 from rocking_block._html import html_table
-from rocking_block._table import Table
+from rocking_block._table import Table, split_heading
 from rocking_block._words import Floats, number
 
 if TYPE_CHECKING:
@@ -61,6 +61,14 @@ class Hazard:
         for column in (levels, rates):
             column.setflags(write=False)
         self._levels, self._rates, self._im, self._unit, self._remarks = levels, rates, im, unit or "", tuple(remarks)
+
+    def _over(self, measure: tuple[str, str], alpha: float | None, p: float | None, g: float) -> Hazard:
+        """Returns the curve over the measure of a fragility curve, with its name and its unit."""
+        fields = _engine.hazard_over(self.levels, self.rates, self.im, self.unit, measure, alpha, p, g)
+        curve = Hazard.__new__(Hazard)
+        curve._set(fields[2] or "", *fields)
+        curve._remarks = self._remarks
+        return curve
 
     @property
     def levels(self) -> Floats:
@@ -229,6 +237,7 @@ _NOTABLE = 0.01
 def annual_rate(
     hazard: Hazard,
     fragility: Fragility | Sequence[Any],
+    im: str | None = None,
     *,
     alpha: float | None = None,
     p: float | None = None,
@@ -246,15 +255,17 @@ def annual_rate(
     fragility : Fragility or pair
         A fitted curve; a median and a dispersion β (0 for a step); or levels and their probabilities, linear in the
         logarithm of the measure between levels and constant beyond.
+    im : str, optional
+        Measure of a median or of levels with its unit, such as "PGA [g]". A fitted curve has that of its table.
     alpha, p : float, optional
         Slenderness [rad] and frequency parameter [rad/s] of the block, for curves over "p PGV/(g tan alpha)" and the like.
     g : float
-        Gravity, for the same [m/s²].
+        Gravity, for the same and for a curve over g [m/s²].
 
     Raises
     ------
     ValueError
-        Measures or units that differ, or a curve whose probability falls with the measure.
+        Measures that differ, a unit that is missing or of another dimension, or a curve whose probability falls with the measure.
 
     Warns
     -----
@@ -265,7 +276,7 @@ def annual_rate(
     --------
     >>> import rocking_block as rb
     >>> hazard = rb.Hazard([0.1, 0.2, 0.5, 1.0, 2.0], [5e-3, 1e-3, 9e-5, 1.2e-5, 9e-7], im="PGV", unit="m/s")
-    >>> rate = rb.annual_rate(hazard, (0.5, 0.4))
+    >>> rate = rb.annual_rate(hazard, (0.5, 0.4), "PGV [m/s]")
     >>> rate
     <AnnualRate annual rate 0.000154; return period 6487 years; in 50 years 0.768 %>
     >>> rate.deaggregation["share"].round(3)
@@ -273,14 +284,9 @@ def annual_rate(
     """
     fit, lognormal, table = None, None, None
     if isinstance(fragility, Fragility):
-        fit = fragility
-        base, factor = _engine.measure_scale(fit.im, alpha, p, g)
-        if hazard.im and hazard.im != base:
-            raise ValueError(f"found a hazard curve of {hazard.im}; expected one of {base}")
-        if factor == 1.0 and hazard.unit and fit.unit and hazard.unit != fit.unit:
-            raise ValueError(f"found a hazard curve in {hazard.unit}; expected {fit.unit}, the unit of the fragility curve")
-        if factor != 1.0:
-            hazard = Hazard(hazard.levels * factor, hazard.rates, fit.im, "1")
+        if im is not None:
+            raise ValueError(f"im has no effect on a curve fitted over {fragility.im}")
+        fit, over = fragility, (fragility.im, fragility.unit)
     else:
         try:
             first, second = fragility
@@ -291,6 +297,12 @@ def annual_rate(
             lognormal = (number("median", first), number("beta", second))
         else:
             table = (_floats("levels", first), _floats("probabilities", second))
+        if im is None:
+            of = "the median" if table is None else "the levels"
+            raise ValueError(f'im is missing; expected the measure and the unit of {of}, such as im="PGA [g]"')
+        name, unit = split_heading(im)
+        over = (name, unit or "")
+    hazard = hazard._over(over, alpha, p, g)
     found = AnnualRate(hazard, fit, lognormal, table)
     sources = {
         "below_hazard": f"below {hazard.levels[0]:.4g}, the least level of the hazard curve",

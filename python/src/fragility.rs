@@ -7,9 +7,11 @@ use rocking_studies::fragility::{
     openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
+use rocking_studies::run::outcome::End;
 use rocking_studies::statistics::range;
 
 use crate::options::{choice, finite, invalid, pool, whole};
+use crate::risk::{behind, column};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
@@ -52,6 +54,26 @@ impl CaseStore {
             self.0.push(places[row] as u64, &case, [known(measures[row]), Some(1.0)]);
         }
     }
+}
+
+/// Returns for each row whether its run exceeds a limit: 1 or 0, and nan if that is unknown. `codes` are the positions of the outcomes of
+/// the rows among words, and `responses` the greatest values of the quantity of the limit, nan where they are missing.
+#[pyfunction]
+pub fn verdicts<'py>(
+    py: Python<'py>,
+    limit: &str,
+    words: Vec<String>,
+    codes: PyReadonlyArray1<i64>,
+    responses: PyReadonlyArray1<f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let limit: Limit = limit.parse().map_err(invalid)?;
+    let ends = words.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
+    let (codes, responses) = (codes.as_array(), responses.as_array());
+    let verdict = |(code, response): (&i64, &f64)| {
+        let verdict = limit.verdict(ends[*code as usize], Some(*response).filter(|response| !response.is_nan()));
+        verdict.map_or(f64::NAN, |exceeds| f64::from(u8::from(exceeds)))
+    };
+    Ok(PyArray1::from_iter(py, codes.iter().zip(responses.iter()).map(verdict)))
 }
 
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.
@@ -192,20 +214,25 @@ fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
     (low.unwrap_or(least), high.unwrap_or(greatest))
 }
 
-/// A component of an export. It has an identifier, the measure of its curves, the factor on the measure of the record, limits with their
-/// curves, and a description.
-type Curves<'py> = (String, String, f64, Vec<(String, PyRef<'py, Fragility>)>, String);
+/// A component of an export. It has an identifier, name and unit of the measure of its curves, limits with their curves, and a description.
+type Curves<'py> = (String, (String, String), Vec<(String, PyRef<'py, Fragility>)>, String);
 
 /// Returns the text of each file for a program of loss assessment. Remarks on crossing curves follow.
 #[pyfunction]
-pub fn export_fragility(program: &str, components: Vec<Curves>, g: f64) -> PyResult<(Vec<String>, Vec<String>)> {
+pub fn export_fragility(
+    program: &str,
+    components: Vec<Curves>,
+    alpha: Option<f64>,
+    p: Option<f64>,
+    g: f64,
+) -> PyResult<(Vec<String>, Vec<String>)> {
     let program = choice("program", program, &[LossProgram::Pelicun, LossProgram::OpenQuake])?;
-    finite("g", g, |x| x > 0.0, "an acceleration above 0")?;
-    let component = |(id, measure, factor, curves, description): &Curves| -> PyResult<Component> {
-        let measure: Measure = measure.parse().map_err(invalid)?;
+    let component = |(id, over, curves, description): &Curves| -> PyResult<Component> {
+        let (behind, factor) = behind(&column(over), alpha, p, g)?;
+        let measure: Measure = behind.name.parse().map_err(invalid)?;
         let limits = curves.iter().map(|(limit, _)| limit.parse()).collect::<Result<Vec<Limit>, _>>();
         let fits = curves.iter().map(|(_, curve)| &curve.0.fit);
-        Component::new(id, measure, *factor, limits.map_err(invalid)?.into_iter().zip(fits), description)
+        Component::new(id, measure, factor, limits.map_err(invalid)?.into_iter().zip(fits), description)
             .map_err(invalid)
     };
     let components = components.iter().map(component).collect::<PyResult<Vec<_>>>()?;

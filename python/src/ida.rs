@@ -17,20 +17,21 @@ type Curve<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)
 
 #[pymethods]
 impl Ida {
-    /// Sorts rows into curves: names of block and ground motion, levels, peaks |θ|/α and outcomes.
+    /// Sorts rows into curves: the columns of blocks and ground motions, levels, peaks |θ|/α and outcomes.
     #[new]
     fn new(
-        names: Vec<String>,
+        described: Vec<(String, Vec<String>)>,
         levels: PyReadonlyArray1<f64>,
         peaks: PyReadonlyArray1<f64>,
         outcomes: Vec<String>,
     ) -> PyResult<Ida> {
         let ends = outcomes.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
         let numbers = levels.as_array().into_iter().copied().zip(peaks.as_array().into_iter().copied());
+        let names = engine::curve_names(&described, ends.len()).map_err(invalid)?;
         let rows = names.into_iter().zip(numbers).zip(ends);
-        Ok(Ida(engine::Ida::of(
-            rows.map(|((name, (level, peak)), end)| (name, level, Some(peak).filter(|peak| !peak.is_nan()), end)),
-        )))
+        let rows =
+            rows.map(|((name, (level, peak)), end)| (name, level, Some(peak).filter(|peak| !peak.is_nan()), end));
+        engine::Ida::of(rows).map(Ida).map_err(invalid)
     }
 
     /// Returns the levels of the fractiles.
@@ -65,6 +66,12 @@ impl Ida {
     fn reaching_level(&self, fraction: f64, peak: f64) -> Option<f64> {
         self.0.reaching(fraction, peak)
     }
+}
+
+/// Whether a column describes the block or the ground motion of a row; `im` is the measure of the levels.
+#[pyfunction]
+pub fn describes_curve(column: &str, im: &str) -> bool {
+    engine::describes_curve(column, im)
 }
 
 fn peak(response: Response) -> f64 {

@@ -64,7 +64,7 @@ def test_a_bootstrap_of_few_records_has_no_intervals():
         fit = rb.fragility(few, "PGV", intervals="bootstrap", samples=20)
     assert fit.median_ci == (0.0, np.inf) and fit.beta_ci == (0.0, np.inf) and fit.band(0.5) == (0.0, 1.0)
     assert fit.coefficients == rb.fragility(few, "PGV").coefficients
-    hazard = rb.Hazard([0.01, 10.0], [1.0, 1e-6], im="PGV")
+    hazard = rb.Hazard([0.01, 10.0], [1.0, 1e-6], im="PGV", unit="m/s")
     assert rb.annual_rate(hazard, fit).rate_ci == (0.0, np.inf)
 
 
@@ -166,6 +166,30 @@ def test_rows_that_do_not_tell_are_left_out_and_counted():
     assert fit.coefficients == rb.fragility(rb.Table({name: table[name][kept] for name in table}), "PGV").coefficients
 
 
+def test_a_missing_response_is_left_out_and_counted():
+    """Tables of blocks with and without friction, joined: the curve is that of the rows with a slip."""
+    rng = np.random.default_rng(1)
+    pgv = np.tile([0.2, 0.4, 0.6, 0.8, 1.0, 1.2], 4)
+    rows = {"PGV [m/s]": pgv, "outcome": ["completed"] * 24, "peak.slip [m]": 0.12 * pgv * np.exp(rng.normal(size=24) * 0.4)}
+    alone = rb.fragility(rows, "PGV", "slip:0.08")
+    joined = {name: np.concatenate([column, column if name != "peak.slip [m]" else np.full(24, np.nan)]) for name, column in rows.items()}
+    with pytest.warns(UserWarning, match="24 rows without the response of the limit are left out of the curve"):
+        fit = rb.fragility(joined, "PGV", "slip:0.08")
+    assert (fit.median, fit.rows, fit.without_response) == (alone.median, 24, 24)
+    assert fit.exceeded[1] - fit.exceeded[0] == 0.5
+
+
+def test_records_that_agree_have_intervals_of_some_width():
+    """Equal counts of each record at each level: the clustered variance is zero."""
+    for records in (2, 5, 12):
+        rows = [(f"r{r}", level, "overturned" if i < level - 1 else "completed") for r in range(records) for level in (1, 2, 3, 4) for i in range(3)]
+        record, pgv, outcome = zip(*rows)
+        with pytest.warns(UserWarning, match="the records agree too well for intervals clustered by"):
+            fit = rb.fragility(rb.Table({"record": record, "PGV": pgv, "outcome": outcome}, {"PGV": "m/s"}), "PGV")
+        low, high = fit.median_ci
+        assert high / low > 1.1
+
+
 def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     """Tests single runs and ensembles, with both kinds of intervals."""
     study = {
@@ -256,6 +280,19 @@ def test_exports_are_those_of_the_program(rocking, tmp_path):
         for file in (own / "fragility.csv", own / "fragility.json") if program == "pelicun" else (own,):
             other = others / file.name if program == "pelicun" else others
             assert other.read_text().replace("PGV [m/s] in 300 rows of table.csv", "PGV in 300 rows") == file.read_text()
+
+
+def test_an_export_keeps_the_unit_of_the_heading(tmp_path):
+    """A median in g and the same one in m/s² reach pelicun as one; without a unit it is refused."""
+    pga, outcome, medians = np.array([0.2, 0.3, 0.4, 0.5, 0.6, 0.8]), ["completed", "overturned"] * 3, []
+    for heading, x in (("PGA [g]", pga), ("PGA [m/s2]", 9.81 * pga)):
+        fit = rb.fragility({heading: x, "outcome": outcome}, "PGA")
+        fit.export("pelicun", tmp_path)
+        medians.append(float((tmp_path / "fragility.csv").read_text().splitlines()[1].split(",")[7]))
+        assert medians[-1] == pytest.approx(fit.median if heading == "PGA [g]" else fit.median / 9.81, rel=1e-12)
+    assert medians[1] == pytest.approx(medians[0], rel=1e-9)
+    with pytest.raises(ValueError, match="found PGA without a unit; expected its unit with its name"):
+        rb.fragility({"PGA": pga, "outcome": outcome}, "PGA").export("pelicun", tmp_path)
 
 
 def test_an_export_has_the_curve_of_the_block(tmp_path):

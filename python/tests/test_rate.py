@@ -43,7 +43,7 @@ def integral(probability):
 def test_the_rate_of_a_lognormal_curve_is_that_of_scipy(hazard, median, beta):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = rb.annual_rate(hazard, (median, beta))
+        found = rb.annual_rate(hazard, (median, beta), "PGV [m/s]")
     exact = integral(lambda m: ndtr(np.log(m / median) / beta))
     assert found.rate == pytest.approx(exact, rel=1e-10)
     table = found.deaggregation
@@ -65,7 +65,7 @@ def test_the_rate_of_a_fitted_curve_has_an_interval_about_it(hazard):
         assert low < found.rate < high
     # The ends are the rates of the ends of the band, here at other points.
     x = np.geomspace(0.01, 10.0, 250)
-    ends = [rb.annual_rate(hazard, (x, band)).rate for band in fit.band(x)]
+    ends = [rb.annual_rate(hazard, (x, band), "PGV [m/s]").rate for band in fit.band(x)]
     assert found.rate_ci == pytest.approx(ends, rel=0.01)
     boot = rb.annual_rate(hazard, rb.fragility(table, "PGV", intervals="bootstrap", samples=50))
     assert boot.rate_ci[0] < boot.rate < boot.rate_ci[1]
@@ -77,10 +77,10 @@ def test_the_rate_of_a_fitted_curve_has_an_interval_about_it(hazard):
 def test_a_rate_is_that_of_the_program(rocking, hazard, tmp_path):
     lines = [f"{level},{rate}" for level, rate in zip(100 * LEVELS, RATES)]
     (tmp_path / "hazard.csv").write_text("\n".join(["PGV [cm/s],rate [1/year]", *lines]))
-    report = rocking.json("rate", tmp_path / "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV")
+    report = rocking.json("rate", tmp_path / "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV [m/s]")
     read = rb.read_hazard(tmp_path / "hazard.csv")
     assert (read.im, read.unit) == ("PGV", "m/s") and np.allclose(read.levels, LEVELS, rtol=1e-15)
-    found = rb.annual_rate(read, (0.5, 0.4))
+    found = rb.annual_rate(read, (0.5, 0.4), "PGV [m/s]")
     assert (report["rate"], report["return_period"]) == (found.rate, found.return_period)
     assert [part["rate"] for part in report["deaggregation"]] == found.deaggregation["rate"].tolist()
     assert report["probabilities"][1] == {"years": 50.0, "probability": found.probability(50.0), "interval": [None, None]}
@@ -92,16 +92,53 @@ def test_measures_relative_to_a_block_need_the_block(hazard):
     fit = rb.fragility(table, "p PGV/(g tan alpha)")
     found = rb.annual_rate(hazard, fit, alpha=0.2, p=1.5)
     factor = 1.5 / (9.81 * np.tan(0.2))
-    assert found.rate == pytest.approx(rb.annual_rate(hazard, (fit.median / factor, fit.beta)).rate, rel=1e-12)
+    assert found.rate == pytest.approx(rb.annual_rate(hazard, (fit.median / factor, fit.beta), "PGV [m/s]").rate, rel=1e-12)
     with pytest.raises(ValueError, match="alpha is missing; expected that of the block"):
         rb.annual_rate(hazard, fit)
 
 
+def test_a_pair_has_its_measure_and_unit(hazard):
+    """A median relative to a block, in cm/s and in m/s has one rate; without a unit it is refused."""
+    factor = 9.81 * np.tan(0.2) / 1.5
+    exact = integral(lambda m: ndtr(np.log(m / (1.2 * factor)) / 0.4))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        relative = rb.annual_rate(hazard, (1.2, 0.4), "p PGV/(g tan alpha)", alpha=0.2, p=1.5)
+        table = rb.annual_rate(hazard, ([0.5, 1.0, 2.0], [0.0, 0.5, 1.0]), "p PGV/(g tan alpha)", alpha=0.2, p=1.5)
+        own = rb.annual_rate(hazard, (np.array([0.5, 1.0, 2.0]) * factor, [0.0, 0.5, 1.0]), "PGV [m/s]")
+        in_cm = rb.annual_rate(hazard, (120 * factor, 0.4), "PGV [cm/s]")
+    assert relative.rate == pytest.approx(exact, rel=1e-10) and in_cm.rate == pytest.approx(exact, rel=1e-10)
+    assert table.rate == pytest.approx(own.rate, rel=1e-12)
+    assert (in_cm.hazard.unit, relative.hazard.im, relative.hazard.unit) == ("cm/s", "p PGV/(g tan alpha)", "1")
+    for arguments, options, message in [
+        ((), {}, "im is missing; expected the measure and the unit of the median"),
+        (("PGV",), {}, r"found PGV without a unit; expected its unit with its name, such as PGV \[m/s\]"),
+        (("PGV [g]",), {}, "found PGV in g; expected m/s, or a unit of it"),
+        (("PGV [m/s]",), {"alpha": 0.2}, "alpha has no effect on PGV"),
+        (("PGA [g]",), {}, "found a hazard curve of PGV; expected one of PGA"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            rb.annual_rate(hazard, (1.2, 0.4), *arguments, **options)
+    with pytest.raises(ValueError, match="found levels without a unit; expected m/s, or a unit of it"):
+        rb.annual_rate(rb.Hazard(LEVELS, RATES, im="PGV"), (0.5, 0.4), "PGV [m/s]")
+
+
+@pytest.mark.filterwarnings("ignore:.*of the rate")
+def test_a_fitted_curve_keeps_the_unit_of_its_heading(hazard):
+    pgv = np.array([0.2, 0.3, 0.4, 0.5, 0.6, 0.8])
+    outcome = ["completed", "overturned"] * 3
+    rates = [rb.annual_rate(hazard, rb.fragility({heading: x, "outcome": outcome}, "PGV")).rate
+             for heading, x in (("PGV [m/s]", pgv), ("PGV [cm/s]", 100 * pgv))]
+    assert rates[1] == pytest.approx(rates[0], rel=1e-9)
+    with pytest.raises(ValueError, match="found PGV without a unit"):
+        rb.annual_rate(hazard, rb.fragility({"PGV": pgv, "outcome": outcome}, "PGV"))
+
+
 def test_a_step_gives_the_hazard_and_extrapolation_a_warning(hazard):
-    assert rb.annual_rate(hazard, (0.5, 0.0)).rate == pytest.approx(1.5e-4, rel=1e-14)
-    assert rb.annual_rate(hazard, ([0.1, 0.2], [0.0, 0.0])).rate == 0.0
+    assert rb.annual_rate(hazard, (0.5, 0.0), "PGV [m/s]").rate == pytest.approx(1.5e-4, rel=1e-14)
+    assert rb.annual_rate(hazard, ([0.1, 0.2], [0.0, 0.0]), "PGV [m/s]").rate == 0.0
     with pytest.warns(UserWarning, match="% of the rate comes from PGV above 2, the greatest level of the hazard curve"):
-        rb.annual_rate(hazard, (1.9, 0.3))
+        rb.annual_rate(hazard, (1.9, 0.3), "PGV [m/s]")
 
 
 @pytest.mark.parametrize(
@@ -109,9 +146,9 @@ def test_a_step_gives_the_hazard_and_extrapolation_a_warning(hazard):
     [
         (lambda: rb.Hazard([0.2, 0.1], [0.2, 0.1]), "found 0.1 as level 2; expected levels that increase"),
         (lambda: rb.Hazard([0.1, 0.2], [0.1, 0.2]), "found the rate 0.2 at the level 0.2; expected rates"),
-        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (0.0, 0.4)), "found the median 0; expected"),
-        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (1.0, -0.4)), "found the dispersion -0.4; expected"),
-        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), ([1, 2], [0, 2])), "found the probability 2 at the level 2"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1], unit="1"), (0.0, 0.4), "x [1]"), "found the median 0; expected"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1], unit="1"), (1.0, -0.4), "x [1]"), "found the dispersion -0.4; expected"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1], unit="1"), ([1, 2], [0, 2]), "x [1]"), "found the probability 2 at the level 2"),
     ],
 )
 def test_curves_that_are_none_are_refused(make, message):
@@ -120,10 +157,10 @@ def test_curves_that_are_none_are_refused(make, message):
 
 
 def test_a_rate_becomes_a_picture(hazard, tmp_path):
-    axes = rb.annual_rate(hazard, (0.5, 0.4)).plot()
+    axes = rb.annual_rate(hazard, (0.5, 0.4), "PGV [m/s]").plot()
     assert axes.get_xlabel() == "PGV [m/s]"
     axes.figure.savefig(tmp_path / "rate.png")
-    assert "return period" in rb.annual_rate(hazard, (0.5, 0.4))._repr_html_()
+    assert "return period" in rb.annual_rate(hazard, (0.5, 0.4), "PGV [m/s]")._repr_html_()
 
 
 def test_a_site_is_a_name_or_a_pair_of_coordinates(tmp_path):

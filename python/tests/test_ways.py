@@ -48,12 +48,29 @@ def test_given_levels_are_those_of_all_curves():
     assert np.array_equal(rb.ida(table, "PGV [m/s]").fractile(0.5), analysis.fractile(0.5))
 
 
+def test_files_have_the_curves_of_the_study(tmp_path):
+    """The number of a row names no curve; keys of folders do."""
+    study = HUNT | {"study": {"design": "grid", "levels": {"im": "PGV", "values": [0.2, 0.4, 0.8]}}}
+    analysis = rb.ida(study)
+    frame = analysis.table.to_frame()
+    frame.columns = [f"{name} [{analysis.table.units[name]}]" if name in analysis.table.units else name for name in frame.columns]
+    for run in (1, 2):
+        (tmp_path / "runs" / f"run={run}").mkdir(parents=True)
+        frame.to_csv(tmp_path / "runs" / f"run={run}" / "table.csv", index_label=None if "row" in frame else "row", index="row" not in frame)
+    one = tmp_path / "runs" / "run=1" / "table.csv"
+    for source in (one, rb.read_table(one)):
+        found = rb.ida(source, "PGV")
+        assert [curve.name for curve in found.curves] == [curve.name for curve in analysis.curves]
+        assert found.fractile(0.5).tolist() == analysis.fractile(0.5).tolist()
+    assert len(rb.ida(tmp_path / "runs", "PGV").curves) == 2 * len(analysis.curves)
+
+
 @pytest.mark.parametrize(
     "study, options, message",
     [
         (HUNT | {"study": {"design": "grid"}}, {}, "the study has no levels; expected levels or hunt"),
         (rb.Table({"PGV": [0.1], "outcome": ["completed"], "peak.theta/alpha": [0.1]}), {}, "im is missing"),
-        (rb.Table({"PGV": [0.1], "outcome": ["completed"], "peak.theta/alpha": [0.1]}), {"im": "PGV"}, "the table names no records"),
+        (rb.Table({"PGV": [0.1], "outcome": ["completed"], "peak.theta/alpha": [0.1]}), {"im": "PGV"}, "found no column that names the ground motion"),
         (rb.Table({"record": ["a"], "scale": [1.0]}), {"im": "PGV", "threads": 1}, "threads has no effect on a table"),
     ],
 )

@@ -19,7 +19,7 @@ table = rb.sweep({"study": {"design": "grid"}, "parameters": {"pulse.amplitude":
 table = rb.outcomes([block, rigid], record, scale=np.linspace(1, 2, 5))
 least: float | None = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.0)).least
 hazard: rb.Hazard = rb.Hazard([0.1, 1.0], [1e-2, 1e-4], im="PGV", unit="m/s")
-once_in: float = rb.annual_rate(hazard, (0.5, 0.4)).return_period
+once_in: float = rb.annual_rate(hazard, (0.5, 0.4), "PGV [m/s]").return_period
 axes = block.plot()
 support: rb.foundations.Support = rb.foundations.pad(diameter=0.5, shape_factor=12, shear_modulus=0.9e6)
 frictions: list[float] = [pair.low for pair in rb.foundations.pairs("friction")]

@@ -11,7 +11,7 @@ use rocking_studies::spec::words::Words;
 pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
     let report = &results.report;
     let (im, study) = (plan.measure.to_string(), &plan.file);
-    let limit = &report.states[report.compared_state].limit;
+    let limit = &report.states[report.compared_state].limit.to_string();
     let mut commands = vec![
         format!("rocking assess {} --out report", quoted(study)),
         format!("rocking sweep {} --csv runs.csv", quoted(study)),

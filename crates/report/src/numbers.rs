@@ -6,7 +6,7 @@ use std::borrow::Borrow;
 
 use rocking_charts::numerals::significant;
 use rocking_studies::assess::Counts;
-use rocking_studies::fragility::split_heading;
+use rocking_studies::fragility::{Limit, split_heading};
 use rocking_studies::spec::{BlockSpec, limits};
 
 /// Writes a number with three significant digits.
@@ -77,23 +77,45 @@ pub fn quantity(of: &str) -> String {
     if unit.is_empty() { symbol.into() } else { format!("{symbol} ({unit})") }
 }
 
-/// Writes a limit such as `theta/alpha>0.5` in symbols.
-pub fn limit(limit: &str) -> String {
-    match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
-        (Some(number), _) => format!("|θ|/α > {number}"),
-        (_, Some(number)) => format!("slip > {number} m"),
-        _ if limit == "balance" => "passing the balance".into(),
-        _ => "overturning".into(),
+/// Writes a limit in symbols.
+pub fn limit(limit: impl Borrow<Limit>) -> String {
+    match limit.borrow() {
+        Limit::Overturned => "overturning".into(),
+        Limit::Balance => "passing the balance".into(),
+        Limit::Rotation(limit) => format!("|θ|/α > {limit}"),
+        Limit::Slip(limit) => format!("slip > {limit} m"),
+        Limit::Plastic(limit) => format!("plastic elongation > {limit} m"),
+        Limit::HalfCycles(limit) => format!("more than {limit} half cycles"),
     }
 }
 
 /// Returns the predicate for runs beyond a limit, as in “12 runs overturn”.
-pub fn exceed(limit: &str) -> String {
-    match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
-        (Some(number), _) => format!("exceed |θ|/α = {number}"),
-        (_, Some(number)) => format!("overturn or slip more than {number} m"),
-        _ if limit == "balance" => "pass their balance".into(),
-        _ => "overturn".into(),
+pub fn exceed(limit: Limit) -> String {
+    match limit {
+        Limit::Overturned => "overturn".into(),
+        Limit::Balance => "pass their balance".into(),
+        Limit::Rotation(limit) => format!("exceed |θ|/α = {limit}"),
+        Limit::Slip(limit) => format!("overturn or slip more than {limit} m"),
+        Limit::Plastic(limit) => format!("overturn or stretch a tie or damper plastically by more than {limit} m"),
+        Limit::HalfCycles(limit) => format!("overturn or give a tie or damper more than {limit} half cycles"),
+    }
+}
+
+/// Writes where runs without a curve lie: the measure up to which none exceeds the limit, and the one from which on all do. `heading` has
+/// the name and the suffix of the measure.
+pub fn separate([none, all]: [Option<f64>; 2], motions: usize, (measure, unit): (&str, &str)) -> Option<String> {
+    let motions = if motions == 1 { "1 motion".into() } else { format!("{motions} motions") };
+    match (none, all) {
+        (Some(none), Some(all)) => Some(format!(
+            "no exceedance among {motions} up to a {measure} of {}{unit}, only exceedances from {}{unit} on",
+            short(none),
+            short(all)
+        )),
+        (Some(none), None) => Some(format!("no exceedance among {motions} up to a {measure} of {}{unit}", short(none))),
+        (None, Some(all)) => {
+            Some(format!("only exceedances among {motions} from a {measure} of {}{unit} on", short(all)))
+        }
+        (None, None) => None,
     }
 }
 
@@ -124,4 +146,37 @@ pub fn median(median: f64, [least, greatest]: [f64; 2]) -> String {
 pub fn slip(slip: impl Borrow<f64>) -> String {
     let slip = *slip.borrow();
     if slip < 1e-6 { "0".into() } else { short(slip) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each limit has its own words, and only overturning is called so.
+    #[test]
+    fn limits_have_their_own_names() {
+        let limits = ["overturned", "balance", "0.5", "slip:0.1", "plastic:0.02", "half_cycles:20"];
+        let found = limits.map(|word| (limit(word.parse::<Limit>().unwrap()), exceed(word.parse().unwrap())));
+        let exact = [
+            ("overturning", "overturn"),
+            ("passing the balance", "pass their balance"),
+            ("|θ|/α > 0.5", "exceed |θ|/α = 0.5"),
+            ("slip > 0.1 m", "overturn or slip more than 0.1 m"),
+            ("plastic elongation > 0.02 m", "overturn or stretch a tie or damper plastically by more than 0.02 m"),
+            ("more than 20 half cycles", "overturn or give a tie or damper more than 20 half cycles"),
+        ];
+        assert_eq!(found, exact.map(|(limit, exceed)| (limit.to_string(), exceed.to_string())));
+    }
+
+    /// Two motions without an exceedance bound no rate.
+    #[test]
+    fn runs_without_a_curve_are_stated_as_they_are() {
+        let of = |at| separate(at, 2, ("PGV", " m/s"));
+        assert_eq!(of([Some(1.3), None]).as_deref(), Some("no exceedance among 2 motions up to a PGV of 1.3 m/s"));
+        assert_eq!(
+            of([Some(0.4), Some(0.6)]).as_deref(),
+            Some("no exceedance among 2 motions up to a PGV of 0.4 m/s, only exceedances from 0.6 m/s on")
+        );
+        assert_eq!(of([None, None]), None);
+    }
 }

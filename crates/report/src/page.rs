@@ -21,7 +21,7 @@ pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<Stri
         pictures,
         measure,
         unit: unit.trim().to_string(),
-        compared: limit(&report.states[report.compared_state].limit),
+        compared: limit(report.states[report.compared_state].limit),
         summary: summary(report, range(results)),
         range: range(results),
         commands: commands(plan, results),
@@ -93,12 +93,15 @@ impl Page<'_> {
     }
 
     fn variant_rate(&self, variant: &Comparison) -> String {
-        let bounds = || numbers::rate_range(variant.rate_bounds);
-        variant.rate.map(rate).or_else(bounds).unwrap_or_else(|| "—".into())
+        let rate_of = || if variant.runs.left_out == 0 { variant.rate.map(rate) } else { None };
+        rate_of().unwrap_or_else(|| "—".into())
     }
 
-    fn rate_bounds(&self, bounds: &[Option<f64>; 2]) -> String {
-        numbers::rate_range(*bounds).unwrap_or_else(|| "—".into())
+    /// Writes where the runs of a state without an annual rate lie.
+    fn without_rate(&self, separate_at: &[Option<f64>; 2]) -> String {
+        let (measure, unit) = heading(&self.report.im);
+        let runs = numbers::separate(*separate_at, self.report.motions.len(), (&measure, &unit));
+        runs.unwrap_or_else(|| "—".into())
     }
 
     fn floor(&self, floor: &Option<usize>) -> String {
@@ -142,17 +145,24 @@ impl Page<'_> {
         let slip = variant
             .peak_slip
             .map(|slip| format!("μ = {}, slips up to {} m", short(variant.friction), numbers::slip(slip)));
-        let tension = variant
-            .peak_tension
-            .map(|tension| format!("breaking load of a tie: at least {} times the weight", short(tension)));
+        let tension = variant.peak_tension.map(|tension| match variant.runs_with_broken_ties {
+            None => format!("tension of a tie up to {} times the weight, with which it must not break", short(tension)),
+            Some(broken) => format!(
+                "a tie breaks in {broken} of {} runs; its tension reaches {} times the weight",
+                variant.runs.all(),
+                short(tension)
+            ),
+        });
+        let damper =
+            variant.peak_damper_force.map(|force| format!("force of a damper up to {} times the weight", short(force)));
         let no_curve = variant.no_curve.as_ref().map(|why| numbers::no_curve(&variant.runs, why));
         let left_out = match variant.runs.left_out {
             0 => None,
             1 => Some("1 run without a known outcome".into()),
             runs => Some(format!("{runs} runs without a known outcome")),
         };
-        let limit = (variant.limit != self.report.variants[0].limit).then(|| limit(&variant.limit));
-        [limit, slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
+        let limit = (variant.limit != self.report.variants[0].limit).then(|| limit(variant.limit));
+        [limit, slip, tension, damper, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
     /// Returns the size of the object in the spectrum, 2π/p (s).

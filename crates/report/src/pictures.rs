@@ -45,7 +45,7 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
     let named = report.states.iter().zip(&results.states);
     let fitted: Vec<_> = named
         .filter_map(|(state, curve)| {
-            let name = format!("{}: {}", state.name, limit(&state.limit));
+            let name = format!("{}: {}", state.name, limit(state.limit));
             Some((name, curve.assessment.as_ref().ok()?))
         })
         .collect();
@@ -72,7 +72,7 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
             results: sensitivity.ends.each_ref().map(|end| end.curve.and_then(inside)),
         };
         let bars: Vec<Bar> = report.sensitivity.iter().map(bar).collect();
-        let title = format!("Median for {} at both ends of each range", limit(&state.to_string()));
+        let title = format!("Median for {} at both ends of each range", limit(state));
         add("sensitivity", tornado(&title, &format!("median {heading}"), middle, &bars)?);
     }
     Ok(pictures)

@@ -2,6 +2,7 @@
 
 use crate::numbers::{self, exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
 use rocking_studies::assess::{BuildingResult, Comparison, ObjectResult, Report, StateResult};
+use rocking_studies::fragility::Limit;
 
 /// Writes the result in a few sentences.
 pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
@@ -9,7 +10,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     let (measure, unit) = heading(&report.im);
     let mut sentences = vec![object(&report.object, report.building.as_ref())];
     sentences.extend(report.building.as_ref().map(building));
-    let count = |state: &StateResult| format!("{} {}", numbers::exceeded(&state.runs), exceed(&state.limit));
+    let count = |state: &StateResult| format!("{} {}", numbers::exceeded(&state.runs), exceed(state.limit));
     let counts: Vec<String> = report.states.iter().map(count).collect();
     sentences.push(format!(
         "In {} runs ({} blocks × {} ground motions × {} strengths) {}.",
@@ -22,7 +23,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     match state.curve {
         Some(curve) if !(range[0]..=range[1]).contains(&curve.median) => sentences.push(format!(
             "The {measure} at which the probability of {} is one half lies outside the range of the runs, from {} to {}{unit}.",
-            limit(&state.limit),
+            limit(state.limit),
             short(range[0]),
             short(range[1])
         )),
@@ -38,7 +39,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
             sentences.push(format!(
                 "At a {measure} of {}{unit}, the probability of {} is one half{ends}.",
                 short(curve.median),
-                limit(&state.limit)
+                limit(state.limit)
             ));
         }
         None => {
@@ -50,7 +51,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         sentences.push(format!(
             "With the hazard curve {}, the annual rate of {} is {} ({} interval: {}): once in {} years. The probability in {} years is {}.",
             hazard.file,
-            limit(&state.limit),
+            limit(state.limit),
             rate(found.rate),
             percent(report.confidence),
             numbers::rate_range(found.rate_interval).unwrap_or_else(|| "unbounded".into()),
@@ -58,13 +59,12 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
             report.years,
             percent(found.probability)
         ));
-    } else if let (Some(bounds), Some(hazard)) = (numbers::rate_range(state.rate_bounds), &report.hazard) {
-        sentences.push(format!(
-            "With the hazard curve {}, the annual rate of {} is {bounds}, by the levels at which no run or all runs exceed it.",
-            hazard.file,
-            limit(&state.limit)
-        ));
+    } else if let (Some(_), Some(runs)) =
+        (&report.hazard, numbers::separate(state.separate_at, report.motions.len(), (&measure, &unit)))
+    {
+        sentences.push(format!("There is no annual rate of {}: {runs}.", limit(state.limit)));
     }
+    sentences.extend(ties(report));
     sentences.extend(best_variants(report));
     sentences.extend(strongest_assumption(report));
     sentences
@@ -120,20 +120,54 @@ fn building(building: &BuildingResult) -> String {
     )
 }
 
-/// Names the variants with the fewest runs beyond the limit, and their slip. These runs are fewer than those of the object.
+/// States the runs of the object in which a tie broke.
+fn ties(report: &Report) -> Option<String> {
+    let plain = report.variants.first()?;
+    let broken = plain.runs_with_broken_ties?;
+    let ties =
+        if report.object.ties == 1 { "its tie".into() } else { format!("one of its {} ties", report.object.ties) };
+    Some(format!("In {broken} of {} runs {ties} breaks.", plain.runs.all()))
+}
+
+/// Names the variant with the least annual rate, if all that have one are known without a doubt.
+fn best_rate(report: &Report) -> Option<String> {
+    let (plain, variants) = report.variants.split_first()?;
+    let rate_of = |variant: &Comparison| variant.rate.filter(|_| variant.runs.left_out == 0);
+    let before = rate_of(plain)?;
+    let rates = variants.iter().filter_map(|variant| Some((variant, rate_of(variant)?)));
+    let (best, least) = rates.min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    if least >= before {
+        return Some("No variant with an annual rate reduces it.".into());
+    }
+    let text = format!(
+        "Of the variants with an annual rate, “{}” helps most: {} instead of {}, for {}.",
+        best.name,
+        rate(least),
+        rate(before),
+        limit(best.limit)
+    );
+    Some(text + &slips(report, best).unwrap_or_default())
+}
+
+/// Names the best variants by their rates, or else by their runs.
 fn best_variants(report: &Report) -> Option<String> {
+    best_rate(report).or_else(|| fewest_runs(report))
+}
+
+/// Names the variants with the fewest runs beyond the limit, and their slip. These runs are fewer than those of the object.
+fn fewest_runs(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
     // A run with an unknown outcome may exceed the limit.
     let worst = |variant: &Comparison| variant.runs.at_most();
     let least = variants.iter().map(worst).min()?;
-    let exceed = exceed(&report.states[report.compared_state].limit);
+    let exceed = exceed(report.states[report.compared_state].limit);
     if least >= plain.runs.exceeded {
         return Some(format!("No variant reduces the number of runs that {exceed}."));
     }
     let best: Vec<&Comparison> = variants.iter().filter(|variant| worst(variant) == least).collect();
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
     // Blocks with ties have a limit of their own.
-    let mut verbs: Vec<String> = best.iter().map(|variant| numbers::exceed(&variant.limit)).collect();
+    let mut verbs: Vec<String> = best.iter().map(|variant| numbers::exceed(variant.limit)).collect();
     verbs.dedup();
     let before = numbers::exceeded(&plain.runs);
     let before = match verbs.iter().all(|verb| *verb == exceed) {
@@ -148,28 +182,24 @@ fn best_variants(report: &Report) -> Option<String> {
         best[0].runs.all(),
         verbs.join(" or ")
     );
-    for (variant, name) in best.iter().zip(&names) {
-        let Some(slip) = variant.peak_slip.filter(|slip| *slip > 0.0) else { continue };
-        let is_beyond = |state: &&StateResult| {
-            state
-                .limit
-                .strip_prefix("slip>")
-                .and_then(|limit| limit.parse::<f64>().ok())
-                .is_some_and(|limit| slip > limit)
-        };
-        let beyond: Vec<String> =
-            report.states.iter().filter(is_beyond).map(|state| format!("“{}”", state.name)).collect();
-        let reaches = if beyond.is_empty() { String::new() } else { format!(", which reaches {}", join(&beyond)) };
-        text += &format!(" But {name} slips by up to {} m{reaches}.", numbers::slip(slip));
-    }
+    text.extend(best.iter().filter_map(|variant| slips(report, variant)));
     Some(text)
+}
+
+/// States the greatest slip of a variant, and the states that it reaches.
+fn slips(report: &Report, variant: &Comparison) -> Option<String> {
+    let slip = variant.peak_slip.filter(|slip| *slip > 0.0)?;
+    let is_beyond = |state: &&StateResult| matches!(state.limit, Limit::Slip(limit) if slip > limit);
+    let beyond: Vec<String> = report.states.iter().filter(is_beyond).map(|state| format!("“{}”", state.name)).collect();
+    let reaches = if beyond.is_empty() { String::new() } else { format!(", which reaches {}", join(&beyond)) };
+    Some(format!(" But “{}” slips by up to {} m{reaches}.", variant.name, numbers::slip(slip)))
 }
 
 /// The assumption whose range changes the count of runs most.
 fn strongest_assumption(report: &Report) -> Option<String> {
     let change = |ends: &[Comparison; 2]| ends[0].runs.exceeded.abs_diff(ends[1].runs.exceeded);
     let strongest = report.sensitivity.iter().max_by_key(|sensitivity| change(&sensitivity.ends))?;
-    let exceed = exceed(&report.states[report.compared_state].limit);
+    let exceed = exceed(report.states[report.compared_state].limit);
     let [low, high] = &strongest.ends;
     if change(&strongest.ends) == 0 {
         return Some(format!("No assumption changes the number of runs that {exceed}."));

@@ -39,7 +39,7 @@ fn states(results: &Results) -> io::Result<String> {
     };
     let columns = [
         TableColumn::text("state", |state: &Row| state.name.clone()),
-        TableColumn::text("limit", |state: &Row| state.limit.clone()),
+        TableColumn::text("limit", |state: &Row| state.limit.to_string()),
         TableColumn::text("source", |state: &Row| state.source.clone().unwrap_or_default()),
         TableColumn::count("runs", |state: &Row| state.runs.known),
         TableColumn::count("exceeded", |state: &Row| state.runs.exceeded),
@@ -69,7 +69,7 @@ fn comparisons(results: &Results) -> io::Result<String> {
         TableColumn::optional("value", "", |(_, value, _): &Row| *value).with_unit(None),
         TableColumn::real("alpha", "rad", |(.., found): &Row| found.alpha),
         TableColumn::optional("static_threshold", "m/s2", |(.., found): &Row| found.static_threshold),
-        TableColumn::text("limit", |(.., found): &Row| found.limit.clone()),
+        TableColumn::text("limit", |(.., found): &Row| found.limit.to_string()),
         TableColumn::count("runs", |(.., found): &Row| found.runs.known),
         TableColumn::count("exceeded", |(.., found): &Row| found.runs.exceeded),
         TableColumn::count("unknown", |(.., found): &Row| found.runs.left_out),

@@ -75,7 +75,7 @@ fn items(ida: &Ida, measure: Measure) -> Summary {
         let found = curve.overturning();
         let greatest = curve.levels.last().copied().unwrap_or_default();
         Object::default()
-            .with("curve", curve.name.split_whitespace().collect::<Vec<_>>().join(" "))
+            .with("curve", &curve.name)
             .with("stands", found.map_or(greatest, |[below, _]| below))
             .with("overturns", found.map(|[_, least]| least))
     };

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::options::checks::{check, checked};
 use crate::options::explicit::ExplicitOptions;
 use rocking_block::block::Common;
-use rocking_studies::intensity::Measure;
+use rocking_studies::intensity::{Measure, MeasureColumn};
 
 /// The scales of a block, for measures relative to them.
 #[derive(Args)]
@@ -24,15 +24,24 @@ pub struct BlockScales {
 }
 
 impl BlockScales {
-    /// Returns the measure of records behind a measure, and the factor between them.
-    pub fn base(&self, measure: Measure, explicit: &ExplicitOptions) -> anyhow::Result<(Measure, f64)> {
+    /// Returns the measure in SI units behind the numbers of a column, that of records if it is relative to the block, and their factor
+    /// on it.
+    pub fn behind(&self, column: &MeasureColumn, explicit: &ExplicitOptions) -> anyhow::Result<(MeasureColumn, f64)> {
         check("g", self.g, |x| x > 0.0, "an acceleration above 0")?;
-        let [with_alpha, with_p] = match measure {
-            Measure::PgaToUplift => [true, false],
-            Measure::PgvToOverturning => [true, true],
-            Measure::PeriodToBlock => [false, true],
-            _ => [false, false],
+        let relative = column.measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
+        let of_record = match relative {
+            Some(measure) => Some(self.of_record(measure, explicit)?),
+            None => {
+                explicit.refuse_unless(false, &["alpha", "p"], &format!("on {}", column.name))?;
+                None
+            }
         };
+        Ok(column.behind(of_record, self.g)?)
+    }
+
+    /// Returns the measure of records behind one relative to the block, and the factor of the latter on it.
+    fn of_record(&self, measure: Measure, explicit: &ExplicitOptions) -> anyhow::Result<(Measure, f64)> {
+        let [with_alpha, with_p] = [measure != Measure::PeriodToBlock, measure != Measure::PgaToUplift];
         explicit.refuse_unless(with_alpha, &["alpha"], &format!("on {measure}"))?;
         explicit.refuse_unless(with_p, &["p"], &format!("on {measure}"))?;
         let need = |is_needed: bool, value: Option<f64>, option: &str| match is_needed {

@@ -72,15 +72,27 @@ pub(super) fn usual(sweep: &Sweep, block: &Block) -> Usual {
         ("base that slides", Change::FrictionOverThreshold(SLIDING)),
         ("tied to a wall on both sides", Change::Tied(TIED)),
     ];
-    let variants = variants.into_iter().filter(|(name, change)| fits(name, &[*change]));
-    let variants = variants.map(|(name, change)| Alternative { name: name.into(), changes: vec![change] }).collect();
+    let slides = SLIDING * (block.b - block.eccentricity.abs()) / block.h;
+    let is_none = |change: &Change| matches!(change, Change::FrictionOverThreshold(_)) && is_below(block, slides);
+    let variants = variants.into_iter().filter(|(name, change)| !is_none(change) && fits(name, &[*change]));
+    let variants: Vec<Alternative> =
+        variants.map(|(name, change)| Alternative { name: name.into(), changes: vec![change] }).collect();
     let mut assumptions = study_ranges(sweep);
     for assumption in foundation_ranges(sweep, block) {
         if assumption.changes.iter().all(|change| fits(&assumption.name, &[*change])) {
             assumptions.push(assumption);
         }
     }
+    if is_below(block, slides) {
+        let friction = block.body.friction;
+        left_out.push(format!("base that slides: it slides as it is, with a coefficient of friction of {friction}"));
+    }
     Usual { variants, assumptions, left_out }
+}
+
+/// Whether the friction of a block is limited, and at most this.
+fn is_below(block: &Block, friction: f64) -> bool {
+    block.body.friction > 0.0 && block.body.friction <= friction
 }
 
 /// Returns the ranges of the study's parameters.

@@ -9,6 +9,7 @@ use crate::sweep::Sweep;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::Block;
+use rocking_block::block::restraints::LinkKind;
 
 /// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner. `None` for a block with ties.
 pub(super) fn static_threshold(block: &Block) -> Option<f64> {
@@ -46,7 +47,7 @@ pub(super) fn object(plan: &Plan) -> ObjectResult {
         e,
         friction: friction::to_user(block.friction),
         eccentricity: block.eccentricity,
-        ties: block.ties().len(),
+        ties: block.ties().iter().filter(|tie| tie.kind == LinkKind::Tie).count(),
         static_threshold: static_threshold(block),
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::assess::alternatives::Assumption;
 use crate::assess::plan::Input;
-use crate::fragility::{Interval, RowCounts};
+use crate::fragility::{Interval, Limit, RowCounts};
 use rocking_block::block::Ratios;
 
 /// The report on an object.
@@ -240,8 +240,8 @@ pub struct CurveResult {
 pub struct StateResult {
     /// Its name.
     pub name: String,
-    /// The limit, as in options.
-    pub limit: String,
+    /// The limit.
+    pub limit: Limit,
     /// The publication or decision behind it.
     pub source: Option<String>,
     /// The runs, relative to the limit.
@@ -252,8 +252,8 @@ pub struct StateResult {
     pub no_curve: Option<String>,
     /// The annual rate, with a hazard curve.
     pub rate: Option<RateResult>,
-    /// Bounds of the annual rate (1/year) from the runs alone: see [`Comparison::rate_bounds`].
-    pub rate_bounds: [Option<f64>; 2],
+    /// The greatest measure up to which no run exceeds the limit, and the least one from which on all do, in the unit of the measure.
+    pub separate_at: [Option<f64>; 2],
 }
 
 /// An annual rate.
@@ -295,8 +295,8 @@ pub struct Comparison {
     pub static_threshold: Option<f64>,
     /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
-    /// The limit, as in options. It is that of the compared state, or the balance of blocks with ties.
-    pub limit: String,
+    /// The limit. It is that of the compared state, or the balance of blocks with ties.
+    pub limit: Limit,
     /// The runs, relative to the limit.
     pub runs: Counts,
     /// The curve.
@@ -305,13 +305,16 @@ pub struct Comparison {
     pub no_curve: Option<String>,
     /// Annual rate (1/year).
     pub rate: Option<f64>,
-    /// Bounds of the annual rate (1/year) from the runs alone. They are the rate of the least measure from which on all runs exceed the
-    /// limit, and that of the greatest one up to which none does.
-    pub rate_bounds: [Option<f64>; 2],
+    /// See [`StateResult::separate_at`].
+    pub separate_at: [Option<f64>; 2],
     /// Greatest slip (m), with limited friction.
     pub peak_slip: Option<f64>,
     /// Greatest tension of a tie over the weight, with ties.
     pub peak_tension: Option<f64>,
+    /// Greatest force of a damper over the weight, with dampers.
+    pub peak_damper_force: Option<f64>,
+    /// Runs in which a tie broke, with ties that can.
+    pub runs_with_broken_ties: Option<usize>,
 }
 
 /// The blocks of the study with a coefficient of friction.

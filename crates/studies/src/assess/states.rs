@@ -18,8 +18,8 @@ pub struct StateCurve {
     pub assessment: Result<Assessment, String>,
     /// The annual rate, with a hazard curve.
     pub rate: Option<AnnualRate>,
-    /// Bounds of the rate from the runs alone.
-    pub(super) rate_bounds: [Option<f64>; 2],
+    /// See [`StateResult::separate_at`].
+    pub(super) separate_at: [Option<f64>; 2],
     /// Least and greatest measure of the runs.
     range: [f64; 2],
 }
@@ -44,8 +44,8 @@ impl StateCurve {
         let assessment = fitted.map_err(|error| error.to_string());
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
-        let rate_bounds = hazard.map_or([None; 2], |hazard| rate_bounds(hazard, &cases, &numbers));
-        Ok(StateCurve { counts: counts.into(), assessment, rate, rate_bounds, range })
+        let separate_at = separate_at(&cases, &numbers);
+        Ok(StateCurve { counts: counts.into(), assessment, rate, separate_at, range })
     }
 
     /// The numbers of the curve.
@@ -79,20 +79,22 @@ impl StateCurve {
     pub(super) fn result(&self, state: &State, hazard: Option<&HazardCurve>, years: f64) -> StateResult {
         StateResult {
             name: state.name.clone(),
-            limit: state.limit.to_string(),
+            limit: state.limit,
             source: state.source.clone(),
             runs: self.counts,
             curve: self.curve(),
             no_curve: self.assessment.as_ref().err().cloned(),
             rate: hazard.and_then(|hazard| self.rate(hazard, years)),
-            rate_bounds: self.rate_bounds,
+            separate_at: self.separate_at,
         }
     }
 }
 
-/// Bounds of the rate without a curve. They are the rates of the least measure from which on all runs exceed a limit, and of the greatest
-/// one up to which none does. `measures` are those of all rows; those without a case may exceed it or not.
-fn rate_bounds(hazard: &HazardCurve, cases: &[Case], measures: &[Option<f64>]) -> [Option<f64>; 2] {
+/// The greatest measure up to which no run exceeds a limit, and the least one from which on all do. `measures` are those of all rows; those
+/// without a case may exceed it or not.
+///
+/// They bound no rate: few motions that do not exceed a limit say little about all others of their strength.
+fn separate_at(cases: &[Case], measures: &[Option<f64>]) -> [Option<f64>; 2] {
     let mut fractions: Vec<Option<f64>> = vec![None; measures.len()];
     for case in cases {
         fractions[case.row] = Some(case.fraction);
@@ -103,33 +105,28 @@ fn rate_bounds(hazard: &HazardCurve, cases: &[Case], measures: &[Option<f64>]) -
     let touched = rows().filter(|(_, fraction)| *fraction != Some(0.0)).map(|(x, _)| x).fold(f64::INFINITY, f64::min);
     let all = rows().map(|(x, _)| x).filter(|x| *x > open).reduce(f64::min);
     let none = rows().map(|(x, _)| x).filter(|x| *x < touched).reduce(f64::max);
-    [all, none].map(|level| level.map(|level| hazard.rate(level)))
+    [none, all]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A step at an unknown measure between two levels has a rate between theirs. Unknown outcomes widen the bounds.
+    /// Unknown outcomes widen the gap.
     #[test]
-    fn the_runs_bound_the_rate_where_they_have_no_curve() {
-        let hazard = HazardCurve::new(&[0.1, 1.0, 2.0], &[1e-2, 1e-4, 1e-5]).unwrap();
-        let rate = |level: f64| Some(hazard.rate(level));
+    fn runs_without_a_curve_lie_on_either_side_of_a_gap() {
         let of = |fractions: &[Option<f64>]| {
-            let measures: Vec<Option<f64>> = (1..=fractions.len()).map(|i| Some(0.2 * i as f64)).collect();
+            let measures: Vec<Option<f64>> = (1..=fractions.len()).map(|i| Some(i as f64)).collect();
             let case = |(row, fraction): (usize, &Option<f64>)| {
                 Some(Case { row, fraction: (*fraction)?, unknown: 0.0, peak: None, motion: None })
             };
             let cases: Vec<Case> = fractions.iter().enumerate().filter_map(case).collect();
-            rate_bounds(&hazard, &cases, &measures)
+            separate_at(&cases, &measures)
         };
         let (no, yes, open) = (Some(0.0), Some(1.0), None);
-        assert_eq!(of(&[no, no, no]), [None, rate(0.2 * 3.0)]);
-        assert_eq!(of(&[yes, yes]), [rate(0.2), None]);
-        assert_eq!(of(&[no, no, yes, yes]), [rate(0.2 * 3.0), rate(0.4)]);
-        assert_eq!(of(&[no, open, open, yes]), [rate(0.8), rate(0.2)]);
-        let step = |at: f64| AnnualRate::new(&hazard, &FragilityCurve::lognormal(at, 0.0).unwrap()).rate;
-        let [least, most] = of(&[no, no, yes, yes]).map(Option::unwrap);
-        assert!(least <= step(0.5) && step(0.5) <= most);
+        assert_eq!(of(&[no, no, no]), [Some(3.0), None]);
+        assert_eq!(of(&[yes, yes]), [None, Some(1.0)]);
+        assert_eq!(of(&[no, no, yes, yes]), [Some(2.0), Some(3.0)]);
+        assert_eq!(of(&[no, open, open, yes]), [Some(1.0), Some(4.0)]);
     }
 }

@@ -164,21 +164,29 @@ fn comparison(
         Ok(found)
     };
     let slip = greatest(holds.friction.then(|| "peak.slip".to_string()).into_iter().collect())?;
-    let tension = |(kind, i): (LinkKind, usize)| format!("peak.{}_{}.{}", kind.word(), i + 1, kind.force());
-    let tension = greatest(holds.links().map(tension).collect())?;
+    let force = |of: LinkKind| {
+        let links = holds.links().filter(|(kind, _)| *kind == of);
+        let force =
+            greatest(links.map(|(kind, i)| format!("peak.{}_{}.{}", kind.word(), i + 1, kind.force())).collect());
+        force.map(|force| force.map(|force| force / (block.mass * block.gravity)))
+    };
+    let can_break = block.ties().iter().any(|tie| tie.strength > 0.0);
+    let broken = can_break.then(|| table.numbers("ties.broken")).transpose()?;
     Ok(Comparison {
         name: name.into(),
         alpha: block.alpha,
         static_threshold: static_threshold(&block),
         friction: friction::to_user(block.friction),
-        limit: limit.to_string(),
+        limit,
         runs: found.counts,
         curve: found.curve(),
         no_curve: found.assessment.as_ref().err().cloned(),
         rate: found.rate.as_ref().map(|rate| rate.rate),
-        rate_bounds: found.rate_bounds,
+        separate_at: found.separate_at,
         peak_slip: slip,
-        peak_tension: tension.map(|tension| tension / (block.mass * block.gravity)),
+        peak_tension: force(LinkKind::Tie)?,
+        peak_damper_force: force(LinkKind::Damper)?,
+        runs_with_broken_ties: broken.map(|broken| broken.into_iter().flatten().filter(|count| *count > 0.0).count()),
     })
 }
 

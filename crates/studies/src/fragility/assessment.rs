@@ -212,6 +212,14 @@ impl Assessment {
                 found.groups
             )
         });
+        let deviate = self.independence.deviate(self.confidence);
+        let profile = LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone());
+        let alike = (self.bootstrap.is_none() && profile.is_too_alike()).then(|| {
+            format!(
+                "{heading}: the records agree too well for intervals {}; the intervals are those of independent rows",
+                self.independence
+            )
+        });
         let beta = self.fit.dispersion();
         let falls = (beta < 0.0).then(|| {
             format!(
@@ -219,7 +227,7 @@ impl Assessment {
                  which it grows"
             )
         });
-        few.into_iter().chain(falls).collect()
+        few.into_iter().chain(alike).chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.

@@ -52,6 +52,8 @@ pub struct RowCounts {
     pub separated: usize,
     /// Rows whose duration was too short.
     pub undecided: usize,
+    /// Rows of completed runs without the response that the limit refers to.
+    pub without_response: usize,
 }
 
 /// The ground motions of a table, by the names of their records.
@@ -179,6 +181,7 @@ impl SweepTable {
                 }
                 (None, End::Undecided) => counts.undecided += 1,
                 (None, End::Separated) => counts.separated += 1,
+                (None, End::Completed) if !is_ensemble => counts.without_response += 1,
                 (None, End::Failed | End::Completed | End::Overturned) => counts.failed += 1,
             }
         }
@@ -243,6 +246,17 @@ mod tests {
         let (cases, _, counts) = table(text).cases("half_cycles:2".parse().unwrap()).unwrap();
         assert_eq!(cases.iter().map(|case| case.fraction).collect::<Vec<_>>(), [1.0, 0.0]);
         assert_eq!(counts.undecided, 1);
+    }
+
+    /// Tables of blocks with and without friction, joined: a row without a slip counts neither as one below the limit nor as one above.
+    #[test]
+    fn a_missing_response_is_left_out_and_counted() {
+        let text =
+            "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,\n2,completed,0.2\n3,overturned,\n4,failed,\n";
+        let (cases, _, counts) = table(text).cases(Limit::Slip(0.1)).unwrap();
+        let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, counts.without_response, counts.failed), (vec![(0, 0.0), (2, 1.0), (3, 1.0)], 1, 1));
+        assert_eq!((counts.exceeded, counts.exceeded_at_most), (2.0, 4.0));
     }
 
     #[test]

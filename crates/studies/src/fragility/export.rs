@@ -50,7 +50,8 @@ struct State {
 const NEGLIGIBLE: f64 = 1e-4;
 
 impl Component {
-    /// Prepares fitted curves, each with its limit. The fits are of `factor` times the measure, in SI units.
+    /// Prepares fitted curves, each with its limit. The fits are of `factor` times the measure in SI units, as of
+    /// [`MeasureColumn::behind`](crate::intensity::MeasureColumn::behind).
     ///
     /// `id` is the component of pelicun, or the taxonomy of OpenQuake's assets.
     ///

@@ -3,6 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::fragility::table::{SweepTable, SweepTableError};
+use crate::intensity::Measure;
+use crate::mismatch::Mismatch;
+use crate::output::table::{Series, split_heading};
+use crate::run::fatigue;
 use crate::run::outcome::End;
 
 /// The response of blocks to ground motions of increasing strength.
@@ -106,21 +110,27 @@ impl Ida {
     /// Reads the curves from a table of `levels` or of a `hunt` for a measure.
     ///
     /// # Errors
-    /// A missing column, or a row without a level.
+    /// A missing column, a row without a level, or those of [`Ida::of`].
     pub fn read(table: &SweepTable, im: &str) -> Result<Ida, SweepTableError> {
         let (measures, peaks) = (table.numbers(im)?, table.numbers("peak.theta/alpha")?);
         let ends = table.ends()?;
-        let keys = table.fields_before("scale")?;
+        let described = table.table.columns().iter().filter(|column| describes_curve(&column.heading.name, im));
+        let text = |column: &Series| (0..table.rows()).map(|row| column.text(row)).collect();
+        let described: Vec<_> = described.map(|column| (column.heading.name.clone(), text(column))).collect();
+        let names = curve_names(&described, table.rows()).map_err(|error| table.refused(error.to_string()))?;
         let mut rows = Vec::new();
         for (row, ((level, peak), end)) in measures.into_iter().zip(peaks).zip(ends).enumerate() {
             let Some(level) = level else { return Err(table.no_level(row, im)) };
-            rows.push((keys[row].clone(), level, peak, end));
+            rows.push((names[row].clone(), level, peak, end));
         }
-        Ok(Ida::of(rows))
+        Ida::of(rows).map_err(|error| table.refused(error.to_string()))
     }
 
     /// Sorts rows into curves. Each row has block and ground motion, the level, the peak |θ|/α and the end of the run.
-    pub fn of(rows: impl IntoIterator<Item = (String, f64, Option<f64>, End)>) -> Ida {
+    ///
+    /// # Errors
+    /// Two rows of a curve at one level, or several levels without a curve that has two.
+    pub fn of(rows: impl IntoIterator<Item = (String, f64, Option<f64>, End)>) -> Result<Ida, Mismatch> {
         let mut found: BTreeMap<String, Vec<(f64, Response)>> = BTreeMap::new();
         for (key, level, peak, end) in rows {
             let response = match (end, peak) {
@@ -136,7 +146,18 @@ impl Ida {
             IdaCurve { name, levels, responses }
         };
         let curves: Vec<IdaCurve> = found.into_iter().map(curve).collect();
-        Ida { levels: levels(&curves), curves }
+        for IdaCurve { name, levels, .. } in &curves {
+            if let Some(pair) = levels.windows(2).find(|pair| is_same(pair[0], pair[1])) {
+                let found = format!("two rows of the curve `{name}` at the level {}", pair[1]);
+                return Err(Mismatch::new(found, "one, or a column that tells their blocks or ground motions apart"));
+            }
+        }
+        let differ = |curve: &IdaCurve| !is_same(curve.levels[0], curves[0].levels[0]);
+        if curves.iter().all(|curve| curve.levels.len() == 1) && curves.iter().any(differ) {
+            let found = format!("a single level in each of {} curves, as of `{}`", curves.len(), curves[0].name);
+            return Err(Mismatch::new(found, "several levels of each block and ground motion"));
+        }
+        Ok(Ida { levels: levels(&curves), curves })
     }
 
     /// Returns the fractile of the known responses at each level. It is the least one that this fraction does not exceed.
@@ -168,6 +189,67 @@ impl Ida {
     }
 }
 
+/// Whether two levels are one: a scaled record meets its level to round-off.
+fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= 1e-9 * other.abs()
+}
+
+/// Whether a column describes the block or the ground motion of a row, rather than the strength of the motion or the response. `im` is the
+/// measure of the levels. Columns of unknown names describe, such as the keys of folders.
+pub fn describes_curve(column: &str, im: &str) -> bool {
+    /// The number of a row, factors on its motion, and results.
+    const OTHERS: [&str; 10] = [
+        "row",
+        "scale",
+        "PGA.vertical",
+        "outcome",
+        "end_time",
+        "first_separation",
+        "first_break",
+        "flights",
+        "ties.broken",
+        "overturning_ranges",
+    ];
+    /// Results of which there are several.
+    const RESULTS: [&str; 10] = [
+        "peak.",
+        "end.",
+        "events.",
+        "ensemble.",
+        "P(",
+        "least.",
+        "always_from.",
+        "overturning.",
+        "friction_demand>",
+        fatigue::COLUMN,
+    ];
+    !OTHERS.contains(&column)
+        && !RESULTS.iter().any(|result| column.starts_with(result))
+        && column.parse::<Measure>().is_err()
+        && column != split_heading(im).0
+}
+
+/// Returns the name of the curve of each row: the values of its describing columns that vary, those of records alone.
+///
+/// # Errors
+/// No column describes the rows.
+pub fn curve_names(described: &[(String, Vec<String>)], rows: usize) -> Result<Vec<String>, Mismatch> {
+    let Some(first) = described.first() else {
+        return Err(Mismatch::new("no column that names the ground motion", "a column such as record"));
+    };
+    let varies = |(_, values): &&(String, Vec<String>)| values.iter().any(|value| *value != values[0]);
+    let mut varying: Vec<_> = described.iter().filter(varies).collect();
+    if varying.is_empty() {
+        varying.push(first);
+    }
+    let part = |(name, values): &(String, Vec<String>), row: usize| match name.as_str() {
+        "record" | "vertical" => values[row].clone(),
+        name => format!("{name} = {}", values[row]),
+    };
+    let name = |row: usize| varying.iter().map(|column| part(column, row)).collect::<Vec<_>>().join(", ");
+    Ok((0..rows).map(name).collect())
+}
+
 /// Returns the position of a fractile in a sorted list of this length.
 fn rank(fraction: f64, length: usize) -> usize {
     ((fraction * length as f64).ceil() as usize).saturating_sub(1)
@@ -178,7 +260,7 @@ fn levels(curves: &[IdaCurve]) -> Vec<f64> {
     /// Number of evenly spaced levels.
     const EVEN: u32 = 100;
     let Some(first) = curves.first() else { return Vec::new() };
-    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * b.abs();
+    let same = |(a, b): (&f64, &f64)| is_same(*a, *b);
     let fits =
         |curve: &IdaCurve| curve.levels.len() == first.levels.len() && curve.levels.iter().zip(&first.levels).all(same);
     if curves.iter().all(fits) {
@@ -212,6 +294,35 @@ mod tests {
         assert!(message.contains("row 2 has PGV [m/s] = "), "{message}");
     }
 
+    /// Tables have the number of a row first, in files, and the keys of folders last.
+    #[test]
+    fn curves_are_told_apart_by_block_and_motion_alone() {
+        let read = |table: &str| Ida::read(&SweepTable::read("t.csv", table.as_bytes()).unwrap(), "PGV");
+        let table = "row,record,scale [1],PGV [m/s],outcome,peak.theta/alpha [1],run\n0,a,1,0.5,completed,0.1,1\n\
+                     1,a,2,1,overturned,9,1\n2,a,1,0.5,completed,0.2,2\n3,a,2,1,completed,0.4,2\n";
+        let names: Vec<String> = read(table).unwrap().curves.into_iter().map(|curve| curve.name).collect();
+        assert_eq!(names, ["run = 1", "run = 2"]);
+        let without: String = table.lines().map(|line| line.rsplit_once(',').unwrap().0.to_string() + "\n").collect();
+        let message = read(&without).unwrap_err().to_string();
+        assert!(message.contains("two rows of the curve `a` at the level 0.5; expected one"), "{message}");
+        let note = table.replace(",run\n", ",note\n").replace(",1,1\n", ",1,3\n").replace("9,1\n", "9,4\n");
+        let note = note.replace("0.1,1\n", "0.1,5\n").replace("0.4,2\n", "0.4,6\n");
+        let message = read(&note).unwrap_err().to_string();
+        assert!(message.contains("a single level in each of 4 curves, as of `note = 2`"), "{message}");
+    }
+
+    /// No result of any study describes a curve.
+    #[test]
+    fn results_describe_no_curve() {
+        use crate::run::outcome::{Holds, Outcome, columns};
+        let holds = Holds { friction: true, ties: 2, dampers: 2, yields: true };
+        for column in columns(holds, |row: &Outcome| row) {
+            let name = &column.heading().name;
+            assert!(!describes_curve(name, "PGV"), "{name}");
+        }
+        assert!(["record", "vertical", "floor", "alpha", "run"].iter().all(|name| describes_curve(name, "PGV")));
+    }
+
     /// Curves with levels of their own are linear between them, and end where they overturn.
     #[test]
     fn curves_of_a_hunt_are_compared_between_their_levels() {
@@ -221,7 +332,8 @@ mod tests {
             row("a", 2.0, 0.6, End::Completed),
             row("a", 3.0, 9.0, End::Overturned),
             row("b", 4.0, 0.8, End::Completed),
-        ]);
+        ])
+        .unwrap();
         let [a, b] = &ida.curves[..] else { panic!("{ida:?}") };
         assert_eq!(
             [0.5, 1.5, 2.4, 2.6, 5.0].map(|level| a.at(level)),

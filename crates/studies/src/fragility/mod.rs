@@ -68,7 +68,7 @@ pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, LossProgram, openquake, pelicun};
 pub use goodness::{Goodness, Group};
-pub use ida::{Ida, IdaCurve, Response};
+pub use ida::{Ida, IdaCurve, Response, curve_names, describes_curve};
 pub use likelihood::Link;
 pub use observation::{CurveFitError, Observation};
 pub use profile::{Interval, LikelihoodProfile};

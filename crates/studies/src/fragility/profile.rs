@@ -17,7 +17,8 @@ pub type Interval = [Option<f64>; 2];
 ///
 /// Rows of the same record are not independent. Where records repeat, the permitted statistic grows by the ratio of the feature's
 /// variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
-/// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t².
+/// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t². It never shrinks: few records
+/// that happen to agree, such as those with equal counts at each level, have a clustered variance near zero, which is no knowledge.
 pub struct LikelihoodProfile<'a> {
     /// The rows, those of one measure together.
     observations: Vec<Observation>,
@@ -89,6 +90,16 @@ impl<'a> LikelihoodProfile<'a> {
         [low.or(Some(0.0)), high.or(Some(1.0))]
     }
 
+    /// Whether the variance of the median clustered by record is far below that of independent rows: the records agree too well for it.
+    pub fn is_too_alike(&self) -> bool {
+        /// Fraction of the variance of independent rows. Of ten independent records one estimate in 10⁷ is as small.
+        const FAR_BELOW: f64 = 0.01;
+        let [a, b] = self.coefficients();
+        let gradient = [-1.0 / b, a / (b * b)];
+        let naive = variance(gradient, &self.fit.covariance);
+        self.covariance.as_ref().is_some_and(|of| variance(gradient, of) < FAR_BELOW * naive)
+    }
+
     fn coefficients(&self) -> [f64; 2] {
         [self.fit.coefficients[0], self.fit.coefficients[1]]
     }
@@ -123,7 +134,8 @@ impl<'a> LikelihoodProfile<'a> {
         const ACCURACY: f64 = 1e-12;
         let naive = variance(gradient, &self.fit.covariance);
         let clustered = self.covariance.as_ref().map_or(f64::INFINITY, |of| variance(gradient, of));
-        let (deviation, allowed) = (clustered.sqrt(), self.allowed * clustered / naive);
+        let wider = clustered.max(naive);
+        let (deviation, allowed) = (wider.sqrt(), self.allowed * wider / naive);
         if !(deviation > 0.0 && deviation.is_finite() && allowed.is_finite()) {
             return [None; 2];
         }
@@ -229,6 +241,33 @@ mod tests {
         assert_eq!((six, sixty), (6, 60));
         for (one, other) in together.as_flattened().iter().zip(apart.as_flattened()) {
             assert!((one / other - 1.0).abs() < 1e-9, "{one} {other}");
+        }
+    }
+
+    /// Records with equal counts at each level have a clustered variance of zero. The intervals are those of independent rows with the
+    /// deviate of t, and say so.
+    #[test]
+    fn records_that_agree_give_no_interval_of_zero_width() {
+        for records in [2, 5, 12] {
+            // Of each record, 0, 1, 2 and 3 of 3 rows at four levels exceed the limit.
+            let rows =
+                (0..records).flat_map(|_| (0..12).map(|i| Observation::of(&[f64::from(1 + i / 3)], i % 3 < i / 3)));
+            let of: Vec<usize> = (0..12 * records).map(|row| row / 12).collect();
+            let data = Data::new(rows.collect()).unwrap();
+            let fit = data.fit(Link::Probit).unwrap();
+            let profile = LikelihoodProfile::new(&data, &fit, 0.95, &of).unwrap();
+            let deviate = Independence::of(&of).deviate(0.95);
+            let free = LikelihoodProfile::clustered(&data, &fit, deviate, Some(fit.covariance.clone()));
+            assert!(profile.is_too_alike() && !free.is_too_alike());
+            for (found, expected) in [
+                (profile.median(), free.median()),
+                (profile.dispersion(), free.dispersion()),
+                (profile.probability(2.0), free.probability(2.0)),
+            ] {
+                assert_eq!(found, expected, "{records}");
+                let [low, high] = found.map(|end| end.unwrap_or(f64::NAN));
+                assert!(!(low >= high), "{records}: {found:?}");
+            }
         }
     }
 

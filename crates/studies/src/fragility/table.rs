@@ -222,14 +222,6 @@ impl SweepTable {
         (0..self.rows()).map(|row| fast(row).map_or_else(|| end(row), Ok)).collect()
     }
 
-    /// The fields of each row between its number and a column: block and ground motion.
-    pub(super) fn fields_before(&self, column: &str) -> Result<Vec<String>, SweepTableError> {
-        let end = &self.column(column)?.heading;
-        let before = self.table.columns().iter().skip(1).take_while(|column| column.heading != *end);
-        let fields = |row: usize| before.clone().map(|column| column.text(row) + "\n").collect();
-        Ok((0..self.rows()).map(fields).collect())
-    }
-
     /// The error for a row without a level of a measure.
     pub(super) fn no_level(&self, row: usize, im: &str) -> SweepTableError {
         self.column(im).map_or_else(|error| error, |column| self.wrong(row, column, "a level"))

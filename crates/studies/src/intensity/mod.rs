@@ -2,6 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | `column` | a heading → a measure with the unit of its numbers |
 //! | `sums` | a record → its peaks, Arias intensity, CAV and significant duration |
 //! | `oscillator` | a record → the peaks of elastic oscillators: Sa(T), Sv(T), spectrum intensity |
 //! | `period` | a record → its mean period |
@@ -11,6 +12,7 @@
 //! that sum over samples differ by the error of their rule, which decreases with the square of the time step; each measure states
 //! it. There is no base line correction: velocity and displacement are those of the file, from rest at its first sample.
 
+mod column;
 mod oscillator;
 mod period;
 mod rotated;
@@ -21,6 +23,7 @@ use std::str::FromStr;
 use rocking_block::block::{Block, Corner};
 use rocking_records::Record;
 
+pub use column::{MeasureColumn, canonical, si};
 pub(crate) use oscillator::OscillatorStep;
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
 pub use period::mean_period;

@@ -1,5 +1,6 @@
 //! Levels, rates → a hazard curve.
 
+use crate::intensity::MeasureColumn;
 use crate::mismatch::Mismatch;
 
 /// A hazard curve: the annual rate at which an intensity measure exceeds a level.
@@ -7,7 +8,7 @@ use crate::mismatch::Mismatch;
 pub struct HazardCurve {
     /// Name of the measure, such as `PGA` or `Sa(1 s)`, if known.
     pub measure: Option<String>,
-    /// Unit of the levels, an SI unit if known to [`si`](super::si).
+    /// Unit of the levels, an SI unit if known to [`si`](crate::intensity::si).
     pub unit: Option<String>,
     /// Remarks on levels that were left out.
     pub remarks: Vec<String>,
@@ -74,6 +75,29 @@ impl HazardCurve {
     pub fn scaled(mut self, factor: f64) -> HazardCurve {
         self.levels.iter_mut().for_each(|level| *level *= factor);
         self
+    }
+
+    /// Returns the hazard over the measure of a fragility curve, in its unit. The measure `behind` it is that of the hazard, with the
+    /// factor of the former on it, as of [`MeasureColumn::behind`].
+    ///
+    /// # Errors
+    /// A hazard curve of another measure or unit, or without a unit.
+    pub fn over(
+        self,
+        column: &MeasureColumn,
+        (behind, factor): &(MeasureColumn, f64),
+    ) -> Result<HazardCurve, Mismatch> {
+        if let Some(found) = self.measure.as_ref().filter(|found| **found != behind.name) {
+            return Err(Mismatch::new(format!("a hazard curve of {found}"), format!("one of {}", behind.name)));
+        }
+        if self.unit != behind.unit {
+            let found = self.unit.as_ref().map_or("levels without a unit".into(), |unit| format!("levels in {unit}"));
+            let unit = behind.unit.as_deref().unwrap_or("1");
+            let expected = format!("{unit}, or a unit of it, for the fragility curve over {column}");
+            return Err(Mismatch::new(found, expected));
+        }
+        let unit = column.unit.clone().or(Some("1".into()));
+        Ok(HazardCurve { measure: Some(column.name.clone()), unit, ..self.scaled(*factor) })
     }
 
     /// The annual rate at which this level above zero is exceeded.

@@ -11,7 +11,6 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | `hazard` | levels, rates → a hazard curve |
-//! | `units` | a unit → its SI unit and factor |
 //! | `hazard_file` | CSV and JSON of this project, OpenQuake and the USGS → a hazard curve |
 //! | `curve` | a fragility curve, a power law → the part of the rate from a range of the measure |
 //! | `rate` | a hazard curve, a fragility curve → annual rate, deaggregation, interval |
@@ -20,10 +19,8 @@ mod curve;
 mod hazard;
 mod hazard_file;
 mod rate;
-mod units;
 
 pub use curve::FragilityCurve;
 pub use hazard::HazardCurve;
-pub use hazard_file::{HazardOptions, canonical, read_hazard};
+pub use hazard_file::{HazardOptions, read_hazard};
 pub use rate::{AnnualRate, RatePart, interval, probability_in};
-pub use units::si;

@@ -33,16 +33,19 @@ impl Limit {
         }
     }
 
-    /// Whether a run exceeds the limit, or `None` if that is unknown. It is unknown if the run failed, or ended before the limit while its
-    /// motion went on.
+    /// Whether a run exceeds the limit, or `None` if that is unknown. It is unknown if the run failed, ended before the limit while its
+    /// motion went on, or lacks the response of a limit other than overturning.
     ///
     /// `response` is the greatest value of the limit's quantity, for [`Limit::Balance`] of |θ| over the balance of its side, if it is known.
     pub fn verdict(self, end: End, response: Option<f64>) -> Option<bool> {
-        let beyond = self.threshold().zip(response).is_some_and(|(limit, response)| response > limit);
+        let beyond = match self.threshold() {
+            None => Some(false),
+            Some(limit) => response.map(|response| response > limit),
+        };
         match end {
             End::Overturned => Some(true),
-            End::Completed => Some(beyond),
-            End::Separated | End::Undecided => beyond.then_some(true),
+            End::Completed => beyond,
+            End::Separated | End::Undecided => beyond.filter(|is_beyond| *is_beyond),
             End::Failed => None,
         }
     }
@@ -59,6 +62,13 @@ impl std::fmt::Display for Limit {
             Limit::Plastic(limit) => write!(f, "plastic>{limit}"),
             Limit::HalfCycles(limit) => write!(f, "half_cycles>{limit}"),
         }
+    }
+}
+
+/// The word of options.
+impl serde::Serialize for Limit {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 
@@ -105,5 +115,8 @@ mod tests {
         assert_eq!(verdicts(Limit::Balance, 1.0), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.4), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.6), [yes, yes, yes, yes, None]);
+        let without = |limit: Limit| End::ALL.map(|end| limit.verdict(end, None));
+        assert_eq!(without(Limit::Overturned), [no, yes, None, None, None]);
+        assert_eq!(without(Limit::Slip(0.1)), [None, yes, None, None, None], "a missing response stays below no limit");
     }
 }

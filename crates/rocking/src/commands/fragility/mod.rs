@@ -21,9 +21,9 @@ use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
     Assessment, CaseStore, Collected, Component, Ida, Limit, LossProgram, Motions, RowCounts, Surface, Uncertainty,
-    openquake, pelicun, split_heading, sufficiency_of,
+    openquake, pelicun, sufficiency_of,
 };
-use rocking_studies::intensity::Measure;
+use rocking_studies::intensity::MeasureColumn;
 
 /// Options of `rocking fragility`.
 #[derive(Parser)]
@@ -248,8 +248,8 @@ impl FragilityCommand {
         further: Vec<(Limit, Collected)>,
         explicit: &ExplicitOptions,
     ) -> anyhow::Result<Component> {
-        let measure: Measure = split_heading(heading).0.parse().map_err(anyhow::Error::msg)?;
-        let (base, factor) = self.block.base(measure, explicit)?;
+        let (behind, factor) = self.block.behind(&MeasureColumn::of_heading(heading), explicit)?;
+        let measure = behind.name.parse().map_err(anyhow::Error::msg)?;
         let fit = |(limit, Collected { stores, motions, .. }): (Limit, Collected)| {
             let store = stores.into_iter().next().unwrap_or_default();
             let found = Assessment::of(store, &motions, self.fit.link, self.fit.ci, Uncertainty::Profile);
@@ -265,6 +265,6 @@ impl FragilityCommand {
             found.rows,
             env!("CARGO_PKG_VERSION")
         );
-        Ok(Component::new(&self.id, base, factor, curves(), &description)?)
+        Ok(Component::new(&self.id, measure, factor, curves(), &description)?)
     }
 }

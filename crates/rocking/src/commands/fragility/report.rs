@@ -10,14 +10,16 @@ use rocking_studies::spec::words::Words;
 
 /// Warns of rows and samples left out although they may exceed the limit.
 pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
-    let RowCounts { all, exceeded, exceeded_at_most, undecided, partly_known, .. } = *counts;
+    let RowCounts { all, exceeded, exceeded_at_most, undecided, partly_known, without_response, .. } = *counts;
     let [least, most] = [exceeded, exceeded_at_most].map(|count| 100.0 * count / all as f64);
     let rows =
         (undecided > 0).then(|| format!("{undecided} undecided rows may exceed the limit and are left out of curves"));
     let samples = (partly_known > 0).then(|| {
         format!("in {partly_known} rows, samples without a known outcome may exceed the limit and are left out of its probability")
     });
-    let doubts: Vec<String> = rows.into_iter().chain(samples).collect();
+    let missing = (without_response > 0)
+        .then(|| format!("{without_response} rows without the response of the limit are left out of curves"));
+    let doubts: Vec<String> = rows.into_iter().chain(samples).chain(missing).collect();
     (!doubts.is_empty())
         .then(|| format!("{}: it is exceeded in {least:.1} % to {most:.1} % of all rows", doubts.join("; ")))
 }
@@ -112,12 +114,22 @@ impl SurfaceReport {
 
 /// Summarizes the curves of a table, in SI units.
 pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) -> Summary {
-    let RowCounts { all, decided, exceeded, exceeded_at_most, partly_known, failed, separated, undecided } =
-        table.counts;
+    let RowCounts {
+        all,
+        decided,
+        exceeded,
+        exceeded_at_most,
+        partly_known,
+        failed,
+        separated,
+        undecided,
+        without_response,
+    } = table.counts;
     let left_out = [
         (failed, "failed"),
         (separated, "ended at separation"),
         (undecided, "undecided"),
+        (without_response, "without the response of the limit"),
         (partly_known, "with samples of unknown outcome"),
     ];
     let left_out = left_out.iter().filter(|(count, _)| *count > 0);

@@ -19,9 +19,9 @@ use crate::output::report::ReportOptions;
 use crate::output::summary::Object;
 use report::RateReport;
 use rocking_charts::fragility::probability_of;
-use rocking_studies::fragility::{Assessment, Collected, Interval, Limit, split_heading};
-use rocking_studies::intensity::Measure;
-use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
+use rocking_studies::fragility::{Assessment, Collected, Interval, Limit};
+use rocking_studies::intensity::MeasureColumn;
+use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard};
 use rocking_studies::spec::words::Words;
 use rocking_studies::statistics::range;
 
@@ -73,7 +73,7 @@ struct FragilityOptions {
     /// Table of a sweep, to which a curve is fitted as by `rocking fragility`
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["median", "beta"])]
     table: Option<PathBuf>,
-    /// Median of a lognormal curve, in the unit of --im or else in SI units
+    /// Median of a lognormal curve, in the unit of --im
     #[arg(long, value_name = "M", requires = "beta")]
     median: Option<f64>,
     /// Dispersion of a lognormal curve; 0 for a step
@@ -89,8 +89,8 @@ struct FragilityOptions {
 /// A fragility curve and its origin.
 struct Fragility {
     curve: FragilityCurve,
-    /// Name and unit of the measure, if known.
-    heading: Option<String>,
+    /// Its measure, with the unit of its numbers.
+    over: MeasureColumn,
     assessment: Option<Assessment>,
     /// Name of its probability.
     ordinate: String,
@@ -128,7 +128,7 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
          expected a hazard curve from lower levels, or --link probit"
     );
     let ends = fragility.assessment.as_ref().map(|assessment| (fit.ci, interval(&hazard, assessment)));
-    let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
+    let heading = fragility.over.to_string();
     let (fragility, found, years) = (&fragility, &found, &options.years);
     let report = RateReport { file, im: &heading, fragility, found, ends, years };
     outputs.fill("plot", || {
@@ -145,30 +145,13 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
     options.report.print("rate", &written, &warnings, &(summary.text + &written.lines()), &summary.json)
 }
 
-fn heading(hazard: &HazardCurve) -> String {
-    let name = hazard.measure.as_deref().unwrap_or("measure");
-    hazard.unit.as_ref().map_or(name.into(), |unit| format!("{name} [{unit}]"))
-}
-
 impl RateCommand {
     /// Reads the hazard curve of the measure of a fragility curve. It is relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
-        let (name, unit) = fragility.heading.as_deref().map(split_heading).unzip();
-        let measure = name.and_then(|name| name.parse::<Measure>().ok());
-        let relative = measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
-        let (base, factor) = match measure {
-            Some(measure) => {
-                let (base, factor) = self.block.base(measure, explicit)?;
-                (Some(base.to_string()), factor)
-            }
-            None => {
-                explicit.refuse_unless(false, &["alpha", "p"], "without a measure relative to the block")?;
-                (name.map(String::from), 1.0)
-            }
-        };
+        let behind = self.block.behind(&fragility.over, explicit)?;
         let HazardReading { site, hazard_unit, investigation_time } = &self.reading;
         let options = HazardOptions {
-            measure: base,
+            measure: Some(behind.0.name.clone()),
             unit: hazard_unit.clone(),
             site: site.clone(),
             years: *investigation_time,
@@ -176,16 +159,13 @@ impl RateCommand {
         };
         let (name, text) = input::text(&self.hazard)?;
         let hazard = read_hazard(&name, &text, &options).with_context(|| name.clone())?;
-        if let (None, Some(Some(unit)), Some(found)) = (relative, unit, &hazard.unit) {
-            anyhow::ensure!(
-                found == unit,
-                "{name}: found levels in {found}; expected {unit}, the unit of the fragility curve"
-            );
-        }
-        if let (Some(measure), None) = (measure, &hazard.unit) {
-            anyhow::bail!("{name}: no unit of the levels; expected --hazard-unit, as for {}", measure.heading());
-        }
-        Ok((name, hazard.scaled(factor)))
+        anyhow::ensure!(
+            hazard.unit.is_some(),
+            "{name}: no unit of the levels; expected --hazard-unit, for a fragility curve over {}",
+            fragility.over
+        );
+        let hazard = hazard.over(&fragility.over, &behind).with_context(|| name.clone())?;
+        Ok((name, hazard))
     }
 }
 
@@ -199,28 +179,21 @@ impl FragilityOptions {
     }
 
     fn lognormal(&self, median: f64, beta: f64, gravity: f64) -> anyhow::Result<Fragility> {
-        let (mut heading, mut factor) = (None, 1.0);
-        if let Some((name, found)) = self.im.as_deref().map(split_heading) {
-            let measure = name.parse::<Measure>().ok();
-            let name = measure.map_or(name.into(), |measure| measure.to_string());
-            let mut unit = found.or(measure.map(Measure::unit));
-            if let Some((si, of_si)) = found.and_then(|found| si(found, gravity)) {
-                (unit, factor) = (Some(si), of_si);
-            }
-            if let (Some(found), Some(expected)) = (found, measure.map(Measure::unit)) {
-                anyhow::ensure!(unit == Some(expected), "--im {name} in {found}; expected a unit of {expected}");
-            }
-            heading = Some(unit.map_or(name.clone(), |unit| format!("{name} [{unit}]")));
-        }
+        let im = self.im.as_deref().context(
+            "--median without --im; expected the measure with the unit of the median, such as --im \"PGA [g]\"",
+        )?;
+        let named = MeasureColumn::of_heading(im);
+        let (unit, factor) = named.si(gravity).context("--im")?;
+        let over = MeasureColumn { unit: Some(unit), ..named };
         let median = median * factor;
         Ok(Fragility {
             curve: FragilityCurve::lognormal(median, beta)?,
-            heading,
+            text: format!("lognormal over {over}, median {median:.4}, beta {beta:.4}"),
+            json: of_curve("lognormal", &over).with("median", median).with("beta", beta),
+            over,
             assessment: None,
             ordinate: "probability of exceedance".into(),
             rows: None,
-            text: format!("lognormal, median {median:.4}, beta {beta:.4}"),
-            json: Object::default().with("curve", "lognormal").with("median", median).with("beta", beta),
         })
     }
 
@@ -235,12 +208,13 @@ impl FragilityOptions {
             }
             Ok(found.take(batch, is_part)?)
         })?;
+        let over = MeasureColumn::of_heading(heading.as_deref().unwrap_or(im));
         let limit = found.limit.unwrap_or(Limit::Overturned);
         let Collected { stores, motions, .. } = found;
         let store = stores.into_iter().next().unwrap_or_default();
         let at = || format!("{name}: {im}");
         let ordinate = probability_of(limit);
-        let json = |curve: &str| Object::from([("curve", curve), ("table", &name)]).with("limit", limit.to_string());
+        let json = |curve: &str| of_curve(curve, &over).with("table", &name).with("limit", limit.to_string());
         if self.empirical {
             let levels = store.levels(&motions).with_context(at)?;
             let row_count: usize = levels.iter().map(|(.., rows)| rows).sum();
@@ -253,18 +227,23 @@ impl FragilityOptions {
             let (levels, fractions): (Vec<f64>, Vec<f64>) =
                 levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
             let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
-            let text = format!("empirical, fractions at {} levels; {limit} in {name}", levels.len());
+            let text = format!("empirical, fractions at {} levels of {over}; {limit} in {name}", levels.len());
             let json = json("empirical").with("levels", levels.len());
-            return Ok(Fragility { curve, heading, assessment: None, ordinate, rows, text, json });
+            return Ok(Fragility { curve, over, assessment: None, ordinate, rows, text, json });
         }
         let uncertainty = self.fit.uncertainty();
         let assessment = Assessment::of(store, &motions, link, ci, uncertainty).with_context(at)?;
         let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
         let (median, beta) = (assessment.fit.median(), assessment.fit.dispersion());
-        let text = format!("{link}, median {median:.4}, beta {beta:.4}; {limit} in {name}");
+        let text = format!("{link} over {over}, median {median:.4}, beta {beta:.4}; {limit} in {name}");
         let intervals = uncertainty.words(assessment.independence);
         let json = json(link.word()).with("median", median).with("beta", beta).with("intervals", intervals);
-        Ok(Fragility { curve, heading, assessment: Some(assessment), ordinate, rows, text, json })
+        Ok(Fragility { curve, over, assessment: Some(assessment), ordinate, rows, text, json })
     }
+}
+
+/// Begins the numbers of a curve with its kind, its measure and its unit.
+fn of_curve(kind: &str, over: &MeasureColumn) -> Object {
+    Object::from([("curve", kind), ("im", &over.name)]).with("unit", over.unit.as_deref().unwrap_or("1"))
 }

@@ -123,6 +123,53 @@ fn measures_relative_to_a_block_scale_the_hazard() {
     assert!((found / base - 1.0).abs() < 1e-9, "{found} {base}");
 }
 
+/// A table in cm/s has the rate and the export of the same table in m/s; without a unit in its heading it is refused.
+#[test]
+fn the_unit_of_a_heading_reaches_rates_and_exports() {
+    let folder = folder();
+    let in_cm = TABLE
+        .replace("PGV [m/s]", "PGV [cm/s]")
+        .replace(",0.2,", ",20,")
+        .replace(",0.4,", ",40,")
+        .replace(",0.8,", ",80,");
+    let in_cm = in_cm.replace("PGV [cm/s],p PGV/(g tan alpha) [1]", "PGV [cm/s],twin [1]");
+    fs::write(folder.path().join("cm.csv"), in_cm).unwrap();
+    fs::write(folder.path().join("none.csv"), TABLE.replace("PGV [m/s]", "PGV")).unwrap();
+    let rate = |table: &str| {
+        let arguments = ["rate", "hazard.csv", "--table", table, "--im", "PGV", "--json"];
+        let found: Value = serde_json::from_str(&stdout(folder.path(), &arguments)).unwrap();
+        found["rate"].as_f64().unwrap()
+    };
+    assert!((rate("cm.csv") / rate("table.csv") - 1.0).abs() < 1e-9);
+    let exported = |table: &str, program: &str, file: &str| {
+        let arguments = ["fragility", table, "--im", "PGV", "--export", program, "--export-to", "to"];
+        stdout(folder.path(), &arguments);
+        let text = fs::read_to_string(folder.path().join(file)).unwrap();
+        let number = text.split_once(if program == "pelicun" { "lognormal," } else { "mean=\"" }).unwrap().1;
+        let number: f64 = number.split([',', '"']).next().unwrap().parse().unwrap();
+        fs::remove_dir_all(folder.path().join("to")).or_else(|_| fs::remove_file(folder.path().join("to"))).unwrap();
+        number
+    };
+    for (program, file) in [("pelicun", "to/fragility.csv"), ("openquake", "to")] {
+        let [cm, m] = ["cm.csv", "table.csv"].map(|table| exported(table, program, file));
+        assert!((cm / m - 1.0).abs() < 1e-9, "{program}: {cm} {m}");
+    }
+    let of_none = ["PGV without a unit", "such as PGV [m/s]"];
+    refused(folder.path(), &["rate", "hazard.csv", "--table", "none.csv", "--im", "PGV"], &of_none);
+    let export = ["fragility", "none.csv", "--im", "PGV", "--export", "pelicun", "--export-to", "to"];
+    refused(folder.path(), &export, &of_none);
+}
+
+/// A median of 0.4 g beside a hazard in g is that of 0.4 × 9.81 m/s², and the summary has the unit.
+#[test]
+fn a_median_in_g_is_one() {
+    let folder = folder();
+    fs::write(folder.path().join("pga.csv"), "PGA [g],rate [1/year]\n0.1,1e-2\n0.4,2e-4\n1.6,2e-6\n").unwrap();
+    let arguments = ["rate", "pga.csv", "--median", "0.4", "--beta", "0", "--im", "PGA [g]"];
+    let printed = stdout(folder.path(), &arguments);
+    assert!(printed.contains("2.00e-4 per year") && printed.contains("over PGA [m/s2], median 3.924"), "{printed}");
+}
+
 #[test]
 fn incomplete_or_contradictory_options_are_refused() {
     let folder = folder();
@@ -135,16 +182,18 @@ fn incomplete_or_contradictory_options_are_refused() {
         &["--median", "1", "--beta", "0.3", "--im", "PGA [g]"],
         &["hazard.csv", "a hazard curve of PGV", "expected one of PGA"],
     );
-    refused(&["--median", "1", "--beta", "0.3", "--im", "PGV [g]"], &["--im PGV in g", "m/s"]);
-    refused(&["--median", "1", "--beta", "-1"], &["the dispersion -1"]);
+    refused(&["--median", "1", "--beta", "0.3", "--im", "PGV [g]"], &["--im", "PGV in g", "m/s"]);
+    refused(&["--median", "1", "--beta", "0.3", "--im", "PGV"], &["PGV without a unit", "PGV [m/s]"]);
+    refused(&["--median", "1", "--beta", "0.3"], &["--median without --im", "the unit of the median"]);
+    refused(&["--median", "1", "--beta", "-1", "--im", "PGV [m/s]"], &["the dispersion -1"]);
     refused(&["--median", "1", "--beta", "0.3", "--link", "logit"], &["--link has no effect without --table"]);
     refused(&["--median", "1", "--beta", "0.3", "--years", "0"], &["--years = 0"]);
-    refused(&["--median", "1", "--beta", "0.3", "--alpha", "0.1"], &["--alpha has no effect"]);
+    refused(&["--median", "1", "--beta", "0.3", "--im", "PGV [m/s]", "--alpha", "0.1"], &["--alpha has no effect"]);
     refused(&["--table", "table.csv", "--im", "p PGV/(g tan alpha)", "--p", "2"], &["no --alpha", "of the block"]);
     refused(
         &["--table", "table.csv", "--im", "PGV", "--empirical", "--ci", "0.9"],
         &["--ci has no effect with --empirical"],
     );
-    let printed = stdout(folder.path(), &["rate", "hazard.csv", "--median", "1", "--beta", "0.3"]);
+    let printed = stdout(folder.path(), &["rate", "hazard.csv", "--median", "1", "--beta", "0.3", "--im", "PGV [m/s]"]);
     assert!(printed.starts_with("hazard        hazard.csv: PGV [m/s], 6 levels from 0.0500 to 2.0000"), "{printed}");
 }

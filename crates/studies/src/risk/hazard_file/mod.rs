@@ -14,10 +14,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::fragility::split_heading;
-use crate::intensity::Measure;
+use crate::intensity::{Measure, canonical, si};
 use crate::mismatch::Mismatch;
 use crate::risk::hazard::HazardCurve;
-use crate::risk::units::si;
 
 /// Fewest levels of a curve in a file of all measures. A hazard map has columns of the same kind for a few probabilities.
 const FEWEST_LEVELS: usize = 4;
@@ -100,20 +99,6 @@ impl RawCurve {
         curve.remarks.splice(0..0, remark);
         (curve.measure, curve.unit) = (measure, unit);
         Ok(curve)
-    }
-}
-
-/// Returns the name of another program's measure, such as `SA(1.0)` or `SA1P0`.
-pub fn canonical(name: &str) -> String {
-    let lower = name.trim().to_ascii_lowercase().replace("sa_", "sa");
-    let period = lower.strip_prefix("sa").map(|rest| rest.trim_matches(['(', ')', 's', ' ']).replace('p', "."));
-    if let Some(period) = period.and_then(|period| period.parse::<f64>().ok()) {
-        return Measure::Sa(period).to_string();
-    }
-    match lower.as_str() {
-        "ia" => Measure::Arias.to_string(),
-        "rsd595" => Measure::SignificantDuration.to_string(),
-        _ => lower.parse::<Measure>().map_or(name.trim().to_string(), |measure| measure.to_string()),
     }
 }
 
