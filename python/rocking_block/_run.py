@@ -58,6 +58,13 @@ class Peak:
     """Force of each damper [N]."""
     plastic_elongations: tuple[float, ...] = ()
     """Plastic elongation of each tie, then of each damper [m]."""
+    damper_strokes: tuple[float, ...] = ()
+    """Elongation of each damper, longer or shorter [m]."""
+
+    @classmethod
+    def _of(cls, peak: Any) -> Peak:
+        *quantities, of_links = peak
+        return cls(*quantities, *of_links)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +179,7 @@ class Run:
     def of(block: _engine.Block, result: dict[str, Any]) -> Run:
         """Builds a run from the engine's result."""
         gradients = {
-            name: Gradient(columns, event_times, Peak(*peak))
+            name: Gradient(columns, event_times, Peak._of(peak))
             for name, (columns, event_times, peak) in result["gradients"].items()
         }
         derivatives = [array for gradient in gradients.values() for array in (*gradient.columns.values(), gradient.event_times)]
@@ -182,7 +189,7 @@ class Run:
             block=block,
             columns=result["columns"],
             events=tuple(Event(*event) for event in result["events"]),
-            peak=Peak(*result["peak"]),
+            peak=Peak._of(result["peak"]),
             counts=Counts(*result["counts"]),
             outcome=result["outcome"],
             end_time=result["end_time"],

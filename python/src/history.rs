@@ -130,14 +130,16 @@ fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradient
     Ok(all)
 }
 
-type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, Bound<'py, PyTuple>, Bound<'py, PyTuple>, Bound<'py, PyTuple>);
+/// Peaks in the order of the class `Peak` of Python.
+type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, [Bound<'py, PyTuple>; 4]);
 
 fn peak<'py>(py: Python<'py>, block: &engine::Block, peaks: &Peaks) -> PyResult<PeakTuple<'py>> {
-    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic } = *peaks;
-    let (pull, plastic) = (&pull[..block.ties().len()], &plastic[..block.ties().len()]);
-    let (tensions, forces) = pull.split_at(Holds::of(block).ties);
-    let [tensions, forces, plastic] = [tensions, forces, plastic].map(|values| PyTuple::new(py, values));
-    Ok((theta, reaction, horizontal, uplift, friction_demand, slip, tensions?, forces?, plastic?))
+    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull, plastic, elongation } = *peaks;
+    let (count, ties) = (block.ties().len(), Holds::of(block).ties);
+    let (tensions, forces) = pull[..count].split_at(ties);
+    let [tensions, forces, plastic, strokes] =
+        [tensions, forces, &plastic[..count], &elongation[ties..count]].map(|values| PyTuple::new(py, values));
+    Ok((theta, reaction, horizontal, uplift, friction_demand, slip, [tensions?, forces?, plastic?, strokes?]))
 }
 
 fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyResult<Bound<'py, PyDict>> {

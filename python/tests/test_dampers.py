@@ -29,6 +29,7 @@ def test_forces_stay_between_the_yield_lines_and_energy_balances():
         assert np.all(np.abs(force - 0.05 * 2e5 * elongation) <= 0.95 * 900.0 * (1 + 1e-9))
         assert run.peak.damper_forces[number - 1] == pytest.approx(np.abs(force).max(), rel=1e-2)
         assert run.peak.plastic_elongations[number] == pytest.approx(np.abs(plastic).max(), rel=1e-3)
+        assert run.peak.damper_strokes[number - 1] == pytest.approx(np.abs(elongation).max(), rel=1e-3)
     # Without dashpots a damper loses its yield force times the path of its plastic elongation.
     assert run.energy.dampers[-1] == pytest.approx(sum(run.yield_energies[1:]), rel=1e-8)
     assert run.energy.ties[-1] == pytest.approx(run.yield_energies[0], rel=1e-8) and run.yield_energies[0] > 0.0

@@ -65,7 +65,11 @@ impl SpaceLimits {
         let rocking = body.alpha * body.p;
         let (turning, across) = (1.0 / (tolerance * rocking), 1.0 / (tolerance * body.r0 * rocking));
         let on_supports = OF_WEIGHT * body.gravity / (body.omega_v * (2.0 * body.xi_v).max(1.0));
-        let most = if contacts.iter().any(FootContact::touches) { (body.r0 * rocking).min(on_supports) } else { body.r0 * rocking };
+        let most = if contacts.iter().any(FootContact::touches) {
+            (body.r0 * rocking).min(on_supports)
+        } else {
+            body.r0 * rocking
+        };
         let upright = 1.0 / (tolerance * most);
         let work = turning / (2.0 * body.mass * body.r0 * body.r0 * rocking);
         let weights = &mut self.weights;

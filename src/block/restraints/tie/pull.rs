@@ -204,11 +204,8 @@ pub fn observe<P: Scalar, S: Copy, T: CombinesWith<P> + From<S>>(
             LinkKind::Damper => (stiffness.value() + damping.value(), pull),
         };
         let is_present = P::select_less(P::Real::from(0.0), acting, P::from(1.0), P::from(0.0));
-        *observed = ObservedRestraint {
-            pull,
-            elongation: stretch.length * is_present,
-            plastic: plastic(link, stretch.length),
-        };
+        *observed =
+            ObservedRestraint { pull, elongation: stretch.length * is_present, plastic: plastic(link, stretch.length) };
     }
     all
 }
