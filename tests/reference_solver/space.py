@@ -113,7 +113,10 @@ class BlockInSpace:
             self.sliding.discard(i)
             # A horizontal spring begins unstretched.
             y = [*y[: 13 + 2 * i], 0.0, 0.0, *y[15 + 2 * i :]]
-        if kind == "slides" or kind == "landing" and self.c_h * np.hypot(*speed[i, :2]) > self.friction * n[i]:
+        if kind == "landing" and self.c_h * np.hypot(*speed[i, :2]) > self.friction * n[i]:
+            self.log.append((t, ("slides", i)))
+            self.sliding.add(i)
+        if kind == "slides":
             self.sliding.add(i)
         elif kind == "sticks":
             self.sliding.remove(i)
