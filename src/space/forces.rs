@@ -8,7 +8,7 @@ use crate::numerics::dual::Dual;
 use crate::space::body::{SpaceBody, SpaceFoot};
 use crate::space::motion::{Component, FootMotion};
 
-/// The contact of a foot.
+/// The contact of a foot, by its trial force: it slides where `|F_i| > μ N_i`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FootContact {
     /// It touches and sticks.
@@ -30,7 +30,8 @@ impl FootContact {
     }
 }
 
-/// The forces of a foot that touches.
+/// The forces of a foot that touches: `N_i = K (f_i − v_i) − C v̇_i` and, from the trial force `F_i = K_h e_i + C_h u̇_i`, `H_i = −F_i`
+/// where it sticks and `H_i = −μ N_i F_i/|F_i|` where it slides.
 #[derive(Clone, Copy, Debug)]
 pub struct FootForces<T> {
     /// N (N), vertical.

@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT
 
 PAGE = ROOT / "docs/equations.md"
-ITEM = r"(?:pub(?:\([a-z ]+\))? )?(?:const )?(?:fn|struct|const)? ?{name}\b"
+ITEM = r"(?:pub(?:\([a-z ]+\))? )?(?:const )?(?:fn|struct|enum|const)? ?{name}\b"
 
 
 def rows():
