@@ -117,7 +117,15 @@ fn steps_return_early_where_ties_and_dampers_yield_and_unload() {
         let plastic = || links.iter().map(|link| instance.get(&format!("{link}.plastic"))).collect::<Vec<f64>>();
         let mut yields = vec![false; links.len()];
         let mut now = 0.0;
+        let mut loose = None;
         for (time, change) in case.lasting_events() {
+            // Where the spring of a limp tie is loose, it stops yielding. That is no event: the tie stopped pulling when it became limp.
+            if let Change::Tie(link) = &change
+                && link.starts_with("slack")
+            {
+                loose = Some(link[link.len() - 1..].parse::<usize>().unwrap());
+                continue;
+            }
             let before = plastic();
             let stepped = instance.step(now, time - now + 0.003);
             now = stepped.reached;
@@ -128,6 +136,9 @@ fn steps_return_early_where_ties_and_dampers_yield_and_unload() {
             }
             assert_eq!(call!(instance, enter_event_mode), OK);
             instance.handle_event();
+            if let Some(place) = loose.take() {
+                yields[place] = false;
+            }
             if let Change::Tie(link) = &change {
                 let place: usize = link[link.len() - 1..].parse().unwrap();
                 yields[place] = link.starts_with("yield");

@@ -124,9 +124,9 @@ fn only_decides(declared: &Declared, unknown: &str, known: &str) -> bool {
     let decides = damps || known == "friction" || is_of_links(known) || !declared["v_dot"].contains(known);
     // A block that slides from the start, or a tie that breaks there.
     let rare = matches!(unknown, "slip_rate" | "power.friction") || unknown.ends_with(".broken");
-    // Rates and damping decide whether a damper breaks, and keeps the plastic elongation of before.
+    // Rates and damping decide whether a damper breaks, and keeps the elongation of before; damping alone makes one.
     let breaks = known.starts_with("initial.") || known.ends_with(".damping");
-    let rare = rare || (unknown.ends_with(".plastic") && breaks);
+    let rare = rare || (breaks && [".plastic", ".elongation"].iter().any(|end| unknown.ends_with(end)));
     let of_contacts = SLIDING.contains(&unknown) || STEPS.contains(&unknown) || is_of_links(unknown);
     rare || known.ends_with(".strength") || (of_contacts && decides && !own)
 }

@@ -230,7 +230,7 @@ fn a_sweep_has_columns_for_slip_and_tensions() {
     }
     assert!(!names.contains(&"peak.tie_2.tension [N]"));
     for (old, new, words) in [
-        ("tie_1.block_x = 0.4", "tie_1.block_x = 0", "study.toml:11: tie_1 = 0"),
+        ("tie_1.block_x = 0.4", "tie_1.block_x = 0", "study.toml:11: distance of the ends of tie_1 = 0"),
         ("slip:0.1", "slip:no", "study.toml:3: limits = \"slip:no\""),
         ("tie_1.block_x = 0.4", "tie_1.block_x = 0.4\ntie_2.block_x = 1", "tie_2.block_x is read by no block"),
         ("eccentricity = 0.05", "eccentricity = 5", "study.toml:7: eccentricity = 5 m"),

@@ -303,10 +303,17 @@ fn check(
 ) -> Result<(), StudyFileError> {
     let source = file.source;
     let line = |name: &str| {
-        given.iter().find(|GivenParameter { parameter, .. }| {
-            let full = parameter.metadata.name;
-            full == name || full.ends_with(&format!(".{name}")) || full.starts_with(&format!("{name}."))
-        })
+        let named = |name: &str| {
+            given.iter().find(|GivenParameter { parameter, .. }| {
+                let full = parameter.metadata.name;
+                full == name || full.ends_with(&format!(".{name}")) || full.starts_with(&format!("{name}."))
+            })
+        };
+        // Such as "yield force of tie_1".
+        match name.rsplit_once(" of ") {
+            Some((number, link)) => named(&format!("{link}.{}", number.replace(' ', "_"))).or_else(|| named(link)),
+            None => named(name),
+        }
     };
     if sweep.half_cycles.is_some() && !sweep.holds().yields {
         return Err(file.wrong("study.half_cycles", "none without a tie or damper with yield_force"));
