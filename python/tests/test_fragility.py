@@ -59,7 +59,7 @@ def test_intervals_and_bands_lie_about_the_curve(intervals):
 @pytest.mark.filterwarnings("ignore:.*of the rate")
 def test_a_bootstrap_of_few_records_has_no_intervals():
     table = planted()
-    few = {**{name: table[name] for name in table}, "record": np.arange(table.rows) % 9}
+    few = rb.Table({**{name: table[name] for name in table}, "record": np.arange(table.rows) % 9}, {"PGV": "m/s"})
     with pytest.warns(UserWarning, match="no intervals: a bootstrap of 9 records understates the scatter; expected at least 10"):
         fit = rb.fragility(few, "PGV", intervals="bootstrap", samples=20)
     assert fit.median_ci == (0.0, np.inf) and fit.beta_ci == (0.0, np.inf) and fit.band(0.5) == (0.0, 1.0)
@@ -187,7 +187,7 @@ def test_records_that_agree_have_intervals_of_some_width():
         with pytest.warns(UserWarning, match="the records agree too well for intervals clustered by"):
             fit = rb.fragility(rb.Table({"record": record, "PGV": pgv, "outcome": outcome}, {"PGV": "m/s"}), "PGV")
         low, high = fit.median_ci
-        assert high / low > 1.1
+        assert 1.05 * low < fit.median < high / 1.05
 
 
 def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
@@ -307,7 +307,7 @@ def test_an_export_has_the_curve_of_the_block(tmp_path):
         (ValueError, "found the identifier `a-b`; expected letters", lambda: fit.export("pelicun", tmp_path, id="a-b", alpha=0.2, p=1.5)),
         (ValueError, "alpha is missing; expected that of the block", lambda: fit.export("pelicun", tmp_path)),
         (ValueError, 'program = "hazus"; expected one of "pelicun", "openquake"', lambda: fit.export("hazus", tmp_path, alpha=1, p=1)),
-        (ValueError, "found curves over PGV and p PGV.* for a; expected one measure",
+        (ValueError, r"found curves over PGV \[m/s\] and p PGV.* for a; expected one measure in one unit",
          lambda: rb.export_fragility({"a": [fit, rb.fragility(relative, "PGV")]}, "pelicun", tmp_path)),
         (TypeError, "curves\\['a'\\] = 0.5; expected a Fragility or several", lambda: rb.export_fragility({"a": 0.5}, "pelicun", tmp_path)),
     ):

@@ -117,5 +117,9 @@ def test_a_table_in_a_file_is_that_of_the_program_and_of_one_study(tmp_path, roc
     with pytest.raises(ValueError, match="table.csv:.*the table is that of another study; found"):
         rb.sweep(study, out=out)
     assert out.read_bytes() == content
-    with pytest.raises(ValueError, match="out = table.parquet; expected a name in .csv"):
-        rb.sweep(study, out="table.parquet")
+    study.write_text(STUDY)
+    assert rb.sweep(study, out=tmp_path / "table.parquet") == whole
+    read = rb.read_table(tmp_path / "table.parquet")
+    assert all(list(map(str, read[name])) == list(map(str, whole[name])) for name in ("outcome", "peak.theta/alpha"))
+    with pytest.raises(ValueError, match="out = table.txt; expected a name in .csv or .parquet"):
+        rb.sweep(study, out="table.txt")

@@ -14,6 +14,9 @@ use crate::system::forces::support::{reaction, reaction_rate};
 use crate::system::impact;
 use crate::system::instant::{Footing, creeping};
 
+/// A placement, and the footing in it.
+type PlacementAndFooting<T> = (Placement<T>, Footing<T>);
+
 impl<T: Elementary> PoseUpdate<'_, T>
 where
     Dual<T>: CombinesWith<T>,
@@ -120,7 +123,7 @@ where
         &self,
         pivot: Corner,
         before: &Placement<T>,
-    ) -> (Option<(Placement<T>, Footing<T>)>, TransitionCounts) {
+    ) -> (Option<PlacementAndFooting<T>>, TransitionCounts) {
         let (block, i) = (&self.system.block, pivot.other().index());
         let mut after = *before;
         let mut trial = *self;

@@ -77,10 +77,13 @@ fn a_landing_unloads_a_damper_that_yields() {
     let block = rigid(0.25, 1.0, 0.0).with_ties(&[damper]).unwrap();
     let initial = Initial { theta: -0.2, ..Initial::default() };
     let (events, energies) = compare(&Case { block, pulse: Pulse::NONE, initial, end: 4.0, h: 1e-3 });
-    println!("{:?}", events.iter().map(|e| (e.time, e.to_string())).collect::<Vec<_>>());
-    let (landing, unloading) = (events[2], events[3]);
-    assert_eq!(landing.time, unloading.time);
-    assert!(words(&events)[3].starts_with("damper 1 unloads"), "{events:?}");
+    let words = words(&events);
+    let unloads_at_landing = |i: usize| {
+        words[i].starts_with("damper 1 unloads")
+            && !words[i - 1].starts_with("damper")
+            && events[i - 1].time == events[i].time
+    };
+    assert!((1..events.len()).any(unloads_at_landing), "{words:?}");
     assert!(energies.restraints.dampers > 150.0, "{energies:?}");
 }
 
