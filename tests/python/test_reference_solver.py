@@ -11,7 +11,7 @@ from conftest import ROOT
 from test_model_exchange import link_values
 
 sys.path.insert(0, str(ROOT / "tests/reference_solver"))
-import compare  # noqa: E402
+import trajectories  # noqa: E402
 import ground  # noqa: E402
 
 # Greatest differences of θ over α, of event times (s), and of the other columns over their greatest value, or 1e-4. The solver and the program
@@ -27,8 +27,8 @@ WIDER = {
 
 
 def stored():
-    for folder in compare.FOLDERS:
-        for case in compare.cases(folder):
+    for folder in trajectories.FOLDERS:
+        for case in trajectories.cases(folder):
             # Records and the block in space take seconds each.
             long = any("record" == ((case.get(name) or {}).get("kind")) for name in ("a_gx", "a_gz")) or folder == "reference_space"
             yield pytest.param(folder, case, id=case["name"], marks=[pytest.mark.check] if long else [])
@@ -37,7 +37,7 @@ def stored():
 @pytest.mark.parametrize("folder, case", list(stored()))
 def test_the_stored_trajectories_are_recomputed(folder, case):
     try:
-        found = compare.compare(folder, case)
+        found = trajectories.compare(folder, case)
     except ground.Missing as record:
         pytest.skip(f"the record {record} may not be redistributed and is not at hand")
     assert not found.wrong
@@ -85,7 +85,7 @@ def random_case(seed):
 def test_the_fmu_agrees_on_blocks_without_a_trajectory(fmu, seed):
     case = random_case(seed)
     times = [i * case["dt"] for i in range(301)]
-    rows, _ = compare.recompute(case, times)
+    rows, _ = trajectories.recompute(case, times)
     if case.get("foundation") == "rigid":
         # Housner holds a corner on the ground that would have to be pulled; the FMU releases it.
         rows = rows[: next((i for i, row in enumerate(rows) if min(row["N_L"], row["N_R"]) < 0), len(rows))]

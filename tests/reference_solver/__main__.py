@@ -3,21 +3,21 @@
 import sys
 import time
 
-import compare
+import trajectories
 import ground
 
 
 def main(names):
     print(f"{'case':26}{'events':>14}{'theta/alpha':>13}{'times, s':>10}{'others':>10}{'CPU, s':>8}")
     open_, skipped, wrong = 0, [], []
-    for folder in compare.FOLDERS:
-        for case in compare.cases(folder):
+    for folder in trajectories.FOLDERS:
+        for case in trajectories.cases(folder):
             name = case["name"]
             if names and name not in names:
                 continue
             began = time.process_time()
             try:
-                found = compare.compare(folder, case)
+                found = trajectories.compare(folder, case)
             except ground.Missing as record:
                 skipped.append(f"{name} ({record})")
                 continue

@@ -426,7 +426,11 @@ fn a_dry_run_counts_cpu_time() {
     let is_over = std::sync::atomic::AtomicBool::new(false);
     let busy = std::thread::scope(|scope| {
         for _ in 0..10 * std::thread::available_parallelism().map_or(2, usize::from) {
-            scope.spawn(|| while !is_over.load(std::sync::atomic::Ordering::Relaxed) {});
+            scope.spawn(|| {
+                while !is_over.load(std::sync::atomic::Ordering::Relaxed) {
+                    std::hint::spin_loop()
+                }
+            });
         }
         let busy = seconds();
         is_over.store(true, std::sync::atomic::Ordering::Relaxed);
