@@ -1,6 +1,6 @@
 //! DOP853 for a state whose dimension is known at run time: rates of a slice → the state a step later, its error, and the motion inside.
 //!
-//! The numbers are stepped four at a time by the formulas of [`dop853`](super::dop853), so that sums over stages stay in registers. All memory
+//! The numbers are stepped four at a time by the formulas of [`dop853`], so that sums over stages stay in registers. All memory
 //! is allocated at the beginning.
 
 use crate::numerics::State;

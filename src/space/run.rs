@@ -3,7 +3,7 @@
 //! | call | advances |
 //! | --- | --- |
 //! | [`SpaceRun::advance`] | to a time, over several smooth pieces of the excitation |
-//! | `smooth_piece`, in [`stepping`](super::stepping) | to the end of a piece, step by step, through events |
+//! | `smooth_piece`, in `stepping` | to the end of a piece, step by step, through events |
 
 use serde::{Deserialize, Serialize};
 
