@@ -189,8 +189,8 @@ fn events_of_ties_do_not_depend_on_the_communication_step() {
     assert!(of_links > 1000, "{of_links}");
 }
 
-/// An uneven block with two dampers, of which one yields and breaks: R lands, L lifts, and the impulse that would stop R would lift it. It
-/// slides until it is pressed on, as with any great friction.
+/// An uneven block with two dampers; one yields and breaks. R lands, L lifts, and an impulse that stops R would lift it: R slides until it
+/// is pressed on, as with any great friction.
 #[test]
 fn a_corner_that_its_stop_would_lift_slides() {
     let motion = |friction: f64| {

@@ -210,7 +210,7 @@ pub fn describes_curve(column: &str, im: &str) -> bool {
         "ties.broken",
         "overturning_ranges",
     ];
-    /// Results of which there are several.
+    /// Results that occur more than once.
     const RESULTS: [&str; 10] = [
         "peak.",
         "end.",

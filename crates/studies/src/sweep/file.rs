@@ -39,8 +39,9 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     read_for(file, text, folder, Checks::All)
 }
 
-/// The combinations of parameters of a study that are checked before its runs. Each takes some 15 µs, of which a study in many parts has
-/// as many for each part.
+/// The combinations of parameters of a study that are checked before its runs.
+///
+/// A check takes some 15 µs, so a part checks its own combinations only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Checks {
     /// All.
