@@ -50,7 +50,8 @@ pub fn encoded(is_parquet: bool, csv: Vec<u8>) -> anyhow::Result<Vec<u8>> {
         let study: Vec<String> = comments.map(|line| String::from_utf8_lossy(line).into()).collect();
         let mut reader = TableReader::new(&|_| true);
         reader.read_csv("the table", &csv[..])?;
-        return Ok(parquet::file(&study, reader.table())?);
+        let table = reader.table();
+        return Ok(parquet::file(&study, &table.headings(), table)?);
     }
     debug_assert!(!is_parquet || cfg!(feature = "parquet"), "refused by check_table");
     Ok(csv)
