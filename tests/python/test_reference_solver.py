@@ -12,7 +12,7 @@ from test_model_exchange import link_values
 
 sys.path.insert(0, str(ROOT / "tests/reference_solver"))
 import trajectories  # noqa: E402
-import ground  # noqa: E402
+import excitation  # noqa: E402
 
 # Greatest differences of θ over α, of event times (s), and of the other columns over their greatest value, or 1e-4. The solver and the program
 # of the trajectories both keep to 1e-12 a step; deviations grow most where a block overturns.
@@ -38,7 +38,7 @@ def stored():
 def test_the_stored_trajectories_are_recomputed(folder, case):
     try:
         found = trajectories.compare(folder, case)
-    except ground.Missing as record:
+    except excitation.Missing as record:
         pytest.skip(f"the record {record} may not be redistributed and is not at hand")
     assert not found.wrong
     theta, times, others = WIDER.get(case["name"], BOUNDS)

@@ -4,7 +4,7 @@ import sys
 import time
 
 import trajectories
-import ground
+import excitation
 
 
 def main(names):
@@ -18,7 +18,7 @@ def main(names):
             began = time.process_time()
             try:
                 found = trajectories.compare(folder, case)
-            except ground.Missing as record:
+            except excitation.Missing as record:
                 skipped.append(f"{name} ({record})")
                 continue
             open_ += 1

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import friction
-import ground
+import excitation
 import plane
 import space
 import stepping
@@ -54,7 +54,7 @@ def recompute(case, times):
         motions, end = [case["excitation"][name] for name in ("a_gx", "a_gy", "a_gz")], case["t_asked"]
     else:
         motions, end = [case.get(name) for name in ("a_gx", "a_gz")], case["t_end"]
-    return stepping.run(block, block.start, ground.pieces(motions, end), times), block.log
+    return stepping.run(block, block.start, excitation.pieces(motions, end), times), block.log
 
 
 def stored(case):
@@ -100,7 +100,7 @@ def of_link(change, word):
 
 
 def compare(folder, case):
-    """Raises ground.Missing where the case's record is not at hand."""
+    """Raises excitation.Missing where the case's record is not at hand."""
     with open(TESTS / folder / f"{case['name']}.csv") as file:
         expected = [{name: float(word) for name, word in row.items()} for row in csv.DictReader(file)]
     rows, found = recompute(case, [row["t"] for row in expected])
