@@ -10,8 +10,8 @@ use rocking_studies::intensity::Measure;
 use rocking_studies::run::outcome::End;
 use rocking_studies::statistics::range;
 
+use crate::measures::{behind, column};
 use crate::options::{choice, finite, invalid, pool, whole};
-use crate::risk::{behind, column};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.

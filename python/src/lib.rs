@@ -34,6 +34,7 @@ mod fragility;
 mod frame;
 mod history;
 mod ida;
+mod measures;
 mod options;
 mod pushover;
 mod record;
@@ -64,10 +65,11 @@ mod _engine {
         frame::{frame_block, frame_response},
         history::history,
         ida::{Ida, describes_curve},
+        measures::measure_name,
         options::{check_pulse, pulse_acceleration, pulse_duration},
         pushover::pushover,
         record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor},
-        risk::{AnnualRate, check_hazard, hazard_over, measure_name, read_hazard},
+        risk::{AnnualRate, check_hazard, hazard_over, read_hazard},
         search::{search_damping, search_overturning},
         studies::{Study, outcomes, part_file_name, part_format},
         table::{is_needed, read_batches, read_table, table_files},

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::Interval;
-use rocking_studies::intensity::{self, Measure, MeasureColumn};
+use rocking_studies::intensity;
 use rocking_studies::risk::{self, AnnualRate as Rate, FragilityCurve, HazardCurve, HazardOptions};
 
 use crate::fragility::Fragility;
+use crate::measures::{behind, column};
 use crate::options::{finite, invalid};
 
 /// Levels, rates, measure, unit and remarks of a hazard curve.
@@ -61,28 +62,6 @@ fn hazard(levels: &PyReadonlyArray1<f64>, rates: &PyReadonlyArray1<f64>) -> PyRe
     HazardCurve::new(&levels.as_array().to_vec(), &rates.as_array().to_vec()).map_err(invalid)
 }
 
-/// Returns the name of a measure in the columns of tables, as `Sa(0.5 s)` for `sa(0.5)`. Other names stay.
-#[pyfunction]
-pub fn measure_name(im: &str) -> String {
-    intensity::canonical(im)
-}
-
-/// Returns the measure in SI units behind the numbers of a column, that of records if it is relative to a block, and their factor on it.
-pub fn behind(column: &MeasureColumn, alpha: Option<f64>, p: Option<f64>, g: f64) -> PyResult<(MeasureColumn, f64)> {
-    finite("g", g, |x| x > 0.0, "an acceleration above 0")?;
-    let relative = column.measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
-    let [with_alpha, with_p] = [Measure::PeriodToBlock, Measure::PgaToUplift]
-        .map(|without| relative.is_some_and(|measure| measure != without));
-    let of_block = |name: &str, value: Option<f64>, is_needed: bool| match (value, is_needed) {
-        (Some(value), true) => finite(name, value, |x| x > 0.0, "a number above 0").map(|()| value),
-        (None, false) => Ok(1.0),
-        (None, true) => Err(invalid(format!("{name} is missing; expected that of the block, for {}", column.name))),
-        (Some(_), false) => Err(invalid(format!("{name} has no effect on {}", column.name))),
-    };
-    let (alpha, p) = (of_block("alpha", alpha, with_alpha)?, of_block("p", p, with_p)?);
-    column.behind(relative.map(|measure| measure.record_measure_at(alpha, p, g)), g).map_err(invalid)
-}
-
 /// Returns a hazard curve over the measure of a fragility curve, in its unit.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
@@ -103,11 +82,6 @@ pub fn hazard_over<'py>(
     let column = column(&over);
     let curve = curve.over(&column, &behind(&column, alpha, p, g)?).map_err(invalid)?;
     Ok(fields(py, &curve))
-}
-
-/// The measure of a name and a unit, empty if nothing names it.
-pub fn column((name, unit): &(String, String)) -> MeasureColumn {
-    MeasureColumn::new(name, Some(unit.as_str()).filter(|unit| !unit.is_empty()))
 }
 
 /// An annual rate; the Python class of the same name has the documentation.
