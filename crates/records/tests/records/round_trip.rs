@@ -172,6 +172,19 @@ proptest! {
         }
     }
 
+    /// Times with as many digits as they need, as Python, pandas and JavaScript write them, have the step with which they were made, to the
+    /// round-off of the last time.
+    #[test]
+    fn steps_of_times_in_shortest_form_are_exact(step in 1e-4..1.0_f64, rows in 3..3000_u32, scientific in any::<bool>()) {
+        let row = |i: u32| {
+            let time = f64::from(i) * step;
+            if scientific { format!("{time:?} 0.1\n") } else { format!("{time} 0.1\n") }
+        };
+        let text: String = (0..rows).map(row).collect();
+        let found = parse("times", text.as_bytes(), &ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() }).unwrap();
+        prop_assert!((found.time_step - step).abs() <= 4.0 * f64::EPSILON * step, "{} for {step}", found.time_step);
+    }
+
     /// Random layouts, of random lines of numbers.
     #[test]
     fn random_layouts_do_not_panic(
