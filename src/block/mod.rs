@@ -141,6 +141,10 @@ impl Block {
     }
 }
 
+/// Least coefficient of friction that stands for no limit (1). A foot that slides under a greater one would be as stiff as it is great
+/// while its reaction vanishes, and stop within microseconds: a limit that never binds would fail runs.
+pub const UNLIMITED_FRICTION: f64 = 1e3;
+
 impl<T: Elementary> Block<T> {
     /// Makes a block without restraints, and without checks.
     pub fn unchecked(parameters: &BlockParameters<T>) -> Block<T> {
@@ -188,7 +192,7 @@ impl<T: Elementary> Block<T> {
                 omega_v,
                 xi_v,
                 creep_rate,
-                friction,
+                friction: if friction.value() < UNLIMITED_FRICTION { friction } else { zero },
                 restraints: Restraints::none(),
             },
             alpha,

@@ -154,7 +154,7 @@ pub struct Common<T = f64> {
     pub gravity: T,
     /// Distance e_x of the mass centre from the middle (m), `|e_x| < b`. Positive to the right.
     pub eccentricity: T,
-    /// Coulomb's coefficient of friction μ of the feet (1); 0 means no limit.
+    /// Coulomb's coefficient of friction μ of the feet (1); 0, or [1000 and more](crate::block::UNLIMITED_FRICTION), means no limit.
     pub friction: T,
 }
 

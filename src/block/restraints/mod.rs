@@ -304,15 +304,15 @@ pub fn yield_force<T: Elementary>(body: &Body<T>, number: usize) -> T {
 }
 
 /// Returns a vertical force at rest less the pull of the restraints (N, positive up).
-pub fn less_static_pull<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>, force: T) -> T {
+pub fn less_static_pull<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>, force: T, rounding: f64) -> T {
     let Restraints { ties } = &body.restraints;
-    tie::pull::less_static_pull(body, ties, kinematics, force)
+    tie::pull::less_static_pull(body, ties, kinematics, force, rounding)
 }
 
 /// Returns the vertical stiffness (N/m) of the restraints at rest.
-pub fn static_stiffness<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>) -> f64 {
+pub fn static_stiffness<T: Elementary>(body: &Body<T>, kinematics: &Kinematics<T>, rounding: f64) -> f64 {
     let Restraints { ties } = &body.restraints;
-    tie::pull::static_stiffness(body, ties, kinematics)
+    tie::pull::static_stiffness(body, ties, kinematics, rounding)
 }
 
 /// Returns a bound on the circular frequencies and decay rates that restraints add (rad/s).

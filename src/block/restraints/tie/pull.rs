@@ -5,6 +5,7 @@
 //! `k (s − s_p) − h s_p = σ F_y` with the kinematic hardening `h = k r/(1 − r)`, so that s_p follows from s and the force of the spring is
 //! `r k s + (1 − r) σ F_y`.
 
+use super::switching::size_of_stretch;
 use super::{Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
 use crate::block::restraints::ObservedRestraint;
 use crate::block::{Body, Kinematics};
@@ -137,10 +138,18 @@ pub fn yielding_at_rest<T: Elementary>(tie: &Tie<T>, length: T, rounding: f64) -
     (tie.yields() && beyond).then_some(direction)
 }
 
-/// Returns a tie in its state at rest.
-fn at_rest<T: Elementary>(tie: &Tie<T>, length: T) -> Link<'_, T, T> {
+/// Whether a tie that is just taut, within `rounding` (m), becomes slack or stays taut in the direction in which its stretch varies. `None`
+/// if it is not just taut, or does not vary. A tie without slack or pretension can only get some: its derivatives are those of that side.
+pub fn slackens<T: Elementary>(tie: &Tie<T>, stretch: T, rounding: f64) -> Option<bool> {
+    let varies = tie.kind == LinkKind::Tie && stretch.value().abs() <= rounding && stretch.slope() != 0.0;
+    varies.then(|| stretch.slope() < 0.0)
+}
+
+/// Returns a tie in its state at rest. `rounding` is the round-off of a zero over its largest term, here and below.
+fn at_rest<'t, T: Elementary>(body: &Body<T>, tie: &'t Tie<T>, length: T, rounding: f64) -> Link<'t, T, T> {
+    let slackens = slackens(tie, length, rounding * size_of_stretch(body, tie));
     let state = match yielding_at_rest(tie, length, 0.0) {
-        _ if tie.kind == LinkKind::Tie && length.value() <= 0.0 => TieState::Slack,
+        _ if tie.kind == LinkKind::Tie && slackens.unwrap_or(length.value() <= 0.0) => TieState::Slack,
         Some(direction) => TieState::Yields(direction),
         None => TieState::Taut,
     };
@@ -148,10 +157,16 @@ fn at_rest<T: Elementary>(tie: &Tie<T>, length: T) -> Link<'_, T, T> {
 }
 
 /// Returns a vertical force at rest less the pull of the ties (N, positive up).
-pub fn less_static_pull<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematics: &Kinematics<T>, mut force: T) -> T {
+pub fn less_static_pull<T: Elementary>(
+    body: &Body<T>,
+    ties: &Ties<T>,
+    kinematics: &Kinematics<T>,
+    mut force: T,
+    rounding: f64,
+) -> T {
     for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
         let Stretch { length, along: [_, z, _], .. } = stretch(body, tie, kinematics);
-        let link = at_rest(tie, length);
+        let link = at_rest(body, tie, length, rounding);
         let tension = if link.state.acts() { spring(link, length) } else { T::from(0.0) };
         force = force - tension * z;
     }
@@ -159,19 +174,24 @@ pub fn less_static_pull<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematic
 }
 
 /// Returns the vertical stiffness (N/m) of the ties at rest.
-pub fn static_stiffness<T: Elementary>(body: &Body<T>, ties: &Ties<T>, kinematics: &Kinematics<T>) -> f64 {
-    ties.all().iter().map(|tie| stiffness_at_rest(body, tie, kinematics)).sum()
+pub fn static_stiffness<T: Elementary>(
+    body: &Body<T>,
+    ties: &Ties<T>,
+    kinematics: &Kinematics<T>,
+    rounding: f64,
+) -> f64 {
+    ties.all().iter().map(|tie| stiffness_at_rest(body, tie, kinematics, rounding)).sum()
 }
 
 /// Returns the vertical stiffness (N/m) of a tie at rest. It is `k z² + T (1 − z²)/L` with its vertical direction z, and `r k` in place of
 /// k where it yields.
-fn stiffness_at_rest<T: Elementary>(body: &Body<T>, tie: &Tie<T>, kinematics: &Kinematics<T>) -> f64 {
+fn stiffness_at_rest<T: Elementary>(body: &Body<T>, tie: &Tie<T>, kinematics: &Kinematics<T>, rounding: f64) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
     }
     let Stretch { length, along: [_, z, _], .. } = stretch(body, tie, kinematics);
-    let link = at_rest(tie, length);
+    let link = at_rest(body, tie, length, rounding);
     let (stretch, z) = (length.value(), z.value());
     let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
     match link.state {

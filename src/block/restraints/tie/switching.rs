@@ -240,7 +240,7 @@ impl TieFunction {
 }
 
 /// Size of the terms of a stretch (m). That by the pretension of a soft tie may be far above its length.
-fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
+pub(super) fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
     let [stiffness, pretension] = [tie.stiffness, tie.pretension].map(|number| number.value());
     let by_pretension = if stiffness > 0.0 { pretension / stiffness } else { 0.0 };
     tie.length().value().max(body.r0.value()).max(by_pretension)
@@ -272,7 +272,8 @@ pub fn at_beginning<T: Elementary>(
         let link = Link { tie, state: taut, plastic: None };
         let (tension, strength) = (taut_tension::<_, T, _>(link, &stretch).value(), tie.strength.value());
         let shortens = stretch.rate.value() < -rounding_of_stretch * body.p.value();
-        let is_short = stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch };
+        let is_short = pull::slackens(tie, stretch.length, rounding_of_stretch)
+            .unwrap_or(stretch.length.value() < if shortens { rounding_of_stretch } else { -rounding_of_stretch });
         *state = if tie.kind == LinkKind::Tie && is_short {
             TieState::Slack
         } else if tie.kind == LinkKind::Tie && tension < -rounding_of_tension {
