@@ -321,6 +321,11 @@ impl<const N: usize> Elementary for Gradient<N> {
         }
         is_zero
     }
+
+    #[inline(always)]
+    fn slope(self) -> f64 {
+        if N == 1 { self.eps[0] } else { 0.0 }
+    }
 }
 
 constants_with_duals!([const N: usize] Gradient<N>);

@@ -115,6 +115,9 @@ pub trait Elementary: Scalar<Real = f64> {
 
     /// Returns true if the value is zero, of either sign, and its derivative too.
     fn is_zero(self) -> bool;
+
+    /// Returns the derivative in the direction; 0 of a plain number, and of one with several directions.
+    fn slope(self) -> f64;
 }
 
 impl Scalar for f64 {
@@ -221,5 +224,10 @@ impl Elementary for f64 {
     #[inline]
     fn is_zero(self) -> bool {
         self == 0.0
+    }
+
+    #[inline(always)]
+    fn slope(self) -> f64 {
+        0.0
     }
 }

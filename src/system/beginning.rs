@@ -8,7 +8,7 @@ use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
-use crate::system::events::change::PoseUpdate;
+use crate::system::events::change::{PoseUpdate, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
 use crate::system::instant::{Footing, Pose, State};
@@ -131,7 +131,7 @@ fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T
 fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f64 {
     let (kinematics, pushes) = kinematics_at(block, [sin, cos], T::from(middle));
     let supports: f64 = pushes.iter().filter(|push| push.value() > 0.0).map(|_| block.stiffness.value()).sum();
-    -(supports + restraints::static_stiffness(block, &kinematics))
+    -(supports + restraints::static_stiffness(block, &kinematics, ROUNDING))
 }
 
 /// Returns the force of the supports less weight and pull of restraints (N). The middle of the base is at this height (m).
@@ -142,7 +142,7 @@ fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     for push in pushes {
         sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
     }
-    restraints::less_static_pull(block, &kinematics, sum)
+    restraints::less_static_pull(block, &kinematics, sum, ROUNDING)
 }
 
 /// Returns the kinematics of a block at rest, and the compression of its supports (m). The middle of its base is at this height (m).

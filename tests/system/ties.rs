@@ -187,7 +187,10 @@ fn the_static_stiffness_is_the_slope_of_the_static_pull() {
         let pull = |v: f64| {
             let place =
                 Kinematics { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
-            (100.0 - restraints::less_static_pull(&block, &place, 100.0), restraints::static_stiffness(&block, &place))
+            (
+                100.0 - restraints::less_static_pull(&block, &place, 100.0, 0.0),
+                restraints::static_stiffness(&block, &place, 0.0),
+            )
         };
         let mut exact = 0.0;
         for (_, of) in real(&block) {
