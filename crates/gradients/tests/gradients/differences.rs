@@ -60,6 +60,7 @@ fn check_batch(run: &Run, names: &[&str]) {
     let found = run.gradients(names);
     assert_eq!(found.grazing, None, "{}", run.name);
     let plain = run.plain();
+    assert_eq!(found.counts, plain.counts, "{}", run.name);
     for ((time, ours), (_, theirs)) in found.rows.iter().zip(&plain.rows) {
         assert_eq!(ours.theta.re.to_bits(), theirs.theta.to_bits(), "{}: t = {time}", run.name);
     }

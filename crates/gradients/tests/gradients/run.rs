@@ -5,7 +5,7 @@ use rocking_block::excitation::Inputs;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
-use rocking_block::simulation::{OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Counts, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Pose;
 use rocking_gradients::{Follower, Grazing, Number, Parameters, Varied, advance};
@@ -33,6 +33,7 @@ pub struct Results<T> {
     pub state: [T; 4],
     pub slip: T,
     pub grazing: Option<Grazing>,
+    pub counts: Counts,
 }
 
 impl Run {
@@ -102,7 +103,7 @@ impl Run {
             }
         });
         let (peaks, state, slip) = (simulation.peaks(), simulation.state().0, simulation.slip().now);
-        Results { rows, events, peaks, state, slip, grazing: None }
+        Results { rows, events, peaks, state, slip, grazing: None, counts: simulation.counts() }
     }
 
     /// The results with their derivatives with respect to these parameters.
@@ -128,6 +129,7 @@ impl Run {
             state: state.0,
             slip: follower.slip(),
             grazing: follower.grazing(),
+            counts: simulation.counts(),
         }
     }
 }
