@@ -7,7 +7,7 @@ use std::cell::Cell;
 use crate::block::{Body, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs};
 use crate::numerics::State;
-use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
+use crate::numerics::dop853;
 use crate::numerics::gradient::{MultiDual, SoaDuals};
 use crate::numerics::repeat::{self, StateRate, StepForm};
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -19,24 +19,9 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
 use crate::system::instant::{Footing, Pose};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
-use crate::system::swing::Swing;
 use crate::system::swing::tangent::NO_TANGENTS;
 
-/// The way in which a run went on.
-#[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
-pub enum StepKind {
-    /// It stayed where it was: an event happens at once.
-    Stayed,
-    /// By a step of order 8, or by its beginning up to an event.
-    Step,
-    /// By a [short step](crate::numerics::short), or at rest on the rigid base.
-    ShortStep,
-    /// By this [swing](crate::system::swing), or by its beginning.
-    Swing(Swing),
-    /// The block rests to the stop.
-    Rested,
-}
+pub use crate::simulation::step::StepKind;
 
 /// Rates of a block in motion.
 #[derive(Clone, Copy, Debug)]
@@ -105,15 +90,14 @@ impl Steps {
             return Ok(None);
         }
         let Simulation { setup, run } = &mut *simulation;
-        let (excitation, swing) = (setup.excitation(time, inputs), Cell::new(None));
+        let (excitation, kind) = (setup.excitation(time, inputs), Cell::new(StepKind::Stayed));
         let begins_piece = std::mem::take(&mut self.begins);
         // That of its beginning.
         run.counts.evaluations += u64::from(begins_piece);
-        let counts = run.counts;
         let input = StepsInput {
             begins_piece,
             single: true,
-            swing: Some(&swing),
+            kind: Some(&kind),
             ..StepsInput::of_piece(setup, &excitation, self.stop)
         };
         let reached = match run.steps(&input, &mut self.budget) {
@@ -122,18 +106,7 @@ impl Steps {
             Err(error) => return Err(error),
         };
         simulation.run.pending = reached.map(|function| Pending { function, piece_start: time });
-        let evaluations = simulation.run.counts.evaluations - counts.evaluations;
-        if simulation.run.pose.time == time {
-            self.kind = StepKind::Stayed;
-        } else if let Some(swing) = swing.into_inner() {
-            self.kind = StepKind::Swing(swing);
-        } else if simulation.run.counts.steps == counts.steps {
-            self.kind = StepKind::Rested;
-        } else if evaluations < EVALUATIONS_PER_STEP {
-            self.kind = StepKind::ShortStep;
-        } else {
-            self.kind = StepKind::Step;
-        }
+        self.kind = if simulation.run.pose.time > time { kind.into_inner() } else { StepKind::Stayed };
         let event = reached.map(|function| reached_event(simulation, function, &excitation));
         Ok(Some((&self.kind, event)))
     }

@@ -6,8 +6,8 @@ use crate::numerics::bernstein::{Pair, Zero};
 use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
 use crate::simulation::outputs::Channels;
-use crate::simulation::state::RunState;
-use crate::simulation::step::{StepsInput, StepsOutcome};
+use crate::simulation::state::{Committed, RunState};
+use crate::simulation::step::{StepKind, StepsInput, StepsOutcome};
 use crate::simulation::swings::longest_swing;
 use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
@@ -129,9 +129,9 @@ impl RunState {
             forces.include_channels(&here);
             forces.include_channels(&there);
         });
-        self.counts.evaluations += 1;
-        self.counts.steps += 1;
-        (self.pose.time, self.events_in_this_instant) = (stop, 0);
+        let works = self.works_after(Powers::zeros());
+        self.commit(Committed { time: stop, state, footing, works, evaluations: 1 });
+        input.report(|| StepKind::ShortStep);
         Ok(true)
     }
 
@@ -141,9 +141,7 @@ impl RunState {
             forces.include_forces(here);
             forces.include_forces(there);
         });
-        self.counts.evaluations += 1;
-        self.counts.steps += 1;
-        self.commit(there, Powers::zeros());
+        self.commit_at(there, Powers::zeros(), 1);
     }
 
     /// Stays at rest under a pulse until a corner lifts or the piece ends.
@@ -192,6 +190,7 @@ impl RunState {
                 return Ok(stayed(time));
             }
             self.stay(&here, &there);
+            input.report(|| StepKind::ShortStep);
             let reactions = if fraction == 1.0 { reactions } else { forces.reactions(fraction) };
             let each = UNITS.map(|unit| (&reactions, unit));
             let numbers = [block.mass, visible(setup.settings.tolerance)];

@@ -18,7 +18,7 @@ use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
 use crate::system::forces::energy;
-use crate::system::instant::{Footing, Pose, State};
+use crate::system::instant::{Footing, Pose, Powers, State};
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -99,7 +99,39 @@ pub(super) struct Pending {
     pub(super) piece_start: f64,
 }
 
+/// A step that has been taken, as far as steps of all shapes have it in common.
+pub(super) struct Committed {
+    /// The time at its end (s).
+    pub(super) time: f64,
+    /// The state there.
+    pub(super) state: State,
+    /// The horizontal hold there.
+    pub(super) footing: Footing<f64>,
+    /// Works of the excitation and the dashpots since the start, per unit mass (m²/s²).
+    pub(super) works: [f64; 2],
+    /// Its evaluations of the equations of motion, those for events and peaks inside included.
+    pub(super) evaluations: u64,
+}
+
 impl RunState {
+    /// Books a step: counts it, sums its works, and makes its end the present instant.
+    #[inline(always)]
+    pub(super) fn commit(&mut self, Committed { time, state, footing, works, evaluations }: Committed) {
+        self.counts.steps += 1;
+        self.counts.evaluations += evaluations;
+        [self.sums.input, self.sums.dashpots] = works;
+        if time > self.pose.time {
+            self.events_in_this_instant = 0;
+        }
+        self.pose = Pose { time, state, footing, ..self.pose };
+    }
+
+    /// Works of the excitation and the dashpots since the start, with those of a step, per unit mass (m²/s²).
+    #[inline(always)]
+    pub(super) fn works_after(&self, work: Powers) -> [f64; 2] {
+        [self.sums.input + work[0], self.sums.dashpots + work[1]]
+    }
+
     /// The block now, under this excitation.
     #[inline]
     pub(super) fn now<'a>(&self, body: &'a Body, excitation: &'a Excitation) -> Evaluation<'a> {

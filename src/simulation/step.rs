@@ -12,6 +12,22 @@ use crate::system::evaluation::Evaluation;
 use crate::system::events::EventFunction;
 use crate::system::swing::Swing;
 
+/// The way in which a run went on.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
+pub enum StepKind {
+    /// It stayed where it was: an event happens at once.
+    Stayed,
+    /// By a step of order 8, or by its beginning up to an event.
+    Step,
+    /// By a [short step](crate::numerics::short), or at rest on the rigid base.
+    ShortStep,
+    /// By this [swing](crate::system::swing), or by its beginning.
+    Swing(Swing),
+    /// The block rests to the stop.
+    Rested,
+}
+
 /// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
 pub(crate) const MAX_STEPS: u64 = 2_000_000;
 
@@ -27,8 +43,8 @@ pub(super) struct StepsInput<'a> {
     /// Whether a single step is taken, or all steps under the present mode.
     pub(super) single: bool,
     pub(super) first: FirstStep<'a>,
-    /// Receives the swing of a step, for a caller that repeats it.
-    pub(super) swing: Option<&'a Cell<Option<Swing>>>,
+    /// Receives the kind of a step, for a caller that repeats it.
+    pub(super) kind: Option<&'a Cell<StepKind>>,
 }
 
 /// The known part of a step before it is taken.
@@ -59,13 +75,21 @@ pub(super) enum StepsOutcome<'a> {
 impl<'a> StepsInput<'a> {
     /// Describes all steps under the present mode from here to a stop (s).
     pub(super) fn of_piece(setup: &'a Setup, excitation: &'a Excitation, stop: f64) -> StepsInput<'a> {
-        StepsInput { setup, excitation, stop, begins_piece: true, single: false, first: FirstStep::Open, swing: None }
+        StepsInput { setup, excitation, stop, begins_piece: true, single: false, first: FirstStep::Open, kind: None }
     }
 
     /// The block.
     #[inline(always)]
     pub(super) fn block(&self) -> &'a Block {
         &self.setup.system.block
+    }
+
+    /// Tells a caller that repeats steps the kind of the present one.
+    #[inline(always)]
+    pub(super) fn report(&self, kind: impl FnOnce() -> StepKind) {
+        if let Some(place) = self.kind {
+            place.set(kind());
+        }
     }
 
     /// Takes a step from the budget of a call.

@@ -8,19 +8,24 @@ use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::SimulationError;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::greater;
-use crate::simulation::state::RunState;
-use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
+use crate::simulation::state::{Committed, RunState};
+use crate::simulation::step::{FirstStep, StepKind, StepsInput, StepsOutcome};
 use crate::simulation::step_interior::{
     Between, EventCrossing, MAX_TURN, SMALL_TURN, StepInterior, event_time, first_event, may_contain_event,
     turn_in_flight,
 };
-use crate::system::evaluation::{DAMPED, Evaluation, Motion, WITH_WORKS};
+use crate::system::evaluation::{DAMPED, Evaluation, Motion, WITH_WORKS, works_of};
 use crate::system::events::EventFunction;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::motion_mode::{AnyMode, Gripping, MotionMode, dispatch_mode};
 
+/// Evaluations of a short step, with that of its end.
+pub(super) const EVALUATIONS_OF_SHORT_STEP: u64 = EVALUATIONS_PER_SHORT_STEP + 1;
+
 /// The end of a step without events.
 pub(super) struct StepEnd<const N: usize> {
+    /// The evaluations that led there.
+    pub(super) evaluations: u64,
     /// The state there.
     pub(super) state: State<f64, N>,
     /// The works on the way, per unit mass.
@@ -107,14 +112,19 @@ impl RunState {
                 // Loads may begin at this instant.
                 self.peaks.include(&here.channels_called());
                 self.settle_at_rest(stop);
+                input.report(|| StepKind::Rested);
                 return Ok(StepsOutcome::Lasts);
             }
             input.spend(budget, self.pose.time, limits.longest)?;
             let motion = Motion::<_, N>::under(mode, block, &self.pose, excitation);
             let tries_short = std::mem::replace(&mut may_be_short, true);
             let short = if tries_short { self.short_step_to(stop, mode, &limits) } else { ShortStepTo::TooFar };
-            if short == ShortStepTo::Stop && self.short_step(stop, &motion, &here, &limits) {
-                return Ok(StepsOutcome::Lasts);
+            if short == ShortStepTo::Stop {
+                if self.short_step(stop, &motion, &here, &limits) {
+                    input.report(|| StepKind::ShortStep);
+                    return Ok(StepsOutcome::Lasts);
+                }
+                self.counts.evaluations += EVALUATIONS_OF_SHORT_STEP;
             }
             let own;
             let step = match made.take() {
@@ -129,7 +139,9 @@ impl RunState {
             if !(step.end.is_finite() && end_rate.state.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
+            let evaluations = EVALUATIONS_PER_STEP;
+            let end = StepEnd { evaluations, state: step.end, work: step.work, longest: limits.longest };
+            input.report(|| StepKind::Step);
             let inside = StepInterior { motion, between: Between::Within(step, end_rate), evaluations: 0 };
             match self.finish(&mut here, there, &end, inside) {
                 Finished::TooLong(size) => {
@@ -167,7 +179,6 @@ impl RunState {
         let size = stop - self.pose.time;
         let step = ShortStep::attempt(here.time, size, motion.state_of(here), motion.rate_of(here), motion);
         let there = motion.at(stop, step.end);
-        self.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         if turn_in_flight(motion.mode(), &here.state, &there.state, size) > SMALL_TURN {
             return false;
         }
@@ -187,14 +198,13 @@ impl RunState {
         }
         // After an event or a jump of the inputs the beginning is new, too.
         self.peaks.include_ends(&start, &end);
-        self.counts.steps += 1;
         // Without a limit of friction a foot may slide in any mode.
         if !motion.mode().grips() {
             self.accumulate_slip(here, &there);
         }
         let mut work = step.work;
         work[0] += here.footing.free_work(&there.footing);
-        self.commit(&there, work);
+        self.commit_at(&there, work, EVALUATIONS_OF_SHORT_STEP);
         true
     }
 
@@ -216,7 +226,6 @@ impl RunState {
             attempt.unwrap_or_else(|| self.control.attempt(stop - time, longest, shortest).instead_of(short));
         loop {
             let mut step = DenseStep::attempt(time, attempt.size, start, first, motion);
-            self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(weights);
             let factor = size_factor(eighth_root(error));
             let turn = turn_in_flight(motion.mode(), &start, &step.end, attempt.size);
@@ -224,13 +233,12 @@ impl RunState {
             let turns_far = turn > MAX_TURN && attempt.size > 2.0 * shortest;
             if error <= 1.0 && !turns_far {
                 self.control.accept(&attempt, factor, longest);
-                self.counts.steps += 1;
                 if attempt.last {
                     step.end_time = stop;
                 }
                 return Ok(step);
             }
-            self.counts.rejected += 1;
+            self.reject(EVALUATIONS_PER_STEP);
             let factor = if error <= 1.0 { (MAX_TURN / turn).max(2.0 * shortest / attempt.size) } else { factor };
             attempt = self.control.reject(&attempt, factor);
             let size = attempt.size;
@@ -257,9 +265,7 @@ impl RunState {
         let mut event = first_event(here, &there, end.longest, &mut inside);
         if let Some(EventCrossing { rise_unseen: true, elapsed, .. }) = &mut event {
             if may_shorten(self.pose.time, size, end.longest) {
-                self.counts.evaluations += inside.evaluations;
-                self.counts.steps -= 1;
-                self.counts.rejected += 1;
+                self.reject(end.evaluations + inside.evaluations);
                 return Finished::TooLong(SHORTENED * size);
             }
             *elapsed = size;
@@ -277,21 +283,20 @@ impl RunState {
         }
         let elapsed = event.map_or(size, |fall| fall.elapsed);
         inside.include_in(&mut self.peaks, here, &there, near_a_peak(elapsed, end.longest));
-        self.counts.evaluations += inside.evaluations;
         if !mode.grips() {
             self.accumulate_slip(here, &there);
         }
         if N > 4 {
-            self.sums.add(std::array::from_fn(|i| *beyond.0.get(6 + i).unwrap_or(&0.0)));
+            self.sums.add(works_of(&beyond));
             self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at(elapsed));
             self.accumulate_plastic(here, &there);
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }
-        self.commit(&there, work);
+        self.commit_at(&there, work, end.evaluations + inside.evaluations);
         if mode.held().is_some() {
             // The corner lifts and lands too often for an account of each event; the balance of energy has their sum.
-            let dissipated: f64 = beyond.0.iter().skip(6).sum();
+            let dissipated: f64 = works_of(&beyond).into_iter().sum();
             let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
             self.sums.constraint += made;
             self.sums.impacts -= made;
@@ -321,16 +326,17 @@ impl RunState {
         }
     }
 
-    /// Makes an instant of the motion the present one. `work` is that on the way, per unit mass.
+    /// [Commits](RunState::commit) a step to this instant. `work` is that on the way, per unit mass.
     #[inline]
-    pub(super) fn commit(&mut self, there: &Evaluation, work: Powers) {
-        self.sums.input += work[0];
-        self.sums.dashpots += work[1];
-        if there.time > self.pose.time {
-            self.events_in_this_instant = 0;
-        }
+    pub(super) fn commit_at(&mut self, there: &Evaluation, work: Powers, evaluations: u64) {
         let Evaluation { time, state, footing, .. } = *there;
-        self.pose = Pose { time, state, footing, ..self.pose };
+        self.commit(Committed { time, state, footing, works: self.works_after(work), evaluations });
+    }
+
+    /// Counts a step that is repeated with a smaller size.
+    pub(super) fn reject(&mut self, evaluations: u64) {
+        self.counts.evaluations += evaluations;
+        self.counts.rejected += 1;
     }
 
     /// Ends the motion of a block at rest under a constant excitation. Motion below round-off is dropped.

@@ -7,8 +7,8 @@ use crate::numerics::control::LONGEST;
 use crate::numerics::scalar::Runs;
 use crate::simulation::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, PRESSED, UNITS, visible};
-use crate::simulation::state::RunState;
-use crate::simulation::step::{FirstStep, StepsInput, StepsOutcome};
+use crate::simulation::state::{Committed, RunState};
+use crate::simulation::step::{FirstStep, StepKind, StepsInput, StepsOutcome};
 use crate::simulation::step_interior::{Between, StepInterior, event_time};
 use crate::simulation::stepping::{Finished, StepEnd};
 use crate::system::evaluation::{Evaluation, Motion};
@@ -19,6 +19,9 @@ use crate::system::swing::{Bounds, Pivoting, Swing};
 
 /// The greatest rotation (rad) that is below a quarter turn.
 pub(super) const UPRIGHT: f64 = 1.5;
+
+/// The evaluation of its beginning, from which a swing has its series.
+pub(super) const EVALUATIONS_PER_SWING: u64 = 1;
 
 /// The beginning of a swing, and the event function that reaches zero at its end.
 #[derive(Clone, Copy)]
@@ -129,11 +132,7 @@ impl RunState {
                 Some(known) => known,
                 None => &Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed),
             };
-            if let Some(place) = input.swing {
-                place.set(Some(*swing));
-            }
-            self.counts.evaluations += 1;
-            self.counts.steps += 1;
+            input.report(|| StepKind::Swing(*swing));
             let bounds = swing.bounds(&pivoting);
             let (lasts, last_end) = (swing.size == remaining, time + swing.size);
             let mut segment = SwingSegment::of(swing, &bounds, pivot)
@@ -167,7 +166,7 @@ impl RunState {
             } else {
                 let mut here = Motion::<_, 4>::under(mode, block, &self.pose, excitation).at(time, self.pose.state);
                 if begins_piece && let Some(function) = setup.system.crossed_by_jump(&here) {
-                    self.counts.steps -= 1;
+                    self.counts.evaluations += EVALUATIONS_PER_SWING;
                     return Ok(StepsOutcome::Event(function, here));
                 }
                 match self.examine(mode, swing, fraction, end, &mut here, tolerance)? {
@@ -223,11 +222,14 @@ impl RunState {
     #[inline(always)]
     fn commit_swing(&mut self, end: f64, state: State, work: f64, body: &Body) {
         self.peaks.include_rotation(state[0].abs(), body);
-        self.sums.input += work;
-        self.pose.state = state;
-        if end > self.pose.time {
-            (self.pose.time, self.events_in_this_instant) = (end, 0);
-        }
+        let (works, footing) = (self.works_after([work, 0.0].into()), self.pose.footing);
+        self.commit(Committed {
+            time: end.max(self.pose.time),
+            state,
+            footing,
+            works,
+            evaluations: EVALUATIONS_PER_SWING,
+        });
     }
 
     /// Searches a segment of a swing for events and peaks, by the equations. The segment ends at `end` (s). Advances from `here` to the
@@ -247,7 +249,6 @@ impl RunState {
         let [theta, theta_dot] = swing.at(fraction);
         let state = State::from([theta, theta_dot, 0.0, 0.0]);
         let there = motion.at(end, state);
-        self.counts.evaluations += 2;
         if ![theta, theta_dot, there.instant.theta_ddot].iter().all(|x| x.is_finite()) {
             return Err(SimulationError::NotFinite { time });
         }
@@ -255,7 +256,9 @@ impl RunState {
             return Err(SimulationError::StepTooSmall { time, size: swing.size, tolerance });
         }
         let longest = longest_swing(block.p, excitation.frequency());
-        let step_end = StepEnd { state, work: [swing.work(fraction), 0.0].into(), longest };
+        // Those of both ends, too.
+        let evaluations = EVALUATIONS_PER_SWING + 2;
+        let step_end = StepEnd { evaluations, state, work: [swing.work(fraction), 0.0].into(), longest };
         let inside = StepInterior { motion, between: Between::Swing(time, swing), evaluations: 0 };
         Ok(self.finish(here, there, &step_end, inside))
     }

@@ -251,6 +251,12 @@ fn extended<T: Scalar, const N: usize>(motion: [T; 6], works: [T; forces::DISSIP
     State::first_of(forces::joined::<_, 6, { forces::DISSIPATIVE }, DAMPED>(motion, works))
 }
 
+/// Returns the works of dissipative forces in a state, in the order of [`Evaluation::dissipated`]; zeros for those that it lacks.
+#[inline(always)]
+pub fn works_of<T: Scalar, const N: usize>(state: &State<T, N>) -> [T; forces::DISSIPATIVE] {
+    std::array::from_fn(|i| state.0.get(6 + i).copied().unwrap_or(T::from(0.0)))
+}
+
 /// Returns the first four numbers of a state.
 #[inline(always)]
 fn first_four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {

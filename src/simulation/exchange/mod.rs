@@ -175,7 +175,10 @@ impl Simulation {
                 let below = indicator_of(function?, &now, offset, jumped);
                 (below <= 0.0).then_some((function?, below))
             });
-            let Some((function, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            let due = fallen.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(function, _)| function);
+            // The block itself looks for what a jump of the excitation has brought about, and in that order.
+            let by_jump = if jumped { None } else { self.setup.system.crossed_by_jump(&now) };
+            let Some(function) = by_jump.filter(|_| due.is_some()).or(due) else { break };
             // A restraint may be taut and break in one instant.
             self.run.peaks.include_restraints(&now);
             now = self.run.apply(&self.setup, function, &now, observer)?;

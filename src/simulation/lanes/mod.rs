@@ -15,12 +15,12 @@ use crate::block::{Block, Foundation};
 use crate::excitation::{Inputs, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
-use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::state::{RunState, Setup};
+use crate::simulation::state::{Committed, RunState, Setup};
 use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
+use crate::simulation::stepping::EVALUATIONS_OF_SHORT_STEP;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::System;
 use crate::system::events::{Event, EventFunction};
@@ -254,24 +254,25 @@ impl Lane {
     /// Comes to the end of a step.
     #[inline]
     fn arrive(&mut self, batch: &StepBatch, lane: usize, short: bool) {
-        if short {
-            self.simulation.run.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        } else {
+        if !short {
             self.accept(batch, lane);
         }
         let Lane { simulation: Simulation { run, .. }, transposed, .. } = self;
-        run.counts.steps += 1;
-        run.events_in_this_instant = 0;
-        run.pose.time = transposed.step[1];
         let [theta, theta_dot, w, w_dot] = &batch.state;
-        run.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
         let [input, dashpots] = &batch.sums;
+        run.commit(Committed {
+            time: transposed.step[1],
+            state: State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]),
+            footing: run.pose.footing,
+            works: [input[lane], dashpots[lane]],
+            evaluations: if short { EVALUATIONS_OF_SHORT_STEP } else { EVALUATIONS_PER_STEP },
+        });
         let [theta, reaction, horizontal, uplift, friction_demand] = &batch.peaks;
         transposed.sums = [input[lane], dashpots[lane], friction_demand[lane], 0.0];
         transposed.peaks = [theta[lane], reaction[lane], horizontal[lane], uplift[lane]];
         let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut run.peaks;
         [*theta, *reaction, *horizontal, *uplift] = transposed.peaks;
-        [run.sums.input, run.sums.dashpots, *friction_demand, _] = transposed.sums;
+        *friction_demand = transposed.sums[2];
         self.next = NextStep::Open { begins_piece: false };
         self.budget -= 1;
     }
@@ -281,7 +282,6 @@ impl Lane {
     fn accept(&mut self, batch: &StepBatch, lane: usize) {
         let Lane { simulation: Simulation { run, .. }, attempt, longest, .. } = self;
         run.control.accept(attempt, size_factor(batch.root[lane]), *longest);
-        run.counts.evaluations += EVALUATIONS_PER_STEP;
     }
 
     /// Rejects a step of order 8. A shorter one comes next, unless the clock does not resolve it: returns
@@ -293,15 +293,14 @@ impl Lane {
             return false;
         }
         *attempt = run.control.reject(attempt, factor);
-        run.counts.evaluations += EVALUATIONS_PER_STEP;
-        run.counts.rejected += 1;
+        run.reject(EVALUATIONS_PER_STEP);
         self.next = NextStep::Shorter;
         true
     }
 
     /// Rejects the short step; a step of order 8 follows.
     fn rule_out_short_step(&mut self) {
-        self.simulation.run.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
+        self.simulation.run.counts.evaluations += EVALUATIONS_OF_SHORT_STEP;
         self.next = NextStep::NotShort;
     }
 }
@@ -349,7 +348,6 @@ fn step(width: VectorWidth, stance: Stance, short: bool, group: &mut [Box<Lane>]
     for (lane, mut step) in std::mem::take(&mut batch.accepted) {
         let run = &mut group[lane];
         run.accept(&batch, lane);
-        run.simulation.run.counts.steps += 1;
         step.end_time = run.end_time();
         run.next = NextStep::Made(step);
     }

@@ -9,7 +9,8 @@ use crate::numerics::wide::{Array, Lanes, MAX_LANES, Simd, Task, VectorWidth, Wi
 use crate::simulation::Simulation;
 use crate::simulation::force_peaks::{ForcePeaks, PRESSED, visible};
 use crate::simulation::lanes::{BatchKind, Lane, NextStep};
-use crate::simulation::swings::{SwingForces, UPRIGHT, allowed_error, longest_swing};
+use crate::simulation::state::Committed;
+use crate::simulation::swings::{EVALUATIONS_PER_SWING, SwingForces, UPRIGHT, allowed_error, longest_swing};
 use crate::system::instant::State;
 use crate::system::swing::lanes::Swings;
 use crate::system::swing::{Bounds, Pivoting, Swing};
@@ -253,19 +254,19 @@ impl Lane {
     pub(super) fn arrive_by_swing(&mut self, batch: &SwingBatch, lane: usize) {
         let Lane { simulation: Simulation { setup, run }, next, budget, .. } = self;
         let [end, theta, theta_dot] = [batch.end[0][lane], batch.end[1][lane], batch.end[2][lane]];
-        run.counts.evaluations += 1 + batch.evaluations[lane] as u64;
-        run.counts.steps += 1;
         run.peaks.include_rotation(batch.highest[lane], &setup.system.block);
         run.peaks.include_rotation(theta.abs(), &setup.system.block);
         let [reaction, horizontal, friction_demand] = batch.peaks;
         let peaks = &mut run.peaks;
         (peaks.reaction, peaks.horizontal, peaks.friction_demand) =
             (reaction[lane], horizontal[lane], friction_demand[lane]);
-        run.sums.input = batch.input[lane];
-        run.pose.state = State::from([theta, theta_dot, 0.0, 0.0]);
-        if end > run.pose.time {
-            (run.pose.time, run.events_in_this_instant) = (end, 0);
-        }
+        run.commit(Committed {
+            time: end.max(run.pose.time),
+            state: State::from([theta, theta_dot, 0.0, 0.0]),
+            footing: run.pose.footing,
+            works: [batch.input[lane], run.sums.dashpots],
+            evaluations: EVALUATIONS_PER_SWING + batch.evaluations[lane] as u64,
+        });
         *next = match run.pose.contacts.regime().pivot() {
             Some(pivot) if batch.lands >> lane & 1 == 1 => NextStep::Landing(pivot),
             Some(_) | None => NextStep::Open { begins_piece: false },
