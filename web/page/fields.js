@@ -45,13 +45,14 @@ const OF_LINKS = {
   block_x: "on the block, to the right of the middle", block_z: "on the block, above the base",
   ground_x: "on the ground, to the right", ground_z: "on the ground, above",
   stiffness: "stiffness", pretension: "pretension", slack: "slack", yield_force: "yields at, 0: elastic",
-  hardening: "stiffness after yielding over before", damping: "damping", strength: "strength, 0: unbreakable",
+  hardening: "stiffness after yielding over before", damping: "damping", "damper.stiffness": "stiffness, 0: a dashpot", strength: "strength, 0: unbreakable",
 };
 
 /** A tie or a damper between a point of the block and one of the ground, with these numbers and otherwise zeros. */
 const link = (kind, place, values, when) =>
   Object.keys({ ...OF_LINKS, ...links[kind] }).filter((key) => key in links[kind]).map((key) => ({
-    id: `${kind}_${place}_${key}`, label: `${kind[0].toUpperCase()}${kind.slice(1)} ${place}: ${OF_LINKS[key] ?? key.replaceAll("_", " ")}`,
+    id: `${kind}_${place}_${key}`,
+    label: `${kind[0].toUpperCase()}${kind.slice(1)} ${place}: ${OF_LINKS[`${kind}.${key}`] ?? OF_LINKS[key] ?? key.replaceAll("_", " ")}`,
     unit: written(links[kind][key]), value: values[key] ?? "0", group: "tie", when }));
 
 /** A tie, whose end on the ground is at `ground_x` (m) to the right. */

@@ -10,7 +10,7 @@ use rocking_block::simulation::exchange::{ContinuousStates, STATES, nominals};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Energies, Initial, OnOverturning, OnSeparation, Settings, Simulation};
-use rocking_block::system::events::Event;
+use rocking_block::system::events::{Event, EventKind};
 
 use crate::blocks::on;
 

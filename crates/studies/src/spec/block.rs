@@ -115,7 +115,8 @@ pub struct HoldSpec {
         arg(long = "tie", value_name = "KEY=NUMBER,...", value_parser = tie::tie, allow_hyphen_values = true)
     )]
     pub ties: Vec<Tie>,
-    /// A damper to the ground, which pulls and pushes, with the numbers of a tie but pretension and slack. One option per damper
+    /// A damper to the ground, which pulls and pushes, with the numbers of a tie but pretension and slack; damping without stiffness
+    /// makes a dashpot. One option per damper
     #[schemars(skip)]
     #[cfg_attr(
         feature = "clap",
