@@ -152,7 +152,7 @@ const SIZES: [(&str, f64); 4] =
 #[test]
 fn missing_sizes_cause_a_warning() {
     let warned = |foundation: f64, sizes: &[(&str, f64)]| {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set("parameterization", 2.0);
         instance.set("foundation", foundation);
         sizes.iter().for_each(|&(name, value)| instance.set(name, value));
@@ -173,11 +173,11 @@ fn missing_sizes_cause_a_warning() {
             _ => panic!("{messages:?}"),
         }
     };
-    assert_eq!(warned(1.0, &SIZES[..2]), "physical.K = 800000, physical.C = 4000");
-    assert_eq!(warned(1.0, &SIZES[..3]), "physical.C = 4000");
+    assert_eq!(warned(1.0, &SIZES[..2]), "physical.K = 6050000, physical.C = 11000");
+    assert_eq!(warned(1.0, &SIZES[..3]), "physical.C = 11000");
     assert_eq!(warned(1.0, &SIZES), "");
     assert_eq!(warned(2.0, &SIZES[..2]), "");
-    assert_eq!(warned(2.0, &SIZES[..1]), "physical.height = 14.257546285472138");
+    assert_eq!(warned(2.0, &SIZES[..1]), "physical.height = 1.914348421735829");
 }
 
 #[test]
