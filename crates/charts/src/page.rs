@@ -2,7 +2,7 @@
 
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::canvas::{Area, Drawn, Mark, SHADE, TEXT, WIDTH, anchored, drawing, fill, grey, outline, text};
+use crate::canvas::{Area, Drawn, Mark, SHADE, TEXT, WIDTH, anchored, drawing_of, fill, grey, outline, text};
 use crate::chart::{Chart, Fill, SIDES};
 use crate::formula::{self, formula};
 use crate::line_style::LineStyle;
@@ -43,14 +43,24 @@ pub fn page(
     height: u32,
     draw: impl FnOnce(&Area, &Area) -> Drawn,
 ) -> Result<String, PictureError> {
+    page_of([WIDTH, height], heading, legend, draw)
+}
+
+/// Draws a [`page`] of another width.
+pub fn page_of(
+    [width, height]: [u32; 2],
+    heading: &[String],
+    legend: &[Key],
+    draw: impl FnOnce(&Area, &Area) -> Drawn,
+) -> Result<String, PictureError> {
     let sizes = std::iter::once(1.15 * TEXT).chain(std::iter::repeat(TEXT));
     let lines = heading.iter().zip(sizes).filter(|(line, _)| !line.is_empty()).flat_map(|(line, size)| {
-        let wrapped = wrapped(line, size, f64::from(WIDTH - 2 * MARGIN));
+        let wrapped = wrapped(line, size, f64::from(width - 2 * MARGIN));
         wrapped.into_iter().map(move |line| (line, size))
     });
     let lines: Vec<(String, f64)> = lines.collect();
     let head = 450 + LINE * lines.len() as u32;
-    drawing(head + legend_height(legend) + height, |root| {
+    drawing_of([width, head + legend_height(legend) + height], |root| {
         let (top, rest) = root.split_vertically(head);
         for (i, (line, size)) in lines.iter().enumerate() {
             top.draw_text(&line.replace('\u{A0}', " "), &text(*size), (MARGIN as i32, 280 + (LINE * i as u32) as i32))?;
@@ -75,8 +85,9 @@ pub fn stacked(heading: &[String], legend: &[Key], charts: &[StackedChart]) -> R
     })
 }
 
-/// Breaks a text with marked subscripts into lines of limited width, never at a no-break space.
+/// Breaks a text with marked subscripts into lines of limited width, never at a no-break space or beside `=`.
 pub fn wrapped(text: &str, size: f64, max_width: f64) -> Vec<String> {
+    let text = text.replace(" =", "\u{A0}=").replace("= ", "=\u{A0}");
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
@@ -134,4 +145,21 @@ pub fn with_legend<'a>(area: &Area<'a>, legend: &[Key]) -> Result<Area<'a>, Box<
         area.draw_text(&formula(name), &anchored(TEXT, HPos::Left, VPos::Center), (x + 1380, y))?;
     }
     Ok(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wrapped;
+
+    /// A heading with a value that does not fit goes on with its name.
+    #[test]
+    fn a_name_stays_with_its_value() {
+        let text = "station = APEEL Array #2 - Redwood City component= 133, 0.227 g";
+        for width in 4..70 {
+            let lines = wrapped(text, 340.0, 200.0 * f64::from(width));
+            let words = |text: &str| text.split([' ', '\u{A0}']).map(str::to_owned).collect::<Vec<_>>();
+            assert_eq!(words(&lines.join(" ")), words(text));
+            assert!(lines.iter().all(|line| !line.ends_with('=') && !line.starts_with('=')), "{lines:?}");
+        }
+    }
 }
