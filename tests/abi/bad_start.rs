@@ -86,7 +86,7 @@ fn any_resource_location_does() {
 fn invalid_geometry_is_refused_until_it_is_corrected() {
     let fine: [(&str, f64); 3] = [("physical.width", 2.0), ("physical.height", 8.0), ("physical.K", 1e6)];
     for (name, value) in fine {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set("parameterization", 2.0);
         SIZES.iter().for_each(|&(size, value)| instance.set(size, value));
         instance.set(name, 0.0);
@@ -128,7 +128,7 @@ fn unused_parameters_cause_a_warning() {
         ("tie_2.stiffness", 0.0, "tie_2.strength", 100.0, "tie_2.stiffness"),
     ];
     for (other, value, name, unread, needed) in cases {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set(other, value);
         instance.set(name, unread);
         for size in if other == "parameterization" && value == 2.0 { &SIZES[..] } else { &[] } {

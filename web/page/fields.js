@@ -145,7 +145,7 @@ export const FIELDS = [
     options: [["yes", "rigid base"], ["no", "nothing"]] },
 
   { id: "scale_from", label: "Smallest factor", unit: "1", value: "0.5", group: "ensemble" },
-  { id: "scale_to", label: "Largest factor", unit: "1", value: "6", group: "ensemble" },
+  { id: "scale_to", label: "Largest factor", unit: "1", value: "3", group: "ensemble" },
   { id: "scale_count", label: "Number of factors", value: "24", group: "ensemble" },
   { id: "samples", label: "Runs per factor", value: "24", group: "ensemble" },
   { id: "spread", label: "Spread of the strength", unit: "1", value: "0.1", group: "ensemble", title: "Coefficient of variation" },
