@@ -14,6 +14,11 @@ case ${OSTYPE:-} in
 msys* | cygwin*) python=.venv/Scripts/python.exe system_python=python ;;
 *) python=.venv/bin/python system_python=python3 ;;
 esac
+# Compiles the dependencies that do little work without optimization.
+quick=$PWD/scripts/quick.toml
+cargo() {
+  command cargo --config "$quick" "$@"
+}
 # Optimized, so that they share the libraries of `cargo run --release`: a package whose dependencies have other features, as those
 # left out here, would have these compiled once more. The engine of the Python package is tested from Python.
 cargo_test=(cargo test --release --locked --workspace

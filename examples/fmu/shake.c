@@ -1,4 +1,4 @@
-/* Shakes a block through the C interface of its FMU: half a second of ground acceleration each way, then rest.
+/* Shakes a block through the C interface of its FMU: a fifth of a second of ground acceleration each way, then rest.
  *
  * README.md beside this file has the commands. GUID, A_GX and THETA come from modelDescription.xml. */
 #include <stdarg.h>
@@ -26,7 +26,7 @@ int main(void) {
     fmi2EnterInitializationMode(block);
     fmi2ExitInitializationMode(block);
     for (int step = 0; step < 1000; step++) {
-        fmi2Real a = step < 50 ? 4 : step < 100 ? -4 : 0;
+        fmi2Real a = step < 20 ? 4 : step < 40 ? -4 : 0;
         fmi2SetReal(block, &a_gx, 1, &a);
         fmi2DoStep(block, 0.01 * step, 0.01, fmi2True);
         fmi2GetReal(block, &theta, 1, &rotation);

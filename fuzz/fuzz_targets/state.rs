@@ -19,8 +19,13 @@ use rocking_block::unit::instance::Interface;
 
 /// Contents of real states: before, during and after initialization, and under way in every regime and ending.
 fn plant_seeds() {
-    let rocking =
-        [("pulse.shape", 2.0), ("pulse.amplitude", 6.0), ("pulse.period", 1.2), ("dimensionless.alpha", 0.25)];
+    let rocking = [
+        ("pulse.shape", 2.0),
+        ("pulse.amplitude", 6.0),
+        ("pulse.period", 1.2),
+        ("dimensionless.alpha", 0.25),
+        ("dimensionless.p", 1.0),
+    ];
     let ways: [(&str, &[(&str, f64)]); 6] = [
         ("at_rest", &[]),
         ("rigid", &[("foundation", 2.0)]),

@@ -31,9 +31,9 @@ class Block(_engine.Block):
 
     Parameters
     ----------
-    alpha : float, default 0.25
+    alpha : float, default 0.18
         Slenderness angle α [rad], 0 < α < π/2.
-    p : float, default 1
+    p : float, default 2.75
         Frequency parameter p = √(γ g / ((1 + γ) R0)) [rad/s], eq. (3).
     eta : float, default 40
         Stiffness ratio η = ω_v/p [1]; required with `width` unless `K` and `C` are given.
@@ -218,7 +218,7 @@ class Block(_engine.Block):
 
         The peak rotation grows with the period of the pulse:
 
-        >>> run = rb.Block().run(pulse=rb.Pulse("one-sine", 6.2622, 1.2566), gradients=["pulse.period"])
+        >>> run = rb.Block(alpha=0.25, p=1.0).run(pulse=rb.Pulse("one-sine", 6.2622, 1.2566), gradients=["pulse.period"])
         >>> run.gradients["pulse.period"].peak.theta > 0
         True
         """

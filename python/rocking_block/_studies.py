@@ -22,7 +22,7 @@ from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation
 def spectrum(
     *,
     p: npt.ArrayLike,
-    alpha: npt.ArrayLike = 0.25,
+    alpha: npt.ArrayLike | None = None,
     eta: npt.ArrayLike | None = None,
     xi_v: npt.ArrayLike | None = None,
     epsilon: npt.ArrayLike = 0.0,
@@ -118,7 +118,7 @@ def spectrum(
     >>> table["outcome"].reshape(table.shape)[0].tolist()
     ['completed', 'overturned', 'overturned', 'overturned']
     """
-    given = {"alpha": alpha, "eta": eta, "xi_v": xi_v, "epsilon": epsilon, "restitution_factor": restitution_factor}
+    given = {"alpha": Block().alpha if alpha is None else alpha, "eta": eta, "xi_v": xi_v, "epsilon": epsilon, "restitution_factor": restitution_factor}
     curves = _broadcast(**{name: values for name, values in given.items() if values is not None})
     sizes = _broadcast(p=p)["p"]
     each = {name: np.repeat(values.ravel(), sizes.size) for name, values in curves.items()}
@@ -198,7 +198,7 @@ def outcomes(
     --------
     >>> import rocking_block as rb
     >>> pulse = rb.Pulse("one-sine", amplitude=6.2622, period=1.2566)
-    >>> rb.outcomes(rb.blocks(p=[1.0, 1.5, 3.0]), pulse=pulse)["outcome"].tolist()
+    >>> rb.outcomes(rb.blocks(alpha=0.25, p=[1.0, 1.5, 3.0]), pulse=pulse)["outcome"].tolist()
     ['completed', 'overturned', 'overturned']
     """
     single = isinstance(blocks, _engine.Block)

@@ -13,7 +13,7 @@ STUDY = {
     "parameters": {"foundation": "rigid", "alpha": 0.15, "p": [1.5, 2.2]},
     "records": [{"horizontal": f"{RECORDS}/*.smc"}],
 }
-PULSE = {"p": [1.0, 2.0], "pulse": {"shape": "one-sine", "amplitude": 6.2622, "period": 1.2566}}
+PULSE = {"alpha": 0.25, "p": [1.0, 2.0], "pulse": {"shape": "one-sine", "amplitude": 6.2622, "period": 1.2566}}
 TABLES = {
     "sweep": lambda: rb.sweep(STUDY),
     "sweep of a pulse": lambda: rb.sweep({"study": {"design": "grid"}, "parameters": PULSE}),

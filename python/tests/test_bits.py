@@ -252,7 +252,7 @@ def test_a_run_under_a_record_is_that_of_the_fmu(record):
 
 
 def test_both_units_of_the_package_give_the_same_bits():
-    start = {"dimensionless.alpha": 0.2, "dimensionless.eta": 60.0, "epsilon": 0.3, "on_separation": 3, "pulse.shape": 2,
+    start = {"dimensionless.alpha": 0.2, "dimensionless.p": 1.0, "dimensionless.eta": 60.0, "epsilon": 0.3, "on_separation": 3, "pulse.shape": 2,
              "pulse.amplitude": 5.0, "pulse.period": 1.2}
     of_fmi2, of_fmi3 = (
         simulate_fmu(str(rb.fmu_path(version)), start_values=start, stop_time=5.0, output_interval=0.05, output=COLUMNS)

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 WORK = {
-    "a run": "rb.Block(eta=80, xi_v=0.0).run(theta=0.2, on_separation='fly', duration=5e5, step=1.0, tolerance=1e-13)",
+    "a run": "rb.Block(alpha=0.25, p=1.0, eta=80, xi_v=0.0).run(theta=0.2, on_separation='fly', duration=5e5, step=1.0, tolerance=1e-13)",
     "a spectrum": "rb.spectrum(p=np.linspace(1, 4, 1_000_000), pulse=pulse)",
     "a sweep": "rb.sweep({'study': {'design': 'grid'}, 'parameters': {'pulse': {'shape': 'OneSine', 'amplitude': 6.0}, "
     "'dimensionless.p': {'from': 1.0, 'to': 4.0, 'count': 1000000}}})",

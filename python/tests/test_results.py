@@ -33,7 +33,7 @@ def test_each_column_has_an_attribute_that_says_what_it_is():
 def test_a_table_becomes_a_frame_and_a_file(tmp_path):
     import pyarrow.parquet
 
-    table = rb.spectrum(p=[1.0, 2.0], pulse=rb.Pulse("one-sine", 6.0, 1.25))
+    table = rb.spectrum(alpha=0.25, p=[1.0, 2.0], pulse=rb.Pulse("one-sine", 6.0, 1.25))
     assert table.to_frame()["outcome"].tolist() == table["outcome"].tolist()
     file = tmp_path / "table.parquet"
     table.to_parquet(file)
@@ -65,7 +65,7 @@ def test_rows_of_a_table_are_chosen_by_masks_and_numbers():
 
 def test_columns_of_one_value_take_no_memory():
     """They are as others in all else, and a table of parts has the same values."""
-    study = {"study": {"design": "grid"}, "parameters": {"foundation": "rigid", "p": {"from": 1.0, "to": 2.0, "count": 50},
+    study = {"study": {"design": "grid"}, "parameters": {"foundation": "rigid", "alpha": 0.25, "p": {"from": 1.0, "to": 2.0, "count": 50},
              "pulse": {"shape": "one-sine", "amplitude": 6.0, "period": 1.0}}}
     table = rb.sweep(study)
     repeated = {name for name, column in table.items() if column.strides == (0,)}
@@ -80,7 +80,7 @@ def test_columns_of_one_value_take_no_memory():
 def test_pandas_takes_a_table():
     import pandas
 
-    table = rb.spectrum(p=[1.0, 2.0], pulse=PULSE)
+    table = rb.spectrum(alpha=0.25, p=[1.0, 2.0], pulse=PULSE)
     assert pandas.DataFrame(table).equals(table.to_frame()) and list(table.to_frame()) == list(table)
 
 
@@ -165,7 +165,8 @@ def test_tables_and_records_are_drawn(record, figure):
     points = table.plot("PGV", ax=figure.add_subplot())
     assert {line.get_marker() for line in points.lines} >= {"o"} and points.get_xlabel() == "PGV [m/s]"
     assert record.plot().figure is not figure
-    study = {"study": {"design": "grid"}, "parameters": {"pulse": {"shape": "OneSine", "period": [1.0, 1.5], "amplitude": [4.0, 6.0]}}}
+    study = {"study": {"design": "grid"}, "parameters": {"alpha": 0.25, "p": 1.0,
+             "pulse": {"shape": "OneSine", "period": [1.0, 1.5], "amplitude": [4.0, 6.0]}}}
     axes = rb.sweep(study).plot(ax=plt.figure().add_subplot())
     assert axes.get_xlabel() == "pulse.period [s]" and axes.get_legend().get_texts()[1].get_text() == "pulse.amplitude = 6"
     with pytest.raises(ValueError, match="column 'outcome' has .* values; expected numbers"):
@@ -336,7 +337,7 @@ def test_outcomes_have_slip_and_limits_on_it():
     table = rb.outcomes([CABINET, CABINET.replace(friction=0.3)], pulse=SHAKEN, progress=False)
     assert table.units["peak.slip"] == "m" and table.units["peak.tie_1.tension"] == "N"
     assert table["peak.slip"][1] > 10 * table["peak.slip"][0]
-    assert "peak.slip" not in rb.outcomes(rb.Block(), pulse=SHAKEN, progress=False)
+    assert "peak.slip" not in rb.outcomes(rb.Block(alpha=0.25, p=1.0), pulse=SHAKEN, progress=False)
     slips = [0, 0.01, 0.2, 0.05, 0.3, 0.4, 0.02, 0]
     rows = {"PGV": np.arange(2, 10) / 10, "outcome": ["completed"] * 7 + ["overturned"], "peak.slip": slips}
     fit = rb.fragility(rows, im="PGV", limit="slip:0.1", progress=False)

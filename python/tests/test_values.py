@@ -48,7 +48,7 @@ def peak(block):
 
 
 def test_blocks_go_to_other_processes():
-    blocks = rb.blocks(p=[1.0, 1.3])
+    blocks = rb.blocks(alpha=0.25, p=[1.0, 1.3])
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         assert pool.map(peak, blocks) == [peak(block) for block in blocks]
 
@@ -57,9 +57,9 @@ def test_results_are_pickled():
     run = rb.Block().run(theta=0.1, duration=1.0)
     other = pickle.loads(pickle.dumps(run))
     assert np.array_equal(other.theta, run.theta) and other.events == run.events and other.peak == run.peak
-    table = rb.spectrum(p=[1, 2], pulse=rb.Pulse("one-sine", 6.0, 1.25))
+    table = rb.spectrum(alpha=0.25, p=[1, 2], pulse=rb.Pulse("one-sine", 6.0, 1.25))
     assert pickle.loads(pickle.dumps(table)) == table
-    assert table != rb.spectrum(p=[1, 3], pulse=rb.Pulse("one-sine", 6.0, 1.25)) and table != 1
+    assert table != rb.spectrum(alpha=0.25, p=[1, 3], pulse=rb.Pulse("one-sine", 6.0, 1.25)) and table != 1
 
 
 def test_the_version_is_that_of_the_project():
@@ -123,7 +123,7 @@ def test_a_block_that_is_none_is_refused(parameters, message):
     assert str(refused.value) == message
 
 
-BLOCK = rb.Block()
+BLOCK = rb.Block(alpha=0.25, p=1.0)
 PULSE = rb.Pulse("one-sine", 6.0, 1.25)
 RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
 
@@ -135,7 +135,7 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: BLOCK.run(RECORD, scale=np.inf), "scale = inf; expected a finite factor"),
         (lambda: BLOCK.run(pulse=PULSE, scale=2.0), "scale has no effect without a record"),
         (lambda: BLOCK.replace(foundation="rigid").run(v=0.1), "v and v_dot have no effect on a rigid base"),
-        (lambda: rb.spectrum(p=1.0, pulse=PULSE, threads=0), "threads = 0; expected a whole number from 1 to 1024"),
+        (lambda: rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE, threads=0), "threads = 0; expected a whole number from 1 to 1024"),
         (lambda: rb.search_overturning(BLOCK, pulse=PULSE, points=-1),
          "points = -1; expected a whole number from 2 to 10000000"),
         (lambda: BLOCK.run(theta=2.0), "theta = 2; expected a rotation within ±1.57 rad"),
@@ -169,14 +169,14 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: rb.spectrum(p=1.0, records=[RECORD] * 2, vertical=[RECORD] * 3),
          "found 3 vertical and 2 horizontal records; expected equal numbers"),
         (lambda: rb.spectrum(p=1.0, records=[]), "records = []; expected at least one"),
-        (lambda: rb.spectrum(p=1.0, pulse=PULSE, vertical=[]), "vertical = []; expected at least one"),
+        (lambda: rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE, vertical=[]), "vertical = []; expected at least one"),
         (lambda: rb.spectrum(p=[], pulse=PULSE), "p = []; expected at least one"),
         (lambda: rb.spectrum(p=1.0, eta=[], pulse=PULSE), "eta = []; expected at least one"),
         (lambda: rb.outcomes([], RECORD), "blocks = []; expected at least one"),
         (lambda: rb.blocks(p=[1, 2], alpha=[0.1, 0.2, 0.3]), "shapes do not broadcast: p (2,), alpha (3,)"),
         (lambda: rb.Table({"p": [1.0, 2.0, 3.0]}, shape=(2, 2)), "shape = (2, 2) with 3 rows; expected an equal number of elements"),
         (lambda: rb.outcomes(BLOCK, RECORD, scale=[]), "scale = []; expected at least one factor"),
-        (lambda: rb.spectrum(p=1.0, pulse=PULSE, step=1e-9), "step = 0.000000001; expected a time of at least 1e-6 s"),
+        (lambda: rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE, step=1e-9), "step = 0.000000001; expected a time of at least 1e-6 s"),
         (lambda: rb.search_overturning(BLOCK), "expected either a pulse or a record, whose strength is searched for"),
         (lambda: rb.search_overturning(BLOCK, pulse=PULSE, start=2.0, stop=1.0), "stop = 1; expected more than start = 2"),
         (lambda: rb.search_damping(BLOCK.replace(foundation="rigid")),
@@ -245,10 +245,10 @@ except MemoryError as error:
 def test_words_may_be_in_any_case():
     assert rb.Pulse("One-Sine", 6.0, 1.25) == rb.Pulse("OneSine", 6.0, 1.25) == PULSE and rb.Pulse("C2", 1.0) == rb.Pulse("c2", 1.0)
     rigid = BLOCK.replace(foundation="Rigid")
-    assert rigid == rb.Block(foundation="RIGID") and rigid.replace(foundation="Viscoelastic").foundation == "viscoelastic"
+    assert rigid == rb.Block(alpha=0.25, p=1.0, foundation="RIGID") and rigid.replace(foundation="Viscoelastic").foundation == "viscoelastic"
     ends = [BLOCK.run(pulse=PULSE, on_separation=word, on_overturning="Hold", duration=2.0) for word in ("fly", "FLY")]
     assert np.array_equal(ends[0].theta, ends[1].theta)
-    tables = [rb.spectrum(p=1.0, pulse=PULSE, foundation=word) for word in ("rigid", "Rigid")]
+    tables = [rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE, foundation=word) for word in ("rigid", "Rigid")]
     assert tables[0] == tables[1] and tables[0]["foundation"][0] == "rigid"
 
 
@@ -263,12 +263,12 @@ def test_a_block_flies_by_default_everywhere():
 def test_supports_that_let_the_block_fall_over_are_warned_of():
     """At the smallest η the block rests at any tilt; one per cent above it stands, and below it falls."""
     least = np.sqrt(4 / 3 * np.cos(0.25)) / np.sin(0.25)
-    assert rb.Block(eta=1.01 * least, xi_v=0.5).run(theta=1e-3, duration=30.0).peak.theta < 2e-3
+    assert rb.Block(alpha=0.25, p=1.0, eta=1.01 * least, xi_v=0.5).run(theta=1e-3, duration=30.0).peak.theta < 2e-3
     with pytest.warns(UserWarning, match="falls over by itself on supports of eta = 4.548.* expected eta > 4.594.* K > "):
-        soft = rb.Block(eta=0.99 * least, xi_v=0.5)
+        soft = rb.Block(alpha=0.25, p=1.0, eta=0.99 * least, xi_v=0.5)
     assert soft.run(theta=1e-3).outcome == "overturned"
     with pytest.warns(UserWarning, match="falls over by itself"):
-        rb.spectrum(p=1.0, eta=[40, 3], pulse=PULSE)
+        rb.spectrum(alpha=0.25, p=1.0, eta=[40, 3], pulse=PULSE)
 
 
 def test_accelerations_of_no_earthquake_are_warned_of():
@@ -332,7 +332,7 @@ def test_arguments_broadcast():
     made = rb.spectrum(p=[[1.0, 2.0, 3.0]], eta=[[40], [80]], xi_v=[0.1, 0.4], pulse=PULSE)
     assert made.shape == (2, 2, 1, 3)
     assert made["eta"].reshape(made.shape)[1, 0, 0, 2] == 80 and made["xi_v"].reshape(made.shape)[1, 0, 0, 2] == 0.1
-    assert rb.spectrum(p=1.0, pulse=PULSE).shape == ()
+    assert rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE).shape == ()
     assert rb.spectrum(p=[1.0], records=[RECORD, RECORD], vertical=[RECORD, RECORD], scale=[1, 2, 3]).shape == (2, 3, 1)
     blocks = rb.blocks(alpha=[[0.1], [0.2]], p=[1.0, 2.0, 3.0], foundation=["viscoelastic", "rigid", "rigid"])
     assert [(block.alpha, block.p, block.foundation) for block in blocks[2:5]] == [

@@ -86,7 +86,7 @@ fn any_resource_location_does() {
 fn invalid_geometry_is_refused_until_it_is_corrected() {
     let fine: [(&str, f64); 3] = [("physical.width", 2.0), ("physical.height", 8.0), ("physical.K", 1e6)];
     for (name, value) in fine {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set("parameterization", 2.0);
         SIZES.iter().for_each(|&(size, value)| instance.set(size, value));
         instance.set(name, 0.0);
@@ -128,7 +128,7 @@ fn unused_parameters_cause_a_warning() {
         ("tie_2.stiffness", 0.0, "tie_2.strength", 100.0, "tie_2.stiffness"),
     ];
     for (other, value, name, unread, needed) in cases {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set(other, value);
         instance.set(name, unread);
         for size in if other == "parameterization" && value == 2.0 { &SIZES[..] } else { &[] } {
@@ -152,7 +152,7 @@ const SIZES: [(&str, f64); 4] =
 #[test]
 fn missing_sizes_cause_a_warning() {
     let warned = |foundation: f64, sizes: &[(&str, f64)]| {
-        let instance = Instance::new("block");
+        let instance = Instance::with_start_values(CO_SIMULATION, "block", None, false);
         instance.set("parameterization", 2.0);
         instance.set("foundation", foundation);
         sizes.iter().for_each(|&(name, value)| instance.set(name, value));
@@ -173,11 +173,11 @@ fn missing_sizes_cause_a_warning() {
             _ => panic!("{messages:?}"),
         }
     };
-    assert_eq!(warned(1.0, &SIZES[..2]), "physical.K = 800000, physical.C = 4000");
-    assert_eq!(warned(1.0, &SIZES[..3]), "physical.C = 4000");
+    assert_eq!(warned(1.0, &SIZES[..2]), "physical.K = 6050000, physical.C = 11000");
+    assert_eq!(warned(1.0, &SIZES[..3]), "physical.C = 11000");
     assert_eq!(warned(1.0, &SIZES), "");
     assert_eq!(warned(2.0, &SIZES[..2]), "");
-    assert_eq!(warned(2.0, &SIZES[..1]), "physical.height = 14.257546285472138");
+    assert_eq!(warned(2.0, &SIZES[..1]), "physical.height = 1.914348421735829");
 }
 
 #[test]

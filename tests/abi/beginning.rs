@@ -149,7 +149,9 @@ fn derivatives_with_respect_to_gravity_count_the_unit_of_the_record() {
 
 #[test]
 fn undeclared_dependencies_are_refused() {
-    let instance = begin(&[]);
+    let instance = Instance::with_start_values(CO_SIMULATION, "beginning", None, false);
+    assert_eq!(instance.setup(None, 0.0, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
     let refuses = |unknown: u32, known: u32, direction: f64, words: &[&str]| {
         let mut found = -1.5;
         let status = call!(instance, get_directional_derivative, &unknown, 1, &known, 1, &direction, &mut found);

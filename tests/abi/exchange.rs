@@ -396,7 +396,7 @@ fn states_can_be_set_as_variables() {
 /// The nominal values in the file are those of the block with the start values.
 #[test]
 fn nominal_values_suit_the_default_block() {
-    let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+    let instance = Instance::with_start_values(MODEL_EXCHANGE, "block", None, false);
     let mut nominals = [f64::NAN; STATES];
     assert_eq!(call!(instance, get_nominals, nominals.as_mut_ptr(), nominals.len()), OK);
     let xml = include_str!("../../modelDescription.xml");

@@ -124,8 +124,22 @@ impl Instance {
         Instance::of(CO_SIMULATION, name, location, logging)
     }
 
-    /// Makes an instance of an interface type.
+    /// Makes an instance of an interface type, with the block of the paper's figures.
     pub fn of(interface: c_int, name: &str, location: Option<&str>, logging: bool) -> Instance {
+        let instance = Instance::with_start_values(interface, name, location, logging);
+        instance.set_paper_block();
+        instance
+    }
+
+    /// Sets the block of the paper's figures, as after a reset.
+    #[track_caller]
+    pub fn set_paper_block(&self) {
+        self.set("dimensionless.alpha", 0.25);
+        self.set("dimensionless.p", 1.0);
+    }
+
+    /// Makes an instance of an interface type, with the start values.
+    pub fn with_start_values(interface: c_int, name: &str, location: Option<&str>, logging: bool) -> Instance {
         let messages = Box::new(Messages::default());
         let callbacks = Box::new(callbacks(&messages));
         let name = CString::new(name).unwrap();

@@ -350,6 +350,7 @@ fn outputs_follow_the_inputs_in_initialization_mode() {
 fn a_whole_life_twice() {
     let instance = Instance::new("block");
     let run = || {
+        instance.set_paper_block();
         instance.set("initial.theta", 0.1);
         instance.initialize(None);
         let start = instance.bits();

@@ -217,6 +217,7 @@ fn several_values_in_one_call() {
 #[test]
 fn a_reset_in_the_middle_gives_the_same_bits() {
     let fresh = |instance: &Instance| {
+        instance.set_paper_block();
         instance.set("initial.theta", 0.05);
         instance.initialize(Some(1e-9));
         busy_run(instance)

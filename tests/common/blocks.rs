@@ -42,7 +42,7 @@ pub fn uneven(foundation: Foundation, xi_v: f64) -> Block {
     block_on(foundation, [0.42, 1.7, 11.0, xi_v], &common)
 }
 
-/// Returns the block with the default parameters of the FMU.
+/// Returns the block of the figures of the paper and of most reference trajectories.
 pub fn plain() -> Block {
     supported(0.25, 1.0, 40.0, 0.1, 0.0)
 }

@@ -181,7 +181,7 @@ pub struct Stepped {
 }
 
 impl Instance {
-    /// Makes an instance for Model Exchange.
+    /// Makes an instance for Model Exchange, with the block of the paper's figures.
     pub fn exchanged() -> Instance {
         let environment = Rc::<Environment>::default();
         // SAFETY: texts end with 0, and the environment lives as long as the instance.
@@ -197,7 +197,16 @@ impl Instance {
             )
         };
         assert!(!handle.is_null(), "{:?}", environment.messages.lock().unwrap());
-        Instance { handle, environment }.without_log_lines()
+        let instance = Instance { handle, environment }.without_log_lines();
+        instance.set_paper_block();
+        instance
+    }
+
+    /// Sets the block of the paper's figures, as after a reset.
+    #[track_caller]
+    pub fn set_paper_block(&self) {
+        self.ok(self.try_set("dimensionless.alpha", 0.25));
+        self.ok(self.try_set("dimensionless.p", 1.0));
     }
 
     /// Logs only messages of refused calls.
@@ -207,7 +216,15 @@ impl Instance {
         self
     }
 
+    /// Makes an instance with the block of the paper's figures.
     pub fn new(wanted: Wanted) -> Instance {
+        let instance = Instance::with_start_values(wanted);
+        instance.set_paper_block();
+        instance
+    }
+
+    /// Makes an instance with the start values.
+    pub fn with_start_values(wanted: Wanted) -> Instance {
         let Wanted { logging, event_mode, early_return, intermediate, on_update } = wanted;
         let has_update = on_update.is_some();
         let environment = Rc::<Environment>::default();

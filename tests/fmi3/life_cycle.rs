@@ -50,6 +50,7 @@ fn a_reset_in_any_mode_gives_a_new_instance() {
         |block| block.ok(call!(block, enter_configuration_mode)),
         |block| block.ok(call!(block, enter_initialization_mode, false, 0.0, 0.0, false, 0.0)),
         |block| {
+            block.set_paper_block();
             block.set_all(&ROCKING);
             block.initialize(true);
             assert!(block.step(0.0, 2.0).event);
@@ -66,6 +67,7 @@ fn a_reset_in_any_mode_gives_a_new_instance() {
         act(&block);
     }
     block.ok(call!(block, reset));
+    block.set_paper_block();
     block.set_all(&ROCKING);
     block.initialize(true);
     block.step_by_events(0.0, 2.0, true);

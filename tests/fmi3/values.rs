@@ -6,8 +6,14 @@ use rocking_block::unit::variables::{Causality, FMI3_VARIABLES, Kind, VARIABLES}
 use crate::functions::OK;
 use crate::host::{FMU, Instance, Wanted, call, reference};
 
-const ROCKING: [(&str, f64); 4] =
-    [("pulse.shape", 2.0), ("pulse.amplitude", 6.2622), ("pulse.period", 1.2566370614359172), ("on_separation", 3.0)];
+const ROCKING: [(&str, f64); 6] = [
+    ("dimensionless.alpha", 0.25),
+    ("dimensionless.p", 1.0),
+    ("pulse.shape", 2.0),
+    ("pulse.amplitude", 6.2622),
+    ("pulse.period", 1.2566370614359172),
+    ("on_separation", 3.0),
+];
 
 fn fmi3() -> Instance {
     let block = Instance::new(Wanted::default());

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {case["name"]: case for case in json.loads((ROOT / "tests/reference/cases.json").read_text())}
-ONE_SINE = {"pulse.shape": 2, "pulse.amplitude": 6.2622, "pulse.period": 2 * np.pi / 5}
+ONE_SINE = {"dimensionless.alpha": 0.25, "dimensionless.p": 1.0, "pulse.shape": 2, "pulse.amplitude": 6.2622, "pulse.period": 2 * np.pi / 5}
 MOTION = ["theta", "theta_dot", "v", "N_L", "N_R"]
 
 
@@ -41,6 +41,8 @@ def instance(fmu3, configure=lambda block, references: None, required=(), interm
         requiredIntermediateVariables=[references[name] for name in required] or None,
     )
     try:
+        # The block of the paper's figures.
+        block.setFloat64([references["dimensionless.alpha"], references["dimensionless.p"]], [0.25, 1.0])
         configure(block, references)
         block.enterInitializationMode()
         block.exitInitializationMode()

@@ -165,9 +165,14 @@ def test_all_files_have_the_version_of_cargo_toml():
         "CITATION.cff": f"\nversion: {version}\n",
         "codemeta.json": f'"version": "{version}"',
         "tools/conda/recipe/recipe.yaml": f"\n  version: {version.replace('-rc.', 'rc')}\n",
+        "CHANGELOG.md": f"\n## [{version}] - ",
     }.items():
         found = (ROOT / name).read_text().count(expected)
         assert found == (6 if name == "Cargo.toml" else 1), f"{name}: {found} times {expected!r}"
+    of_workspace = re.compile(r'name = "(rocking-(?:block|records|studies))"\nversion = "([^"]+)"')
+    for name in ("Cargo.lock", "fuzz/Cargo.lock", "benches/peers/rust/Cargo.lock"):
+        found = dict(of_workspace.findall((ROOT / name).read_text()))
+        assert "rocking-block" in found and set(found.values()) == {version}, f"{name}: {found}"
 
 
 def test_the_program_embeds_the_record_of_the_repository():

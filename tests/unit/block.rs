@@ -21,6 +21,24 @@ fn get(unit: &mut Unit, name: &str) -> f64 {
     unit.get(metadata.kind.base(), metadata.reference()).unwrap()
 }
 
+/// The start values are a stone that a crane can lift, in both groups of parameters alike.
+#[test]
+fn the_start_values_are_a_real_object() {
+    let physical = ["derived.width", "derived.height", "derived.K", "derived.C"];
+    let [mut one, mut other] = [1.0, 2.0].map(|group| unit(&[("parameterization", group)]));
+    for name in physical.iter().chain(&["derived.alpha", "derived.p", "derived.eta", "derived.xi_v"]) {
+        let [by_ratios, by_sizes] = [&mut one, &mut other].map(|unit| get(unit, name));
+        assert!((by_ratios / by_sizes - 1.0).abs() < 1e-14, "{name} = {by_ratios} and {by_sizes}");
+    }
+    let [width, height, stiffness, _] = physical.map(|name| get(&mut one, name));
+    let mass = metadata("mass").start.unwrap();
+    assert!((1.0..2.0).contains(&height), "{height} m high");
+    let depth = mass / (2600.0 * width * height);
+    assert!((width..2.0 * width).contains(&depth), "{depth} m deep, of 2600 kg/m³");
+    let sinking = mass * 9.81 / (2.0 * stiffness);
+    assert!((1e-4..2e-3).contains(&sinking), "sinks in by {sinking} m");
+}
+
 /// Why initialization cannot end with these values.
 fn refusal(values: &[(&str, f64)]) -> String {
     let mut unit = unit(values);
@@ -108,7 +126,7 @@ fn parameters_without_effect_are_named_with_their_condition() {
 #[test]
 fn invalid_blocks_are_refused_with_the_reason() {
     for (values, words) in [
-        (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "1.82"][..]),
+        (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "0.174"][..]),
         (&[("tie_2.stiffness", 1e3)], &["distance of the ends of tie_2 = 0", "expected one above 0 m"]),
         (&[("damper_1.damping", 1e3)], &["distance of the ends of damper_1 = 0"]),
         (&[("friction", 1.5), ("foundation", 2.0)], &["friction = 1.5", "rigid base", "1.333"]),
@@ -132,8 +150,14 @@ fn impossible_pretensions_are_refused_by_the_name_of_the_tie() {
             "found no balance of the block at the start; expected a pretension of tie_1 that does not press it past the anchor",
         ),
     ] {
-        let start =
-            [("tie_1.stiffness", 1e4), ("tie_1.pretension", 5e6), ("tie_1.ground_z", -2.0), ("tie_1.block_z", 0.0)];
+        let start = [
+            ("dimensionless.alpha", 0.25),
+            ("dimensionless.p", 1.0),
+            ("tie_1.stiffness", 1e4),
+            ("tie_1.pretension", 5e6),
+            ("tie_1.ground_z", -2.0),
+            ("tie_1.block_z", 0.0),
+        ];
         assert_eq!(refusal(&[&start, changes].concat()), words);
     }
 }

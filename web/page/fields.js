@@ -56,14 +56,11 @@ const link = (kind, place, values, when) =>
     unit: written(links[kind][key]), value: values[key] ?? "0", group: "tie", when }));
 
 /** A tie, whose end on the ground is at `ground_x` (m) to the right. */
-const tie = (place, ground_x, when) => link("tie", place, { block_z: "2.4", ground_x, stiffness: "10000" }, when);
+const tie = (place, ground_x, when) => link("tie", place, { block_z: "1.914", ground_x, stiffness: "10000" }, when);
 
 /** A damper under the corner at `x` (m) to the right. */
 const damper = (place, x, when) =>
   link("damper", place, { block_x: x, ground_x: x, ground_z: "-0.6", stiffness: "200000", yield_force: "1000", hardening: "0.02" }, when);
-
-/** Scales of records until the user chooses one: the embedded record is weak. */
-export const SCALES = { embedded: "2", file: "1" };
 
 /** Labels of pulses. */
 const PULSES = {
@@ -74,8 +71,8 @@ const PULSES = {
 export const FIELDS = [
   { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
     options: [["size", "width and height"], ["ratios", "α and p"]] },
-  number("width", "Width", "block", { symbol: "2b", value: "0.6", slider: [0.1, 5, "log"], when: on("shape", "size") }),
-  number("height", "Height", "block", { symbol: "2h", value: "2.4", slider: [0.3, 20, "log"], when: on("shape", "size"),
+  number("width", "Width", "block", { symbol: "2b", value: "0.348", slider: [0.1, 5, "log"], when: on("shape", "size") }),
+  number("height", "Height", "block", { symbol: "2h", value: "1.914", slider: [0.3, 20, "log"], when: on("shape", "size"),
     title: "Twice the height of the centre of mass, unless that is given below" }),
   number("alpha", "Slenderness", "block", { symbol: "α", slider: [0.05, 0.6], when: on("shape", "ratios") }),
   number("p", "Frequency parameter", "block", { symbol: "p", slider: [0.3, 6, "log"], when: on("shape", "ratios"),
@@ -91,8 +88,8 @@ export const FIELDS = [
   number("eta", "Stiffness ratio", "foundation", { symbol: "η", slider: [10, 300, "log"], when: all(supports, inRatios),
     title: "Vertical frequency of the block on its supports, over p" }),
   number("xi_v", "Damping ratio", "foundation", { symbol: "ξᵥ", slider: [0, 0.6], when: all(supports, inRatios) }),
-  number("stiffness", "Stiffness of a support", "foundation", { symbol: "K", value: "1000000", slider: [1e4, 1e10, "log"], when: all(supports, inStiffness) }),
-  number("damping", "Damping of a support", "foundation", { symbol: "C", value: "4000", slider: [1e2, 1e8, "log"], when: all(supports, inStiffness) }),
+  number("stiffness", "Stiffness of a support", "foundation", { symbol: "K", value: "6050000", slider: [1e4, 1e10, "log"], when: all(supports, inStiffness) }),
+  number("damping", "Damping of a support", "foundation", { symbol: "C", value: "11000", slider: [1e2, 1e8, "log"], when: all(supports, inStiffness) }),
   number("epsilon", "Restitution of a corner", "foundation", { symbol: "ε", slider: [0, 1] }),
   number("restitution_factor", "Factor on Housner’s e", "foundation", { slider: [0.8, 1.1], when: on("foundation", "rigid") }),
   { id: "sliding", label: "The feet", kind: "segments", value: "none", group: "foundation",
@@ -112,16 +109,16 @@ export const FIELDS = [
   number("g", "Gravity", "more", { symbol: "g" }),
 
   { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
-  ...tie(1, "3", on("tie", "one", "two")),
-  ...tie(2, "-3", on("tie", "two")),
+  ...tie(1, "2", on("tie", "one", "two")),
+  ...tie(2, "-2", on("tie", "two")),
   { id: "damper", label: "Damped", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one damper"], ["two", "by two"]] },
-  ...damper(1, "-0.3", on("damper", "one", "two")),
-  ...damper(2, "0.3", on("damper", "two")),
+  ...damper(1, "-0.174", on("damper", "one", "two")),
+  ...damper(2, "0.174", on("damper", "two")),
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
   { id: "record", slot: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
-  { id: "scale", label: "Scale", unit: "1", value: SCALES.embedded, slider: [0.1, 10, "log"], group: "ground", when: record },
+  { id: "scale", label: "Scale", unit: "1", value: "1", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
     options: labelled(pulses.filter((word) => word !== "none"), PULSES) },
   number("amplitude", "Amplitude", "ground", { symbol: "aₚ", value: "4", slider: [0.2, 20, "log"], when: on("excitation", "pulse") }),
@@ -149,7 +146,7 @@ export const FIELDS = [
     options: [["yes", "rigid base"], ["no", "nothing"]] },
 
   { id: "scale_from", label: "Smallest factor", unit: "1", value: "0.5", group: "ensemble" },
-  { id: "scale_to", label: "Largest factor", unit: "1", value: "6", group: "ensemble" },
+  { id: "scale_to", label: "Largest factor", unit: "1", value: "3", group: "ensemble" },
   { id: "scale_count", label: "Number of factors", value: "24", group: "ensemble" },
   { id: "samples", label: "Runs per factor", value: "24", group: "ensemble" },
   { id: "spread", label: "Spread of the strength", unit: "1", value: "0.1", group: "ensemble", title: "Coefficient of variation" },
@@ -172,8 +169,6 @@ export function fromHash(hash) {
   for (const [id, value] of given) if (isKnown(id)) state[id] = value;
   // Links of earlier versions have no switch: a coefficient above 0 was the limit.
   if (!given.has("sliding") && Number(given.get("friction")) > 0) state.sliding = "friction";
-  // Links of earlier versions with a file leave its scale out if it is that of the embedded record.
-  if (state.excitation === "file" && !given.has("scale") && !given.has("record_name")) state.scale = SCALES.file;
   return state;
 }
 
@@ -183,12 +178,11 @@ export function unknownIn(hash) {
   return names.map((id) => ({ field: "link", message: `found ${id.slice(0, 40)}; expected the name of a field, as eta` }));
 }
 
-/** The address of a state: only the values that differ from the defaults and are in use, and the scale of a file. */
+/** The address of a state: only the values that differ from the defaults and are in use. */
 export function toHash(state) {
   const parts = new URLSearchParams();
   for (const { id, when } of STATE) {
-    const isOwn = state[id] !== DEFAULTS[id] || (id === "scale" && state.excitation === "file");
-    if (isOwn && (!when || when(state))) parts.set(id, state[id]);
+    if (state[id] !== DEFAULTS[id] && (!when || when(state))) parts.set(id, state[id]);
   }
   if (state.excitation === "file" && state.record_name) parts.set("record_name", state.record_name);
   if (state.vertical === "file" && state.vertical_name) parts.set("vertical_name", state.vertical_name);

@@ -4,7 +4,7 @@ import { makeControl } from "./controls.js";
 import { $, element, say } from "./dom.js";
 import { Engine } from "./engine.js";
 import { copy, setUpSaving } from "./exports.js";
-import { DEFAULTS, FIELDS, SCALES, fromHash, toHash, unknownIn } from "./fields.js";
+import { DEFAULTS, FIELDS, fromHash, toHash, unknownIn } from "./fields.js";
 import { slotsOf, watchDrops } from "./files.js";
 import { Player } from "./player.js";
 import { Histories } from "./plots.js";
@@ -74,19 +74,12 @@ function change(id, value) {
   } else if (surfaces) {
     chosenPairs[surfaces] = value;
     if (value) [state[surfaces]] = value.split("|");
-  } else if (id === "excitation") excite(value);
-  else state[id] = value;
+  } else state[id] = value;
   if (group === "spectrum" || group === "ensemble") {
     showFields();
     remember();
     showErrors([], group);
   } else adopt();
-}
-
-/** Chooses the excitation, whose scale is that of its kind unless the user has chosen another. */
-function excite(excitation) {
-  if (excitation !== state.excitation && excitation in SCALES && Object.values(SCALES).includes(state.scale)) state.scale = SCALES[excitation];
-  state.excitation = excitation;
 }
 
 /** Shows the state after a change, and asks for its run. */
@@ -146,7 +139,7 @@ async function take(files, on) {
   files.forEach(({ name }, i) => {
     const slot = slots[i];
     state[`${slot}_name`] = name;
-    if (slot === "record") excite("file");
+    if (slot === "record") state.excitation = "file";
     else state.vertical = "file";
     for (const one of [engine, ...helpers]) one.setFile(slot, name, contents[i]);
   });

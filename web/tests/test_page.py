@@ -276,44 +276,18 @@ def test_the_run_that_is_saved_is_the_one_that_is_shown(visit):
     expect(page.locator("#outcome")).to_have_text("No run yet: this run cannot be shown: no plots.")
 
 
-def test_a_dropped_record_is_not_scaled(visit):
-    """The scale of the embedded record is its own."""
+def test_a_dropped_record_keeps_the_scale(visit):
     page = visit()
     ran(page)
-    assert page.input_value("#scale") == "2"
-    drop(page, ROOT / "examples/records/0111a.smc")
-    ran(page, 2)
     assert page.input_value("#scale") == "1"
     assert "--scale" not in page.inner_text("#command")
-    page.wait_for_function("location.hash.includes('scale=1')")
     fill(page, "scale", "3")
     before = runs(page)
     drop(page, ROOT / "examples/records/0111a.smc")
     ran(page, before + 1)
     assert page.input_value("#scale") == "3"
     page.click("#reset")
-    expect(page.locator("#scale")).to_have_value("2")
-    page.click("label:has-text('own record')")
     expect(page.locator("#scale")).to_have_value("1")
-    page.click("label:has-text('Loma Prieta')")
-    expect(page.locator("#scale")).to_have_value("2")
-    page = visit("#excitation=file")
-    drop(page, ROOT / "examples/records/0111a.smc")
-    ran(page)
-    assert page.input_value("#scale") == "1"
-
-
-@pytest.mark.parametrize("unit, factor", [("mm/s2", 1e-3), ("g/10", 0.981)])
-def test_a_table_has_any_unit_that_the_program_reads(visit, tmp_path, unit, factor):
-    page = visit("#excitation=file")
-    table = tmp_path / "sway.csv"
-    table.write_text("t,a\n" + "".join(f"{i / 100},{3 / factor if i // 40 % 2 else -3 / factor}\n" for i in range(400)))
-    page.set_input_files("#record", table)
-    expect(page.locator("#unit-error")).to_be_visible()
-    page.select_option("#unit", unit)
-    ran(page)
-    assert f"--unit {unit}" in page.inner_text("#command")
-    assert "sway.csv, 0.306 g" in page.inner_text("#numbers")
 
 
 def test_a_failure_of_the_engine_is_said_and_mended(visit):

@@ -19,7 +19,7 @@ pub type Position = (i32, i32);
 
 /// Units per pixel. Coordinates are whole numbers of units, fine enough for curves without steps.
 pub const PIXEL: u32 = 10;
-/// Width of a drawing. All lengths are in units; text stays readable down to a width of 1000 pixels.
+/// Width of a page. All lengths are in units; text stays readable down to a width of 1000 pixels.
 pub const WIDTH: u32 = 2400 * PIXEL;
 /// Font size.
 pub const TEXT: f64 = 340.0;
@@ -31,9 +31,14 @@ pub const SHADE: RGBColor = grey(228);
 
 /// Draws an SVG picture of this height.
 pub fn drawing(height: u32, draw: impl FnOnce(&Area) -> Drawn) -> Result<String, PictureError> {
+    drawing_of([WIDTH, height], draw)
+}
+
+/// Draws an SVG picture of this width and height.
+pub fn drawing_of([width, height]: [u32; 2], draw: impl FnOnce(&Area) -> Drawn) -> Result<String, PictureError> {
     let mut svg = String::new();
     let result = || -> Drawn {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
         root.fill(&WHITE)?;
         draw(&root)?;
         root.present()?;
@@ -41,7 +46,7 @@ pub fn drawing(height: u32, draw: impl FnOnce(&Area) -> Drawn) -> Result<String,
     };
     result().map_err(|error| PictureError::Drawing(error.to_string()))?;
     // The view box keeps the units; viewers and PNG take the size in pixels.
-    let size = |pixel: u32| format!("width=\"{}\" height=\"{}\" viewBox", WIDTH / pixel, height / pixel);
+    let size = |pixel: u32| format!("width=\"{}\" height=\"{}\" viewBox", width / pixel, height / pixel);
     // Without this, viewers blend the edges of adjacent rectangles with the background, which shows as hairlines.
     let svg = svg.replace("<rect ", "<rect shape-rendering=\"crispEdges\" ");
     Ok(typeset(&svg.replacen(&size(1), &size(PIXEL), 1)))

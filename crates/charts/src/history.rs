@@ -14,8 +14,8 @@ use rocking_block::block::{Block, Body, Corner, Regime, Supports};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
 
-/// Heights of the panels: rotation, reactions, regimes, ground.
-const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
+/// Heights of the panels: rotation, reactions, regimes, slip and links, ground.
+const HEIGHTS: [u32; 5] = [6200, 5000, 2900, 3400, 4600];
 
 /// Line styles of the forces of ties and dampers.
 pub(crate) const LINKS: [LineStyle; MAX_TIES] = [
@@ -94,8 +94,8 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         panels.insert(panels.len() - 1, panel(history, HEIGHTS[3], tensions, &series));
     }
     if has_ground {
-        let ground = Chart { x: axis(true), y: ("ground/g", 0.0..0.0), ..Chart::default() };
-        panels.push(panel(history, HEIGHTS[3], ground, of_ground));
+        let ground = Chart { x: axis(true), y: ("ground acceleration (g)", 0.0..0.0), ..Chart::default() };
+        panels.push(panel(history, HEIGHTS[4], ground, of_ground));
     }
     stacked(&heading, &[], &panels)
 }

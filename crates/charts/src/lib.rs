@@ -37,6 +37,7 @@ mod line_style;
 mod chart;
 
 mod page;
+pub use page::titled;
 
 pub mod sketch;
 

@@ -2,7 +2,7 @@
 
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::canvas::{Area, Drawn, Mark, SHADE, TEXT, WIDTH, anchored, drawing, fill, grey, outline, text};
+use crate::canvas::{Area, Drawn, Mark, PIXEL, SHADE, TEXT, WIDTH, anchored, drawing_of, fill, grey, outline, text};
 use crate::chart::{Chart, Fill, SIDES};
 use crate::formula::{self, formula};
 use crate::line_style::LineStyle;
@@ -43,20 +43,88 @@ pub fn page(
     height: u32,
     draw: impl FnOnce(&Area, &Area) -> Drawn,
 ) -> Result<String, PictureError> {
-    let sizes = std::iter::once(1.15 * TEXT).chain(std::iter::repeat(TEXT));
-    let lines = heading.iter().zip(sizes).filter(|(line, _)| !line.is_empty()).flat_map(|(line, size)| {
-        let wrapped = wrapped(line, size, f64::from(WIDTH - 2 * MARGIN));
-        wrapped.into_iter().map(move |line| (line, size))
-    });
-    let lines: Vec<(String, f64)> = lines.collect();
-    let head = 450 + LINE * lines.len() as u32;
-    drawing(head + legend_height(legend) + height, |root| {
+    page_of([WIDTH, height], heading, legend, draw)
+}
+
+/// Draws a [`page`] of another width.
+pub fn page_of(
+    [width, height]: [u32; 2],
+    heading: &[String],
+    legend: &[Key],
+    draw: impl FnOnce(&Area, &Area) -> Drawn,
+) -> Result<String, PictureError> {
+    let lines = heading_lines(heading, width);
+    let head = head_height(lines.len());
+    let svg = drawing_of([width, head + legend_height(legend) + height], |root| {
         let (top, rest) = root.split_vertically(head);
-        for (i, (line, size)) in lines.iter().enumerate() {
-            top.draw_text(&line.replace('\u{A0}', " "), &text(*size), (MARGIN as i32, 280 + (LINE * i as u32) as i32))?;
-        }
+        draw_heading(&top, &lines)?;
         draw(root, &with_legend(&rest, legend)?)
-    })
+    })?;
+    Ok(svg.replacen("<svg ", &format!("<svg {HEADING}{}\" ", lines.len()), 1))
+}
+
+/// Attribute of a drawing with the number of lines of its heading, which are its first texts.
+const HEADING: &str = "data-heading=\"";
+
+/// A line of a heading, and its font size.
+type HeadingLine = (String, f64);
+
+/// Wraps the lines of a heading. The first one is larger.
+fn heading_lines(heading: &[String], width: u32) -> Vec<HeadingLine> {
+    let sizes = std::iter::once(1.15 * TEXT).chain(std::iter::repeat(TEXT));
+    let lines = heading.iter().zip(sizes).filter(|(line, _)| !line.is_empty());
+    let wrap = |(line, size): (&String, f64)| {
+        wrapped(line, size, f64::from(width - 2 * MARGIN)).into_iter().map(move |line| (line, size))
+    };
+    lines.flat_map(wrap).collect()
+}
+
+/// Returns the height of a heading with this number of lines.
+const fn head_height(lines: usize) -> u32 {
+    450 + LINE * lines as u32
+}
+
+fn draw_heading(area: &Area, lines: &[HeadingLine]) -> Drawn {
+    for (i, (line, size)) in (0..).zip(lines) {
+        area.draw_text(&line.replace('\u{A0}', " "), &text(*size), (MARGIN as i32, 280 + LINE as i32 * i))?;
+    }
+    Ok(())
+}
+
+/// Replaces the heading of a page by a title. An empty title leaves no heading, as journals want it.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
+pub fn titled(svg: &str, title: &str) -> Result<String, PictureError> {
+    let no_page = || PictureError::Drawing("found no heading; expected a page".into());
+    let (before, marked) = svg.split_once(HEADING).ok_or_else(no_page)?;
+    let (count, rest) = marked.split_once("\" ").ok_or_else(no_page)?;
+    let count: usize = count.parse().map_err(|_| no_page())?;
+    let (open, mut body) = rest.split_once('>').ok_or_else(no_page)?;
+    let sizes = open.split_once("viewBox=\"0 0 ").and_then(|(_, sizes)| sizes.split_once('"')).ok_or_else(no_page)?;
+    let sizes: Vec<u32> = sizes.0.split(' ').filter_map(|size| size.parse().ok()).collect();
+    let &[width, height] = sizes.as_slice() else { return Err(no_page()) };
+
+    let background;
+    (background, body) = body.split_at(body.find("/>").map_or(0, |at| at + 2));
+    for _ in 0..count {
+        (_, body) = body.split_once("</text>").ok_or_else(no_page)?;
+    }
+    let lines = heading_lines(&[title.into()], width);
+    let shift = i64::from(head_height(count)) - i64::from(head_height(lines.len()));
+    let [old_height, height] = [i64::from(height), i64::from(height) - shift];
+    let background = background.replacen("y=\"0\"", &format!("y=\"{shift}\""), 1);
+    let background = background.replacen(&format!("height=\"{old_height}\""), &format!("height=\"{height}\""), 1);
+    let heading = drawing_of([width, head_height(lines.len())], |root| draw_heading(root, &lines))?;
+    let heading = heading.find("<text").map_or("", |at| heading[at..].trim_end().trim_end_matches("</svg>"));
+    let pixel = i64::from(PIXEL);
+    Ok(format!(
+        "{before}{HEADING}{}\" width=\"{}\" height=\"{}\" viewBox=\"0 {shift} {width} {height}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">{background}<g transform=\"translate(0 {shift})\">{heading}</g>{body}",
+        lines.len(),
+        i64::from(width) / pixel,
+        height / pixel
+    ))
 }
 
 /// A chart of a page, with its height and its legend.
@@ -75,8 +143,9 @@ pub fn stacked(heading: &[String], legend: &[Key], charts: &[StackedChart]) -> R
     })
 }
 
-/// Breaks a text with marked subscripts into lines of limited width, never at a no-break space.
+/// Breaks a text with marked subscripts into lines of limited width, never at a no-break space or beside `=`.
 pub fn wrapped(text: &str, size: f64, max_width: f64) -> Vec<String> {
+    let text = text.replace(" =", "\u{A0}=").replace("= ", "=\u{A0}");
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
@@ -134,4 +203,43 @@ pub fn with_legend<'a>(area: &Area<'a>, legend: &[Key]) -> Result<Area<'a>, Box<
         area.draw_text(&formula(name), &anchored(TEXT, HPos::Left, VPos::Center), (x + 1380, y))?;
     }
     Ok(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{page, titled, wrapped};
+    use crate::picture::PictureFormat;
+
+    /// A title takes the place of both lines of a heading, and the picture is as much lower.
+    #[test]
+    fn a_title_replaces_the_heading() {
+        let heading = ["a name".to_string(), "its values".into()];
+        let svg = page(&heading, &[], 5000, |_, body| {
+            Ok(body.draw_text("a curve", &crate::canvas::text(340.0), (500, 500))?)
+        })
+        .unwrap();
+        let long = "word ".repeat(60);
+        for (title, lines) in [("", 0), ("Figure 3", 1), (long.as_str(), 3)] {
+            let titled = titled(&svg, title).unwrap();
+            let document = roxmltree::Document::parse(&titled).unwrap();
+            let attribute = |name| document.root_element().attribute(name).unwrap();
+            assert_eq!(attribute("height").parse(), Ok((450 + 500 * lines + 5000) / 10), "{title}");
+            assert!(!titled.contains("a name") && !titled.contains("its values") && titled.contains("a curve"));
+            let texts = document.descendants().filter(|node| node.has_tag_name("text")).count();
+            assert_eq!((texts, attribute("data-heading").parse()), (lines + 1, Ok(lines)), "{titled}");
+            assert!(PictureFormat::Png.encode(&titled).is_ok());
+        }
+    }
+
+    /// A heading with a value that does not fit goes on with its name.
+    #[test]
+    fn a_name_stays_with_its_value() {
+        let text = "station = APEEL Array #2 - Redwood City component= 133, 0.227 g";
+        for width in 4..70 {
+            let lines = wrapped(text, 340.0, 200.0 * f64::from(width));
+            let words = |text: &str| text.split([' ', '\u{A0}']).map(str::to_owned).collect::<Vec<_>>();
+            assert_eq!(words(&lines.join(" ")), words(text));
+            assert!(lines.iter().all(|line| !line.ends_with('=') && !line.starts_with('=')), "{lines:?}");
+        }
+    }
 }

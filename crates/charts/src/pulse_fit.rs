@@ -38,8 +38,8 @@ pub fn pulse_fit(samples: &[FitSample], fit: &PulseFit, title: &str) -> Result<S
     let Pulse { shape, amplitude, period, start, phase, cycles } = fit.pulse;
     let [amplitude, period, phase, cycles] = [amplitude, period, phase, cycles].map(digits);
     let shown_pulse = Pulse { shape, amplitude, period, start, phase, cycles };
-    let heading =
-        [title.into(), formula(&format!("{}; R² = {:.3} of the velocity", text(&shown_pulse), fit.r_squared))];
+    let shown_pulse = text(&shown_pulse).replace("= -", "= −");
+    let heading = [title.into(), formula(&format!("{shown_pulse}; R² = {:.3} of the velocity", fit.r_squared))];
     let legend = [
         (Symbol::Curve(LineStyle::FAINT), "record".to_string()),
         (Symbol::Curve(LineStyle::BLACK), "pulse".to_string()),

@@ -61,7 +61,9 @@ pub fn rate(
         legend.insert(1, (Symbol::Band, "confidence interval".into()));
     }
     let [top, centre, bottom] = HEIGHTS;
-    stacked(lines, &legend, &[(top, vec![], upper), (centre, vec![], middle), (bottom, vec![], lower)])
+    // Pictures have units in parentheses, tables in brackets.
+    let lines: Vec<String> = lines.iter().map(|line| line.replace(heading, &axis)).collect();
+    stacked(&lines, &legend, &[(top, vec![], upper), (centre, vec![], middle), (bottom, vec![], lower)])
 }
 
 /// Grey levels of the bars inside and outside of the hazard's levels.

@@ -32,7 +32,7 @@ use rocking_studies::output::runner;
 
 /// Simulate rigid blocks that rock under earthquakes and pulses.
 ///
-/// Without a command, run an example: a slender block of the size of a statue under an embedded record.
+/// Without a command, run an example: the default block, a stone 1.9 m high, under an embedded record.
 #[derive(Parser)]
 #[command(name = "rocking", version, max_term_width = 100)]
 struct Arguments {
@@ -83,7 +83,7 @@ enum Command {
 }
 
 /// Command line of the example.
-const EXAMPLE: [&str; 8] = ["rocking", "simulate", "--alpha", "0.15", "--p", "2", "--xi-v", "0.2"];
+const EXAMPLE: [&str; 2] = ["rocking", "simulate"];
 
 /// Builds the command line.
 ///

@@ -1,6 +1,6 @@
 //! Block and ties → a scale, and the positions of body, supports and dimensions in units of the drawing.
 
-use super::{COLUMN, Sketch};
+use super::Sketch;
 use crate::sketch::symbols::{End, Point};
 use rocking_block::block::Foundation;
 use rocking_block::block::restraints::Tie;
@@ -11,7 +11,8 @@ pub const SUPPORT: f64 = 1600.0;
 pub const RECESS: f64 = 1050.0;
 /// Height of the dimension above the body.
 pub const ABOVE: f64 = 500.0;
-/// Greatest height of the drawing.
+/// Greatest width and height of the drawing.
+const MAX_WIDTH: f64 = 16_400.0;
 const HEIGHT: f64 = 12_600.0;
 /// Margins of the drawing: left, right, at the top and at the bottom.
 const MARGIN: f64 = 700.0;
@@ -64,8 +65,8 @@ pub struct Layout {
     pub row: f64,
     /// The ties.
     pub ties: Vec<DrawnTie>,
-    /// Lower end of the drawing.
-    pub end: f64,
+    /// Right and lower end of the drawing.
+    pub ends: [f64; 2],
 }
 
 impl Layout {
@@ -90,7 +91,7 @@ impl Layout {
             let [left, right] = beside(scale);
             let wide = 2.0 * MARGIN + left + 2.0 * scale * b + right + 2.0 * SIDE;
             let high = above + scale * (up + body) + deep(scale) + ROW + FOOT;
-            wide <= COLUMN[0] && high <= HEIGHT
+            wide <= MAX_WIDTH && high <= HEIGHT
         };
         // The largest scale that fits, in units per metre: every dimension grows with it.
         let (mut scale, mut too_large) = (0.0, HEIGHT / body);
@@ -101,7 +102,7 @@ impl Layout {
 
         let [beside_left, beside_right] = beside(scale);
         let wide = 2.0 * SIDE + beside_left + 2.0 * scale * b + beside_right;
-        let start = 0.5 * (COLUMN[0] - wide);
+        let start = MARGIN;
         let left = start + SIDE + beside_left;
         let right = left + 2.0 * scale * b;
         let top = above + scale * up;
@@ -129,7 +130,7 @@ impl Layout {
             sides: [start + 0.5 * SIDE, start + wide - 0.5 * SIDE],
             below: below + 60.0,
             row: base + deep(scale) + ROW - 150.0,
-            end: base + deep(scale) + ROW + FOOT,
+            ends: [start + wide + MARGIN, base + deep(scale) + ROW + FOOT],
             ties: reaches
                 .iter()
                 .map(|reach| DrawnTie {

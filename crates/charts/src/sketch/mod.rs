@@ -10,12 +10,12 @@ mod symbols;
 
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::canvas::{Area, Drawn, TEXT, anchored, grey};
-use crate::formula::formula;
+use crate::canvas::{Area, Drawn, PIXEL, TEXT, anchored, grey};
+use crate::formula::{formula, marked_width};
 use crate::history::link_names;
 use crate::labels;
 use crate::numerals::significant;
-use crate::page::{page, wrapped};
+use crate::page::{MARGIN, page_of, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
 use rocking_block::block::restraints::Tie;
@@ -26,8 +26,8 @@ use symbols::{
     support, tie, vertical_dimension, write,
 };
 
-/// Left edge of the column of values, and its width.
-const COLUMN: [f64; 2] = [16_400.0, 7200.0];
+/// Greatest width of the column of values.
+const COLUMN: f64 = 7200.0;
 /// Distance of the lines of that column, and of its paragraphs.
 const LINES: [f64; 2] = [520.0, 760.0];
 
@@ -58,12 +58,17 @@ impl Sketch {
         let height = self.height.map(|height| format!(", {} m high", significant(height, 4))).unwrap_or_default();
         let title = format!("Block {} m wide{height}, on {base}", significant(2.0 * self.block.b, 4));
         let (layout, values) = (Layout::new(self), self.values());
+        let [left, lower] = layout.ends;
         let column = values.iter().map(|(_, y)| *y).fold(0.0, f64::max) + LINES[1];
-        page(&[title], &[], layout.end.max(column).ceil() as u32, |_, body| {
+        let widest = values.iter().map(|(line, _)| marked_width(line, TEXT)).fold(0.0, f64::max);
+        let title = formula(&title);
+        let width = (left + widest).max(marked_width(&title, 1.15 * TEXT) + f64::from(MARGIN)) + f64::from(MARGIN);
+        let size = [width, lower.max(column)].map(|length| (length / f64::from(PIXEL)).ceil() as u32 * PIXEL);
+        page_of(size, &[title], &[], |_, body| {
             self.draw(body, &layout)?;
             let style = anchored(TEXT, HPos::Left, VPos::Center);
             values.iter().try_for_each(|(line, y)| {
-                Ok(body.draw_text(&line.replace('\u{A0}', " "), &style, symbols::unit((COLUMN[0], *y)))?)
+                Ok(body.draw_text(&line.replace('\u{A0}', " "), &style, symbols::unit((left, *y)))?)
             })
         })
     }
@@ -190,7 +195,7 @@ impl Sketch {
         let mut y = 700.0;
         let mut lines = Vec::new();
         for paragraph in self.paragraphs() {
-            for line in paragraph.iter().flat_map(|line| wrapped(&formula(line), TEXT, COLUMN[1])) {
+            for line in paragraph.iter().flat_map(|line| wrapped(&formula(line), TEXT, COLUMN)) {
                 lines.push((line, y));
                 y += LINES[0];
             }

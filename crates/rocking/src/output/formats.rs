@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::options::choices;
-use rocking_charts::picture::PictureFormat;
+use rocking_charts::picture::{PictureError, PictureFormat};
+use rocking_charts::titled;
 use rocking_studies::output::reading::is_parquet;
 #[cfg(feature = "parquet")]
 use rocking_studies::output::{parquet, reading::TableReader};
@@ -84,13 +85,41 @@ pub struct PictureOptions {
     /// Format of a picture without an extension, such as `-`
     #[arg(long, value_parser = choices::picture_format(), value_name = "FORMAT")]
     pub plot_format: Option<PictureFormat>,
+    /// Heading of the picture instead of its own; `--title ""` for none
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+}
+
+/// The format of a picture, and its title instead of its own heading.
+#[derive(Clone, Copy)]
+pub struct PictureEncoding<'a> {
+    format: PictureFormat,
+    title: Option<&'a str>,
+}
+
+impl PictureEncoding<'_> {
+    /// Encodes a drawing.
+    ///
+    /// # Errors
+    /// [`PictureError::Drawing`].
+    pub fn encode(self, svg: &str) -> Result<Vec<u8>, PictureError> {
+        match self.title {
+            None => self.format.encode(svg),
+            Some(title) => self.format.encode(&titled(svg, title)?),
+        }
+    }
 }
 
 impl PictureOptions {
-    /// Returns the format of the picture, PNG if there is none.
-    pub fn format(&self) -> anyhow::Result<PictureFormat> {
+    /// Returns the encoding of the picture, PNG if there is none.
+    pub fn format(&self) -> anyhow::Result<PictureEncoding<'_>> {
+        Ok(PictureEncoding { format: self.checked_format()?, title: self.title.as_deref() })
+    }
+
+    fn checked_format(&self) -> anyhow::Result<PictureFormat> {
         let Some(path) = &self.plot else {
             anyhow::ensure!(self.plot_format.is_none(), "--plot-format has no effect without --plot");
+            anyhow::ensure!(self.title.is_none(), "--title has no effect without --plot");
             return Ok(PictureFormat::Png);
         };
         match (self.plot_format, path.extension()) {

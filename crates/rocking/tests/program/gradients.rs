@@ -9,9 +9,10 @@ use crate::program::{Table, refused, stdout};
 /// A run under a sine of this period (s), as JSON.
 fn run(folder: &Path, period: f64, more: &[&str]) -> Value {
     let period = period.to_string();
-    let of = ["simulate", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", &period, "--duration", "5"];
+    let of = ["simulate", "--alpha", "0.25", "--p", "1", "--pulse", "one-sine", "--amplitude", "6.2622"];
     let shown = ["--tolerance", "1e-13", "--events", "--json", "--csv", "run.csv"];
-    serde_json::from_str(&stdout(folder, &[&of[..], &shown, more].concat())).unwrap()
+    serde_json::from_str(&stdout(folder, &[&of[..], &["--period", &period, "--duration", "5"], &shown, more].concat()))
+        .unwrap()
 }
 
 /// The summary of a run with a period nearby, and its column θ.

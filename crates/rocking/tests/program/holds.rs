@@ -76,7 +76,7 @@ fn dampers_are_shown_with_their_loops() {
     let damper =
         |x: f64| format!("--damper block_x={x},ground_x={x},ground_z=-1,stiffness=2e5,yield_force=900,hardening=0.05");
     let run = format!(
-        "simulate --pulse one-sine --amplitude 5.5 --period 1.2 --p 2 --mass 1000 --duration 4 --events {} {}",
+        "simulate --pulse one-sine --amplitude 5.5 --period 1.2 --alpha 0.25 --p 2 --mass 1000 --duration 4 --events {} {}",
         damper(-0.5),
         damper(0.5)
     );
@@ -160,7 +160,8 @@ fn invalid_options_are_refused() {
 fn the_search_begins_at_the_weaker_side() {
     let folder = folder();
     let from = |options: &str| -> f64 {
-        let search = "search overturning --foundation rigid --period 1 --p 2 --points 3 --resolution 1 --csv s.csv";
+        let search =
+            "search overturning --foundation rigid --period 1 --alpha 0.25 --p 2 --points 3 --resolution 1 --csv s.csv";
         let arguments: Vec<&str> = search.split(' ').chain(options.split_whitespace()).collect();
         stdout(folder.path(), &arguments);
         Table::read(&folder.path().join("s.csv")).number(0, "from")
@@ -177,7 +178,7 @@ fn the_search_begins_at_the_weaker_side() {
 #[test]
 fn half_cycles_of_dampers_are_a_column_and_a_limit() {
     let folder = folder();
-    let study = "[study]\ndesign = \"grid\"\nhalf_cycles = 0.002\n[parameters]\np = [0.8, 1.5, 3]\npulse.shape = \"OneSine\"\n\
+    let study = "[study]\ndesign = \"grid\"\nhalf_cycles = 0.002\n[parameters]\nalpha = 0.25\np = [0.8, 1.5, 3]\npulse.shape = \"OneSine\"\n\
                  pulse.period = [0.5, 1.5]\npulse.amplitude = [1.5, 3, 4.5, 6]\nmass = 1000\ndamper_1.block_x = -0.8\ndamper_1.ground_x = -0.8\n\
                  damper_1.ground_z = -1\ndamper_1.stiffness = 5e5\ndamper_1.yield_force = 800\n";
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
@@ -220,7 +221,7 @@ fn a_sweep_has_columns_for_slip_and_tensions() {
     let folder = folder();
     let study = "[study]\ndesign = \"grid\"\nensemble = { samples = 3, p = 0.1, limits = [0.5, \"slip:0.1\"] }\n\
                  [parameters]\np = 2\nfriction = [\"none\", 0.4]\neccentricity = 0.05\npulse.shape = \"OneSine\"\n\
-                 pulse.amplitude = 4\nmass = 1000\ntie_1.block_x = 0.4\ntie_1.stiffness = 1e3\n";
+                 pulse.amplitude = 4\nmass = 1000\ntie_1.block_x = 0.4\ntie_1.stiffness = 1e3\nalpha = 0.25\n";
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
     let table = Table::read(&folder.path().join("s.csv"));

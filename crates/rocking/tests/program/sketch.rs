@@ -109,6 +109,25 @@ fn values_are_printed_as_json() {
     assert!(rigid["K"].is_null() && rigid["block"]["eta"].is_null() && rigid["block"]["e"].is_f64(), "{rigid}");
 }
 
+/// A journal wants the caption alone.
+#[test]
+fn a_title_replaces_the_heading() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = |title: &[&str]| {
+        let options =
+            ["sketch", "--width", "0.8", "--height", "3.2", "--eta", "60", "--plot", "-", "--plot-format", "svg"];
+        stdout(folder.path(), &[&options[..], title].concat())
+    };
+    let height = |svg: &str| -> u32 {
+        roxmltree::Document::parse(svg).unwrap().root_element().attribute("height").unwrap().parse().unwrap()
+    };
+    let [own, other, none] = [&[][..], &["--title", "Figure 1"], &["--title", ""]].map(drawn);
+    assert!(texts(&own)[0].starts_with("Block 0.8 m wide"), "{own}");
+    assert_eq!(texts(&other)[0], "Figure 1");
+    assert_eq!((texts(&other)[1..].to_vec(), height(&other)), (texts(&own)[1..].to_vec(), height(&own)));
+    assert_eq!((texts(&none), height(&none)), (texts(&own)[1..].to_vec(), height(&own) - 50));
+}
+
 /// Options are refused as by `simulate`, and nothing is written.
 #[test]
 fn options_without_effect_and_bad_blocks_are_refused() {
@@ -119,6 +138,7 @@ fn options_without_effect_and_bad_blocks_are_refused() {
         ("--alpha 2", "alpha = 2 is not valid"),
         ("--plot block.pdf", "expected a picture as .svg or .png"),
         ("--plot-format svg", "--plot-format has no effect without --plot"),
+        ("--title x", "--title has no effect without --plot"),
     ] {
         let arguments: Vec<&str> = std::iter::once("sketch").chain(options.split(' ')).collect();
         refused(folder.path(), &arguments, &[message]);

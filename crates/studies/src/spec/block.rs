@@ -23,11 +23,11 @@ use crate::spec::words::friction;
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
 #[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Block"))]
 pub struct BlockSpec {
-    /// Slenderness angle alpha [rad] [default: 0.25]
+    /// Slenderness angle alpha [rad] [default: 0.18]
     #[schemars(title = "slenderness α", extend("fit_factor" = 3, "exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD"))]
     pub alpha: Option<f64>,
-    /// Frequency parameter p [rad/s] [default: 1]
+    /// Frequency parameter p [rad/s] [default: 2.75]
     #[schemars(title = "frequency parameter p", extend("fit_factor" = 3, "exclusiveMinimum" = 0))]
     #[cfg_attr(feature = "clap", arg(long, value_name = "RAD/S"))]
     pub p: Option<f64>,
@@ -289,7 +289,7 @@ impl BlockSpec {
         let has_supports = self.eta.is_some() || self.stiffness.is_some();
         let supports = match self.foundation() {
             Foundation::Rigid => Supports::HOUSNER,
-            // Defaults fit no real block.
+            // Those of the default block fit no other one.
             Foundation::Viscoelastic if self.width.is_some() && !has_supports => {
                 let missing = "`eta`, or `K` and `C`; expected the supports, or `foundation = rigid`";
                 return Err(SpecError::Lacks { parameter: "width", missing });

@@ -21,7 +21,7 @@ fn line<'a>(printed: &'a str, name: &str) -> &'a str {
 #[test]
 fn an_initial_state_alone_is_free_motion() {
     let folder = tempfile::tempdir().unwrap();
-    let run = ["simulate", "--csv", "run.csv", "--duration", "3"];
+    let run = ["simulate", "--alpha", "0.25", "--p", "1", "--csv", "run.csv", "--duration", "3"];
     for (option, initial) in [
         ("--theta", Initial { theta: 0.1, ..Initial::default() }),
         ("--theta-dot", Initial { theta_dot: 0.1, ..Initial::default() }),

@@ -5,7 +5,9 @@ use crate::program::{Table, refusal, stdout};
 /// A strong record that overturns small blocks, two others, and one too weak to rock a block on a rigid base.
 const RECORDS: [(&str, f64, f64); 4] =
     [("a.csv", 7.0, 5.0), ("b.csv", 4.0, 6.0), ("c.csv", 3.5, 4.0), ("weak.csv", 1.0, 5.0)];
-const FEW: [&str; 12] = [
+const FEW: [&str; 14] = [
+    "--alpha",
+    "0.25",
     "--points",
     "7",
     "--p-min",

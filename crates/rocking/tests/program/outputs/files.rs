@@ -183,7 +183,7 @@ fn a_limit_of_the_file_size_loses_nothing() {
     assert_eq!(fs::read(path.join("run.csv")).unwrap(), b"old");
     assert_eq!(files(path), ["run.csv"]);
     fails_with(
-        &mut limited(&format!("{} --points 500 --csv s.csv", SPECTRUM[..5].join(" "))),
+        &mut limited(&format!("{} --points 500 --csv s.csv", SPECTRUM[..7].join(" "))),
         &["s.csv: cannot be written"],
     );
 }
@@ -232,7 +232,7 @@ fn an_interrupted_study_says_how_to_continue() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let sizes = ["--points", "8000", "--threads", "1", "--lanes", "1"];
-    let spectrum = [&SPECTRUM[..5], &sizes].concat();
+    let spectrum = [&SPECTRUM[..7], &sizes].concat();
     let mut child = program(path, &[&spectrum, &["--csv", "a table.csv", "--force"]])
         .stderr(std::process::Stdio::piped())
         .spawn()

@@ -9,7 +9,8 @@ use crate::outputs::{SEARCH, SPECTRUM, STUDY, folder};
 use crate::program::{Table, fails_with, files, program, succeeds, text};
 
 /// A pulse that makes the block lift, land and come to rest.
-const ROCKS: [&str; 7] = ["simulate", "--pulse", "one-sine", "--amplitude", "5", "--period", "1.25"];
+const ROCKS: [&str; 11] =
+    ["simulate", "--alpha", "0.25", "--p", "1", "--pulse", "one-sine", "--amplitude", "5", "--period", "1.25"];
 
 /// Returns the object, which must be alone on standard output.
 #[track_caller]
@@ -72,7 +73,7 @@ fn the_summary_of_a_run_has_the_numbers_of_its_table() {
 fn a_run_that_ends_early_says_how_and_when() {
     let folder = folder();
     let arguments = ["--amplitude", "6.2622", "--period", "1.2566370614359172", "--eta", "60", "--epsilon", "0.4"];
-    let json = object(folder.path(), &[&ROCKS[..3], &arguments, &["--csv", "run.csv"]]);
+    let json = object(folder.path(), &[&ROCKS[..7], &arguments, &["--csv", "run.csv"]]);
     // From the reference case sine_separates.
     assert_eq!((json["outcome"].as_str(), json["has_come_down"].as_bool()), (Some("separated"), Some(false)));
     assert!((json["end_time"].as_f64().unwrap() - 1.3900586035017384).abs() < 1e-6, "{json}");

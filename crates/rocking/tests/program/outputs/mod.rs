@@ -15,11 +15,12 @@ use crate::program::{RECORD, text};
 pub const SIMULATE: [&str; 3] = ["simulate", "--duration", "1"];
 
 /// Ten short runs.
-pub const SPECTRUM: [&str; 9] =
-    ["spectrum", "--pulse", "one-sine", "--amplitude", "6.2622", "--points", "5", "--duration", "2"];
+pub const SPECTRUM: [&str; 11] =
+    ["spectrum", "--alpha", "0.25", "--pulse", "one-sine", "--amplitude", "6.2622", "--points", "5", "--duration", "2"];
 
 /// A search with one change of outcome.
-pub const SEARCH: [&str; 8] = ["search", "damping", "--to", "0.4", "--points", "9", "--resolution", "1e-2"];
+pub const SEARCH: [&str; 12] =
+    ["search", "damping", "--alpha", "0.25", "--p", "1", "--to", "0.4", "--points", "9", "--resolution", "1e-2"];
 
 /// Six runs under `record.smc`.
 pub const STUDY: &str = "[study]\ndesign = \"grid\"\nduration = 2\n\

@@ -116,7 +116,7 @@ fn the_reference_has_every_option_of_the_help() {
         }
     }
     assert!(reference.contains("\n### rocking search damping\n"), "{reference}");
-    assert!(reference.contains("| `--alpha <RAD>` | Slenderness angle alpha [rad] | `0.25` |\n"), "{reference}");
+    assert!(reference.contains("| `--alpha <RAD>` | Slenderness angle alpha [rad] | `0.18` |\n"), "{reference}");
     let output = program(folder.path(), &[&["man", "--markdown", "--out", "new"]]).output().unwrap();
     assert!(
         !output.status.success() && text(&output.stderr).contains("'--markdown' cannot be used with '--out <DIR>'")

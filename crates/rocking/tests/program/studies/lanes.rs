@@ -148,7 +148,11 @@ fn a_search_under_a_record() {
 #[test]
 fn a_search_of_damping() {
     let folder = folder("");
-    the_same_bytes(folder.path(), &["search", "damping", "--to", "0.4", "--points", "40"], ["separated", "completed"]);
+    the_same_bytes(
+        folder.path(),
+        &["search", "damping", "--alpha", "0.25", "--p", "1", "--to", "0.4", "--points", "40"],
+        ["separated", "completed"],
+    );
 }
 
 #[test]
@@ -211,7 +215,7 @@ dt = 0.01
 #[test]
 fn searches_of_a_held_block() {
     let folder = folder("");
-    let held = ["--friction", "0.4", "--eccentricity", "0.1", "--mass", "1000"];
+    let held = ["--alpha", "0.25", "--p", "1", "--friction", "0.4", "--eccentricity", "0.1", "--mass", "1000"];
     let tie = ["--tie", "block_z=2,ground_x=3,stiffness=2e3,slack=0.01"];
     let damping = [&["search", "damping", "--to", "0.4", "--points", "40"], &held[..], &tie].concat();
     the_same_bytes(folder.path(), &damping, ["separated", "completed"]);

@@ -18,7 +18,8 @@ use std::path::Path;
 use crate::program::stdout;
 
 /// A pulse under which some blocks separate, some overturn, and some do neither.
-pub const PULSE: [&str; 6] = ["--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.2566370614359172"];
+pub const PULSE: [&str; 8] =
+    ["--alpha", "0.25", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.2566370614359172"];
 
 /// Cuts a table at several bytes; the study must resume to the same bytes.
 #[track_caller]

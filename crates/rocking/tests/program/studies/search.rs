@@ -85,7 +85,8 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
 #[test]
 fn the_program_prints_the_result_of_the_library() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["search", "damping", "--to", "0.4", "--points", "9", "--resolution", "1e-4"];
+    let arguments =
+        ["search", "damping", "--alpha", "0.25", "--p", "1", "--to", "0.4", "--points", "9", "--resolution", "1e-4"];
     let one = stdout(folder.path(), &[&arguments[..], &["--threads", "1", "--csv", "d.csv"]].concat());
     let two = stdout(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
     assert_eq!(one, two);
@@ -104,7 +105,8 @@ fn the_program_prints_the_result_of_the_library() {
         assert_eq!((table.number(row, "from"), table.number(row, "to")), (*from, *to));
         assert_eq!(table.get(row, "outcome"), end.to_string());
     }
-    let printed = stdout(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
+    let printed =
+        stdout(folder.path(), &["search", "damping", "--alpha", "0.25", "--p", "1", "--to", "0.02", "--points", "2"]);
     assert!(printed.contains("separation even at xi_v = 0.02"), "{printed}");
 }
 
@@ -140,7 +142,7 @@ fn records_are_searched_over_their_scale() {
 #[test]
 fn simulate_and_search_agree() {
     let folder = tempfile::tempdir().unwrap();
-    let pulse = ["--pulse", "one-sine", "--period", "1.2566"];
+    let pulse = ["--alpha", "0.25", "--p", "1", "--pulse", "one-sine", "--period", "1.2566"];
     let range = ["--foundation", "rigid", "--from", "6", "--to", "8", "--points", "3", "--csv", "o.csv"];
     stdout(folder.path(), &[&["search", "overturning"], &pulse[..], &range].concat());
     let table = Table::read(&folder.path().join("o.csv"));
@@ -154,7 +156,7 @@ fn simulate_and_search_agree() {
         let printed = stdout(folder.path(), &[&["simulate", "--amplitude", amplitude], &pulse[..], &rigid].concat());
         assert!(printed.contains(words), "{words} at {amplitude}: {printed}");
     }
-    let slow = ["simulate", "--pulse", "one-sine", "--amplitude", "14", "--period", "1"];
+    let slow = ["simulate", "--alpha", "0.25", "--p", "1", "--pulse", "one-sine", "--amplitude", "14", "--period", "1"];
     let printed = stdout(folder.path(), &[&slow[..], &rigid].concat());
     assert!(printed.contains("overturning, with complete separation at t = 8.1424 s"), "{printed}");
     // A short duration leaves the outcome undecided.
@@ -210,7 +212,7 @@ fn a_least_value_is_exact_or_reported_as_a_bound() {
         stdout(folder.path(), &[&["search"], &block[..], more, &["--json"]].concat())
     };
     assert!(!stretches(&[]).contains("\"from\":0,") && stretches(&["--vertical", RECORD]).contains("\"from\":0.0,"));
-    let (value, bound, answer) = search(&["damping", "--from", "0.5", "--points", "3"]);
+    let (value, bound, answer) = search(&["damping", "--alpha", "0.25", "--p", "1", "--from", "0.5", "--points", "3"]);
     assert_eq!((value, bound.as_str()), (Some(0.5), "upper"));
     assert!(answer.contains("at most"), "{answer}");
 }

@@ -234,7 +234,7 @@ fn the_restitution_factor_is_the_same_to_all_commands() {
     stdout(folder.path(), &spectrum(&[&bases[..], &["--csv", "s.csv"]].concat()));
     let table = Table::read(&folder.path().join("s.csv"));
     let study = "[study]\ndesign = \"grid\"\n[parameters]\nfoundation = \"Rigid\"\nrestitution_factor = 0.9\n\
-                 dimensionless.p = [6, 0.6]\npulse.shape = \"OneSine\"\npulse.amplitude = 6.2622\n\
+                 dimensionless.alpha = 0.25\ndimensionless.p = [6, 0.6]\npulse.shape = \"OneSine\"\npulse.amplitude = 6.2622\n\
                  pulse.period = 1.2566370614359172\n";
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     stdout(folder.path(), &["sweep", "study.toml", "--csv", "w.csv"]);
@@ -265,8 +265,12 @@ fn a_restitution_factor_without_effect_is_refused() {
     refused(folder.path(), &[&["simulate"], &factor[..]].concat(), &["--restitution-factor", "--foundation rigid"]);
     let output = rocking(folder.path(), &[&["search", "overturning", "--period", "1"], &factor[..]].concat());
     assert!(!output.status.success() && text(&output.stderr).contains("--foundation rigid"));
-    let beyond = ["search", "overturning", "--period", "1", "--foundation", "rigid", "--restitution-factor", "1.2"];
-    refused(folder.path(), &beyond, &["restitution_factor = 1.2", "e = 0.908", "1.0898"]);
+    let beyond = "search overturning --period 1 --alpha 0.25 --foundation rigid --restitution-factor 1.2";
+    refused(
+        folder.path(),
+        &beyond.split(' ').collect::<Vec<_>>(),
+        &["restitution_factor = 1.2", "e = 0.908", "1.0898"],
+    );
 }
 
 #[test]
@@ -279,7 +283,7 @@ fn a_table_of_another_study_is_left_alone() {
     refused(folder.path(), &spectrum(&["--csv", "s.csv"]), &["s.csv: exists already", "--resume"]);
     refused(
         folder.path(),
-        &go_on(&["--alpha", "0.2"]),
+        &[&["spectrum", "--alpha", "0.2"], &PULSE[2..], &FEW, &["--csv", "s.csv", "--resume"]].concat(),
         &["s.csv:2:", "found `# alpha = 0.25", "expected `# alpha = 0.2,"],
     );
     refused(folder.path(), &go_on(&["--foundation", "40,0.2,0"]), &["s.csv:4:", "found `# foundation 40,0.1,0`"]);
@@ -418,7 +422,8 @@ fn held_blocks_of_all_sizes_are_similar() {
 #[test]
 fn proportions_are_those_of_the_block() {
     let folder = tempfile::tempdir().unwrap();
-    let excitation = "--pulse one-sine --amplitude 3.2 --period 0.8 --on-separation fly --g 9.81 --mass 700";
+    let excitation =
+        "--alpha 0.25 --pulse one-sine --amplitude 3.2 --period 0.8 --on-separation fly --g 9.81 --mass 700";
     let line = format!(
         "spectrum {excitation} --p-min 1 --p-max 2 --points 2 --foundation 40,0.1,0 --eccentricity-ratio 0.1 \
          --tie-ratio block_x=-0.1,block_z=1,ground_x=-2,stiffness=0.5,pretension=0.02,slack=0.01,damping=0.03,strength=1 \

@@ -251,7 +251,7 @@ fn a_resumed_sweep_needs_the_same_records() {
 /// Without `on_separation` in the study blocks fly, as with `on_separation = "Fly"`.
 #[test]
 fn blocks_fly_unless_the_study_says_otherwise() {
-    let study = "[study]\ndesign = \"grid\"\n[parameters]\ndimensionless.p = [1, 3]\npulse.shape = \"OneSine\"\n\
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\ndimensionless.alpha = 0.25\ndimensionless.p = [1, 3]\npulse.shape = \"OneSine\"\n\
                  pulse.amplitude = 9\npulse.period = 1\nepsilon = 0.4\ndimensionless.eta = 80\n";
     let [silent, flying, ending] = ["", "on_separation = \"Fly\"\n", "on_separation = \"Terminate\"\n"].map(|more| {
         let folder = folder(&format!("{study}{more}"));
