@@ -2,6 +2,8 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`fmu`] | what the C interfaces need of a unit |
+//! | [`attributes`] | types, causalities and limits of variables |
 //! | [`variables`] | modelDescription.xml → a table of variables |
 //! | [`fmi3_variables`] | values of the parameters that exist only in FMI 3.0 |
 //! | [`inputs`] | the variables of inputs ↔ ramps |
@@ -15,6 +17,11 @@
 //! | [`snapshot`] | an instance ↔ bytes |
 
 pub mod fault;
+
+pub mod fmu;
+
+pub mod attributes;
+
 pub mod variables;
 
 pub mod fmi3_variables;
