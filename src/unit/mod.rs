@@ -15,6 +15,7 @@
 //! | [`life_cycle`] | the states of an instance |
 //! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
 //! | [`snapshot`] | an instance ↔ bytes |
+//! | [`in_space`] | the same for the block in space: modelDescriptionInSpace.xml ↔ [`crate::space`] |
 
 pub mod fault;
 
@@ -43,3 +44,5 @@ pub mod life_cycle;
 pub mod instance;
 
 pub mod snapshot;
+
+pub mod in_space;

@@ -52,7 +52,7 @@ pub unsafe fn instantiate<U: Fmu>(
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
         let log = Log::new(messenger, CString::from(shown), is_true(logging));
         match fit::<U>(name, kind, guid) {
-            Ok(interface) => Some(Instance::<U>::new(log, interface, Fmi2::new())),
+            Ok(interface) => Some(Instance::<U>::new(log, interface, Fmi2::default())),
             Err(reason) => {
                 log.status(Status::Error, &format!("fmi2Instantiate: {reason}"));
                 None
@@ -126,7 +126,7 @@ mod tests {
         // SAFETY: a logger of any arguments.
         let messenger = unsafe { Messenger::new(callbacks) };
         let log = Log::new(messenger, c"block".into(), false);
-        let mut instance = Instance::<Unit>::new(log, Interface::CoSimulation, Fmi2::new());
+        let mut instance = Instance::<Unit>::new(log, Interface::CoSimulation, Fmi2::default());
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
     }

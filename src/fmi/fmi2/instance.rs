@@ -16,9 +16,8 @@ pub use crate::fmi::instance::{Answer, always, moves_to, write};
 #[derive(Debug)]
 pub struct Fmi2<U>(PhantomData<U>);
 
-impl<U> Fmi2<U> {
-    /// Makes the version of an instance.
-    pub fn new() -> Fmi2<U> {
+impl<U> Default for Fmi2<U> {
+    fn default() -> Fmi2<U> {
         Fmi2(PhantomData)
     }
 }
