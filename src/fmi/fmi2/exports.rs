@@ -1,7 +1,8 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
-//! The crate `crates/fmu2` compiles this file as the FMU's library and exports the names.
+//! The crates `crates/fmu2` and `crates/fmu2-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
+//! unit.
 //!
 //! For all functions the component is null or a live instance (standard, 2.1.5), arrays have the given number of elements (2.1.7,
 //! 2.1.9, 3.2.1, 4.2.1), and strings end with 0 (2.1.5). Saved states come from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and have

@@ -1,7 +1,8 @@
 //! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
-//! The crate `crates/fmu3` compiles this file as the FMU's library and exports the names.
+//! The crates `crates/fmu3` and `crates/fmu3-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
+//! unit.
 //!
 //! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6, 3.2, 4.2), and
 //! strings end with 0 (2.2.1). Saved states come from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and have not been freed, and a

@@ -12,7 +12,7 @@ use crate::space::{SpaceBody, SpaceEvent, SpaceGround, SpaceInputs, SpaceRun, Sp
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::{Fmu, Reached};
-use crate::unit::in_space::outputs::{DerivedSource, Source, derived, source};
+use crate::unit::in_space::outputs::{SpaceDerived, SpaceSource, derived, source};
 use crate::unit::in_space::values::SpaceValues;
 use crate::unit::in_space::variables::{
     FMI3_VARIABLES, Fmi3Variable, GUID, Input, Metadata, Role, TOKEN, VARIABLES, fmi3_metadata,
@@ -177,30 +177,30 @@ impl SpaceUnit {
         }))
     }
 
-    fn output(&mut self, source: &Source) -> Result<f64, Fault> {
+    fn output(&mut self, source: &SpaceSource) -> Result<f64, Fault> {
         match source {
-            Source::Observed(of) => Ok(of(self.observation()?)),
-            Source::Foot(number, of) => {
+            SpaceSource::Observed(of) => Ok(of(self.observation()?)),
+            SpaceSource::Foot(number, of) => {
                 let is_rectangle = self.values.is_rectangle();
                 Ok(self.observation()?.feet.get(*number).filter(|_| is_rectangle).map_or(0.0, of))
             }
-            Source::Energy(of) => {
+            SpaceSource::Energy(of) => {
                 self.preview()?;
                 let run = self.run.as_ref().ok_or_else(no_block)?;
                 Ok(of(self.observed.energies.get_or_init(|| run.energies())))
             }
-            Source::Run(of) => Ok(of(self.preview()?)),
+            SpaceSource::Run(of) => Ok(of(self.preview()?)),
         }
     }
 
-    fn calculated(&mut self, source: &DerivedSource) -> Result<f64, Fault> {
+    fn calculated(&mut self, source: &SpaceDerived) -> Result<f64, Fault> {
         match (source, &self.run) {
-            (DerivedSource::Body(of), Some(run)) => Ok(of(run.body())),
-            (DerivedSource::Body(of), None) => {
+            (SpaceDerived::Body(of), Some(run)) => Ok(of(run.body())),
+            (SpaceDerived::Body(of), None) => {
                 let body: SpaceBody = self.values.body().map_err(Fault)?;
                 Ok(of(&body))
             }
-            (DerivedSource::Peak(_) | DerivedSource::End, _) => Ok(source.of_ground(&*self.ground()?)),
+            (SpaceDerived::Peak(_) | SpaceDerived::End, _) => Ok(source.of_ground(&*self.ground()?)),
         }
     }
 

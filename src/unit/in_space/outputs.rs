@@ -6,7 +6,7 @@ use crate::space::{SpaceBody, SpaceGround, SpaceRun};
 use crate::unit::in_space::variables::{Derived, Output};
 
 /// The source of an output's value.
-pub enum Source {
+pub enum SpaceSource {
     /// A quantity of an observation.
     Observed(fn(&SpaceObservation) -> f64),
     /// A quantity of the foot of a rectangle with this number.
@@ -24,8 +24,8 @@ const SE: usize = 2;
 const NE: usize = 3;
 
 /// Returns the source of an output.
-pub fn source(output: Output) -> Source {
-    use Source::{Energy, Foot, Observed, Run};
+pub fn source(output: Output) -> SpaceSource {
+    use SpaceSource::{Energy, Foot, Observed, Run};
     match output {
         Output::Tilt => Observed(|at| at.attitude.tilt),
         Output::TiltX => Observed(|at| at.attitude.tilt_x),
@@ -95,7 +95,7 @@ fn flag(is: bool) -> f64 {
 }
 
 /// The source of a calculated parameter's value.
-pub enum DerivedSource {
+pub enum SpaceDerived {
     /// The block.
     Body(fn(&SpaceBody) -> f64),
     /// The peak of a record, by its direction.
@@ -104,22 +104,22 @@ pub enum DerivedSource {
     End,
 }
 
-impl DerivedSource {
+impl SpaceDerived {
     /// Returns the value of a source in the records.
     pub fn of_ground(&self, ground: &SpaceGround) -> f64 {
         match self {
-            DerivedSource::Body(_) => 0.0,
-            DerivedSource::Peak(axis) => {
+            SpaceDerived::Body(_) => 0.0,
+            SpaceDerived::Peak(axis) => {
                 ground.records[*axis].as_ref().map_or(0.0, |record| record.peak().acceleration.abs())
             }
-            DerivedSource::End => ground.end().unwrap_or(0.0),
+            SpaceDerived::End => ground.end().unwrap_or(0.0),
         }
     }
 }
 
 /// Returns the source of a calculated parameter.
-pub fn derived(parameter: Derived) -> DerivedSource {
-    use DerivedSource::{Body, Peak};
+pub fn derived(parameter: Derived) -> SpaceDerived {
+    use SpaceDerived::{Body, Peak};
     match parameter {
         Derived::DerivedAlpha => Body(|body| body.alpha),
         Derived::DerivedR0 => Body(|body| body.r0),
@@ -138,6 +138,6 @@ pub fn derived(parameter: Derived) -> DerivedSource {
         Derived::RecordPGAX => Peak(0),
         Derived::RecordPGAY => Peak(1),
         Derived::RecordPGAZ => Peak(2),
-        Derived::RecordEnd => DerivedSource::End,
+        Derived::RecordEnd => SpaceDerived::End,
     }
 }

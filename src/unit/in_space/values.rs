@@ -283,20 +283,16 @@ impl SpaceValues {
         Ok(SpaceSetup { body: self.body()?, settings, pulses })
     }
 
+    /// Returns the shape with the number of the item.
+    fn pulse_shape(&self) -> PulseShape {
+        let number = self[Variable::PulseShape];
+        let shape = PulseShape::ALL.into_iter().find(|&shape| f64::from(shape as i32) == number);
+        shape.unwrap_or_else(|| unreachable!("{number} is checked where it is set"))
+    }
+
     fn pulse(&self) -> Pulse {
         Pulse {
-            shape: match self.choice(Variable::PulseShape) {
-                choices::PulseShape::None => PulseShape::None,
-                choices::PulseShape::OneSine => PulseShape::OneSine,
-                choices::PulseShape::OneCosine => PulseShape::OneCosine,
-                choices::PulseShape::C1 => PulseShape::C1,
-                choices::PulseShape::C2 => PulseShape::C2,
-                choices::PulseShape::HalfSine => PulseShape::HalfSine,
-                choices::PulseShape::Rectangular => PulseShape::Rectangular,
-                choices::PulseShape::SymmetricRicker => PulseShape::SymmetricRicker,
-                choices::PulseShape::AntisymmetricRicker => PulseShape::AntisymmetricRicker,
-                choices::PulseShape::Gabor => PulseShape::Gabor,
-            },
+            shape: self.pulse_shape(),
             amplitude: self[Variable::PulseAmplitude],
             period: self[Variable::PulsePeriod],
             start: self[Variable::PulseStart],
@@ -468,5 +464,18 @@ impl SpaceValues {
             Role::Parameter(_) | Role::Input(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => None,
         });
         read.filter(|&size| self.is_at_start(size)).map(|size| (size.name(), self[size])).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers of the items are those of the shapes.
+    #[test]
+    fn pulses_are_the_shapes_with_their_numbers() {
+        let items = Variable::PulseShape.metadata().items;
+        let shapes = PulseShape::ALL.map(|shape| (shape as i32, format!("{shape:?}")));
+        assert!(items.iter().map(|&(number, name)| (number, name.to_string())).eq(shapes));
     }
 }
