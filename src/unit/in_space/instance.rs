@@ -77,6 +77,17 @@ impl TryFrom<SavedUnit> for SpaceUnit {
 struct Cache {
     observation: OnceCell<SpaceObservation>,
     energies: OnceCell<SpaceEnergies>,
+    /// Whether inputs changed or a step was taken since. These leave the memory to the next reader.
+    is_stale: bool,
+}
+
+impl Cache {
+    /// Drops what is stale.
+    fn refresh(&mut self) {
+        if self.is_stale {
+            *self = Cache::default();
+        }
+    }
 }
 
 fn no_block() -> Fault {
@@ -115,7 +126,7 @@ impl SpaceUnit {
     /// Applies changed values: before initialization ends to the whole block, later to the observation.
     fn take_up_values(&mut self) {
         if self.life.phase.is_initialized() {
-            self.observed = Cache::default();
+            self.observed.is_stale = true;
         } else {
             self.forget();
         }
@@ -157,6 +168,7 @@ impl SpaceUnit {
     /// Returns the observation of the present time. A block that is held shows no motion and no forces.
     fn observation(&mut self) -> Result<&SpaceObservation, Fault> {
         self.preview()?;
+        self.observed.refresh();
         let acting = self.acting();
         let run = self.run.as_ref().ok_or_else(no_block)?;
         Ok(self.observed.observation.get_or_init(|| {
@@ -186,6 +198,7 @@ impl SpaceUnit {
             }
             SpaceSource::Energy(of) => {
                 self.preview()?;
+                self.observed.refresh();
                 let run = self.run.as_ref().ok_or_else(no_block)?;
                 Ok(of(self.observed.energies.get_or_init(|| run.energies())))
             }
@@ -213,7 +226,7 @@ impl SpaceUnit {
     ) -> Result<Option<Progress>, Fault> {
         let SpaceUnit { life, inputs, ground, run, observed, .. } = self;
         let run = run.as_mut().ok_or_else(no_block)?;
-        *observed = Cache::default();
+        observed.is_stale = true;
         loop {
             let (acting, end) = with_ground(inputs, ground.as_deref(), run.time());
             let end = end.min(until);
