@@ -1,5 +1,5 @@
-//! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
-//! `RockingBlock-fmi3.fmu` of FMI 3.0, or `RockingBlock-wasm.fmu` if the target is WebAssembly.
+//! The descriptions of the units → the code's tables of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
+//! `RockingBlock-fmi3.fmu` of FMI 3.0, the same of `RockingBlockInSpace`, or `RockingBlock-wasm.fmu` if the target is WebAssembly.
 //!
 //! The script runs before its own crate is compiled. It therefore makes cargo compile the crate once more, for the shared
 //! libraries inside the FMUs (`build/library.rs`). That inner run lacks the feature `fmu`: it makes only the table, and
@@ -26,6 +26,29 @@ use std::path::{Path, PathBuf};
 
 use sources::SOURCES;
 
+/// A unit: its description, and what the build makes of it.
+pub struct Unit {
+    /// The description.
+    pub file: &'static str,
+    /// The name of its libraries.
+    pub identifier: &'static str,
+    /// The table of its variables in Rust.
+    pub table: &'static str,
+    /// The page and the pictures of its FMUs, in build/fmu.
+    pub page: &'static str,
+}
+
+/// The units, the planar block first.
+pub const UNITS: [Unit; 2] = [
+    Unit { file: "modelDescription.xml", identifier: "rocking_block", table: "variables.rs", page: "index.html" },
+    Unit {
+        file: "modelDescriptionInSpace.xml",
+        identifier: "rocking_block_in_space",
+        table: "variables_in_space.rs",
+        page: "in_space.html",
+    },
+];
+
 /// Environment variable that suppresses the packing of FMUs.
 const GUARD: &str = "ROCKING_BLOCK_INNER";
 
@@ -38,14 +61,18 @@ fn main() {
 
 fn run() -> Result<(), String> {
     let out = PathBuf::from(variable("OUT_DIR")?);
-    let wrong = |e| format!("modelDescription.xml: {e}");
     let tool = format!("generationTool=\"rocking-block {}\"", variable("CARGO_PKG_VERSION")?);
-    let text = read("modelDescription.xml")?.replacen("generationTool=\"rocking-block\"", &tool, 1);
-    let text = positions::write(&text).map_err(wrong)?;
-    let description = description::read(&text).map_err(wrong)?;
-    // For tests, which compare it with the code.
-    write_if_changed(&out.join("modelDescription.xml"), &description.packed)?;
-    write_if_changed(&out.join("variables.rs"), &description.code())?;
+    let mut descriptions = Vec::new();
+    for Unit { file, identifier, table, .. } in UNITS {
+        let wrong = |e| format!("{file}: {e}");
+        let text = read(file)?.replacen("generationTool=\"rocking-block\"", &tool, 1);
+        let text = positions::write(&text).map_err(wrong)?;
+        let description = description::read(&text, identifier).map_err(wrong)?;
+        // For tests, which compare it with the code.
+        write_if_changed(&out.join(file), &description.packed)?;
+        write_if_changed(&out.join(table), &description.code())?;
+        descriptions.push(description);
+    }
     // A missing file would have cargo run the script each time.
     for source in SOURCES.into_iter().filter(|source| Path::new(source).exists()) {
         println!("cargo::rerun-if-changed={source}");
@@ -58,7 +85,7 @@ fn run() -> Result<(), String> {
         return Ok(());
     }
     #[cfg(feature = "fmu")]
-    pack::pack(&out, &description)?;
+    pack::pack(&out, &descriptions)?;
     Ok(())
 }
 

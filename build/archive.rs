@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use crate::description::{Description, Variable};
 use crate::fmi3::Fmi3Variable;
-use crate::read;
+use crate::{UNITS, read};
 
-use super::library::Version;
+use super::library::{Fmu, Version};
 use super::{container, date, library, licences};
 
 /// The attribute of modelDescription.xml before which the date is inserted.
@@ -28,13 +28,14 @@ const MANIFEST: (&str, &str) = (
 
 /// Packs an FMU.
 pub fn pack(
-    version: Version,
-    fmu: &Path,
+    fmu: Fmu,
+    path: &Path,
     description: &Description,
     binaries: BTreeMap<String, Vec<u8>>,
     papers: BTreeMap<String, Vec<u8>>,
 ) -> Result<(), String> {
     let load = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
+    let Fmu { version, unit, .. } = fmu;
     let mut files = papers;
     let packed = match version {
         Version::Fmi2 => &description.packed,
@@ -61,7 +62,7 @@ pub fn pack(
         let picture = load(&Path::new("build/fmu/model").with_extension(format))?;
         files.insert(format!("terminalsAndIcons/icon.{format}"), picture);
     }
-    let page = of_version(&read("build/fmu/index.html")?, version)?
+    let page = of_version(&read(&format!("build/fmu/{}", UNITS[unit].page))?, version)?
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description, version));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
@@ -73,7 +74,7 @@ pub fn pack(
             Path::new("documentation").join(path.strip_prefix("build/fmu").map_err(|error| error.to_string())?);
         files.insert(packed.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
-    container::write(fmu, &files)
+    container::write(path, &files)
 }
 
 /// Returns the description with a model identifier for each component: Co-Simulation keeps that of the other FMUs.
@@ -96,7 +97,7 @@ fn of_version(page: &str, version: Version) -> Result<String, String> {
     let mut parts = page.split(dropped_mark);
     let mut kept = parts.next().unwrap_or_default().to_string();
     for part in parts {
-        let (_, rest) = part.split_once("<!-- end -->").ok_or("build/fmu/index.html: a part has no end")?;
+        let (_, rest) = part.split_once("<!-- end -->").ok_or("a page in build/fmu: a part has no end")?;
         kept += rest;
     }
     let kept = kept.replace(kept_mark, "").replace("<!-- end -->", "");

@@ -56,8 +56,8 @@ pub struct Item {
 /// Name space of the GUIDs of this FMU: a random UUID, fixed once.
 const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61");
 
-/// Reads and checks the file. An error names the element and the expected value.
-pub fn read(text: &str) -> Result<Description, String> {
+/// Reads and checks the file of a unit whose library has this identifier. An error names the element and the expected value.
+pub fn read(text: &str, identifier: &str) -> Result<Description, String> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
     let variables = elements(child(root, "ModelVariables")?).map(|node| variable(root, node));
@@ -74,9 +74,11 @@ pub fn read(text: &str) -> Result<Description, String> {
     let text = of_fmi2(text, root, &variables)?;
     let guid = unique(&text);
     let packed = text.replacen(attribute(root, "guid")?, &guid, 1);
-    for interface in ["ModelExchange", "CoSimulation"] {
-        if attribute(child(root, interface)?, "modelIdentifier")? != "rocking_block" {
-            return Err(format!("the modelIdentifier of {interface} is the library's name, rocking_block"));
+    let interfaces = ["ModelExchange", "CoSimulation"];
+    for interface in root.children().filter(|node| interfaces.contains(&node.tag_name().name())) {
+        if attribute(interface, "modelIdentifier")? != identifier {
+            let name = interface.tag_name().name();
+            return Err(format!("the modelIdentifier of {name} is the library's name, {identifier}"));
         }
     }
     Ok(Description { guid, variables, packed, fmi3, terminals })
@@ -238,7 +240,8 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
         ("Derivatives", &later, "no input and no state"),
         ("InitialUnknowns", &initially, "no input and no parameter"),
     ] {
-        for unknown in elements(child(structure, list)?) {
+        // A unit without Model Exchange has no derivatives.
+        for unknown in structure.children().filter(|node| node.has_tag_name(list)).flat_map(elements) {
             for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
                 if !knowns.iter().any(|known| known == dependency) {
                     let index = index(unknown, "index")?;
@@ -303,6 +306,9 @@ impl Description {
     fn write_roles(&self, code: &mut String) -> std::fmt::Result {
         for (role_name, article) in ROLES {
             let of_role: Vec<&Variable> = self.variables.iter().filter(|v| role(v) == role_name).collect();
+            if of_role.is_empty() {
+                continue;
+            }
             writeln!(code, "/// {article} of modelDescription.xml.")?;
             writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {role_name} {{")?;
             for variable in &of_role {

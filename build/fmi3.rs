@@ -87,10 +87,13 @@ impl Fmi3 {
         {
             writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
         }
-        writeln!(
-            code,
-            "    /// An event indicator of Model Exchange, by its place among them.\n    Indicator(usize),\n}}"
-        )?;
+        if self.variables.iter().any(Fmi3Variable::is_indicator) {
+            writeln!(
+                code,
+                "    /// An event indicator of Model Exchange, by its place among them.\n    Indicator(usize),"
+            )?;
+        }
+        writeln!(code, "}}")?;
         writeln!(
             code,
             "/// All variables that only FMI 3.0 has; their value references follow those of [`VARIABLES`]."
@@ -141,10 +144,15 @@ impl File {
         })?;
         let structure = child(root, "ModelStructure")?;
         let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
-        let derivatives = elements(child(structure, "Derivatives")?).map(|node| ("ContinuousStateDerivative", node));
+        let derivatives = structure.children().filter(|node| node.has_tag_name("Derivatives")).flat_map(elements);
+        let derivatives = derivatives.map(|node| ("ContinuousStateDerivative", node));
         let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
         let local = nodes.iter().filter(|node| node.attribute("causality") == Some("local"));
         let indicators = local.map(|&node| ("EventIndicator", node));
+        // Arrays of results, whose dependencies are not declared.
+        let arrays = || nodes.iter().copied().filter(|node| node.attribute("causality") == Some("output"));
+        let outputs = outputs.chain(arrays().map(|node| ("Output", node)));
+        let initial = initial.chain(arrays().map(|node| ("InitialUnknown", node)));
         let unknowns: Vec<(&str, Node)> = outputs.chain(derivatives).chain(initial).chain(indicators).collect();
         self.element("ModelStructure", &[], &unknowns, |file, (element, node)| {
             match node.attribute("valueReference") {

@@ -5,9 +5,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{GUARD, variable};
+use crate::{GUARD, UNITS, variable};
 
-/// An FMU. Each has its own libraries, which export exactly the functions of its standard.
+/// The standard of an FMU.
 #[derive(Clone, Copy)]
 pub enum Version {
     /// FMI 2.0.
@@ -24,25 +24,12 @@ const WASM: &str = "wasm32-wasip2";
 /// The model identifiers of the components for Co-Simulation and Model Exchange. The feature chooses the component.
 pub const COMPONENTS: [(&str, &str); 2] = [("rocking_block", ""), ("rocking_block_me", "model-exchange")];
 
-impl Version {
-    /// Returns the FMUs for the target.
-    pub fn of_target() -> Result<&'static [Version], String> {
-        Ok(if variable("TARGET")? == WASM { &[Version::Wasm] } else { &[Version::Fmi2, Version::Fmi3] })
-    }
-
-    /// Returns the names of the FMU.
-    pub fn names(self) -> Names {
-        let (file, environment, library) = match self {
-            Version::Fmi2 => ("RockingBlock.fmu", "ROCKING_BLOCK_FMU", "rocking-block-fmu2"),
-            Version::Fmi3 => ("RockingBlock-fmi3.fmu", "ROCKING_BLOCK_FMI3", "rocking-block-fmu3"),
-            Version::Wasm => ("RockingBlock-wasm.fmu", "ROCKING_BLOCK_WASM", "rocking-block-fmu3-wasm"),
-        };
-        Names { file, environment, library }
-    }
-}
-
-/// The names of an FMU.
-pub struct Names {
+/// An FMU. Each has its own library, which exports exactly the functions of its standard.
+#[derive(Clone, Copy)]
+pub struct Fmu {
+    pub version: Version,
+    /// The place of its unit in [`UNITS`].
+    pub unit: usize,
     /// Its file.
     pub file: &'static str,
     /// The environment variable that gives the crate's tests the path of the file.
@@ -51,18 +38,64 @@ pub struct Names {
     pub library: &'static str,
 }
 
+/// The FMUs of a native target.
+const NATIVE: [Fmu; 4] = [
+    Fmu {
+        version: Version::Fmi2,
+        unit: 0,
+        file: "RockingBlock.fmu",
+        environment: "ROCKING_BLOCK_FMU",
+        library: "rocking-block-fmu2",
+    },
+    Fmu {
+        version: Version::Fmi3,
+        unit: 0,
+        file: "RockingBlock-fmi3.fmu",
+        environment: "ROCKING_BLOCK_FMI3",
+        library: "rocking-block-fmu3",
+    },
+    Fmu {
+        version: Version::Fmi2,
+        unit: 1,
+        file: "RockingBlockInSpace.fmu",
+        environment: "ROCKING_BLOCK_IN_SPACE_FMU",
+        library: "rocking-block-fmu2-in-space",
+    },
+    Fmu {
+        version: Version::Fmi3,
+        unit: 1,
+        file: "RockingBlockInSpace-fmi3.fmu",
+        environment: "ROCKING_BLOCK_IN_SPACE_FMI3",
+        library: "rocking-block-fmu3-in-space",
+    },
+];
+
+/// The FMU of the target [`WASM`].
+const COMPONENT: [Fmu; 1] = [Fmu {
+    version: Version::Wasm,
+    unit: 0,
+    file: "RockingBlock-wasm.fmu",
+    environment: "ROCKING_BLOCK_WASM",
+    library: "rocking-block-fmu3-wasm",
+}];
+
+/// Returns the FMUs for the target.
+pub fn of_target() -> Result<&'static [Fmu], String> {
+    Ok(if variable("TARGET")? == WASM { &COMPONENT } else { &NATIVE })
+}
+
 /// Compiles the binaries of all FMUs for the target, and returns them by path inside the FMU. The solver is compiled once for all.
-pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Vec<u8>>>, String> {
+pub fn build(out: &Path, fmus: &[Fmu]) -> Result<Vec<BTreeMap<String, Vec<u8>>>, String> {
     let load = |path: PathBuf| std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
-    let file = |version: Version| version.names().library.replace('-', "_");
-    if let [Version::Wasm] = versions {
+    let file = |fmu: &Fmu| fmu.library.replace('-', "_");
+    if let [fmu @ Fmu { version: Version::Wasm, .. }] = fmus {
         let component = |(identifier, feature): (&str, &str)| {
-            let content = load(compile(out, versions, feature)?.join(file(Version::Wasm) + ".wasm"))?;
+            let content = load(compile(out, fmus, feature)?.join(file(fmu) + ".wasm"))?;
             Ok((format!("binaries/{WASM}/{identifier}.wasm"), content))
         };
         return Ok(vec![COMPONENTS.into_iter().map(component).collect::<Result<_, String>>()?]);
     }
-    let folder = compile(out, versions, "")?;
+    let folder = compile(out, fmus, "")?;
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let (system, prefix, suffix) = match os.as_str() {
         "windows" => ("windows", "", "dll"),
@@ -70,24 +103,25 @@ pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Ve
         os => (os, "lib", "so"),
     };
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
-    let library = |&version: &Version| {
-        let content = load(folder.join(format!("{prefix}{}.{suffix}", file(version))))?;
-        let folder = folder_in_fmu(version, system, &architecture);
-        Ok(BTreeMap::from([(format!("binaries/{folder}/rocking_block.{suffix}"), content)]))
+    let library = |fmu: &Fmu| {
+        let content = load(folder.join(format!("{prefix}{}.{suffix}", file(fmu))))?;
+        let folder = folder_in_fmu(fmu.version, system, &architecture);
+        let identifier = UNITS[fmu.unit].identifier;
+        Ok(BTreeMap::from([(format!("binaries/{folder}/{identifier}.{suffix}"), content)]))
     };
-    versions.iter().map(library).collect()
+    fmus.iter().map(library).collect()
 }
 
 /// Compiles the libraries, and returns their folder. They have their own target folder, since the outer one is locked while this
 /// script runs.
-fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, String> {
+fn compile(out: &Path, fmus: &[Fmu], feature: &str) -> Result<PathBuf, String> {
     let target_dir = out.join("library");
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
     let release = variable("PROFILE")? == "release";
     let mut command = inner_cargo()?;
     command.args(["build", "--features", feature]);
-    for version in versions {
-        command.args(["--package", version.names().library]);
+    for fmu in fmus {
+        command.args(["--package", fmu.library]);
     }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
-use super::library::{self, Version};
+use super::library::{self, Fmu, Version};
 use super::sbom;
 
 /// Third-party crates inside Rust's standard library, and their licences.
@@ -53,10 +53,10 @@ pub fn c_library() -> Result<Option<CLibrary>, String> {
 }
 
 /// Returns files for the FMU by path: `documentation/licenses` and the bill of materials.
-pub fn collect(versions: &[Version]) -> Result<BTreeMap<String, Vec<u8>>, String> {
+pub fn collect(fmus: &[Fmu]) -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
-    let linked = linked(&metadata, versions)?;
+    let linked = linked(&metadata, fmus)?;
     let mut files = BTreeMap::from([(sbom::PATH.to_string(), sbom::write(&metadata, &linked)?.into_bytes())]);
     let path = |name: &str| format!("documentation/licenses/{name}");
     let mut index = String::from(
@@ -106,13 +106,13 @@ fn metadata() -> Result<Metadata, String> {
 /// Returns the root, the glue of WebAssembly, and their run-time dependencies. Dependencies of builds and tests, and macros, are left out.
 ///
 /// `cargo tree` knows the optional dependencies that are really used; `cargo metadata` does not.
-fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageId>, String> {
+fn linked(metadata: &Metadata, fmus: &[Fmu]) -> Result<BTreeSet<PackageId>, String> {
     let mut command = library::inner_cargo()?;
     command.args(["tree", "--edges", "normal,no-proc-macro", "--no-default-features", "--locked", "--no-dedupe"]);
     command.args(["--package", "rocking-block"]);
     // The glue of the other versions is the project's own.
-    if let [wasm @ Version::Wasm] = versions {
-        command.args(["--package", wasm.names().library]);
+    if let [wasm @ Fmu { version: Version::Wasm, .. }] = fmus {
+        command.args(["--package", wasm.library]);
     }
     command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
     let tree = output_of(command)?;

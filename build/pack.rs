@@ -18,22 +18,21 @@ use std::time::SystemTime;
 
 use crate::SOURCES;
 use crate::description::Description;
-use library::Version;
+use library::Fmu;
 
 /// Packs the FMUs for the target, next to the program under construction.
-pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
+pub fn pack(out: &Path, descriptions: &[Description]) -> Result<(), String> {
     // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out.
     let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
-    let versions = Version::of_target()?;
-    let fmus: Vec<(Version, PathBuf)> =
-        versions.iter().map(|&version| (version, profile.join(version.names().file))).collect();
+    let of_target = library::of_target()?;
+    let fmus: Vec<(Fmu, PathBuf)> = of_target.iter().map(|&fmu| (fmu, profile.join(fmu.file))).collect();
     // A missing file makes cargo run this script again: an FMU if somebody removed it, and the stamp if the sources
     // changed and a `cargo check` did not pack them.
     let stamp = out.join("packed");
     println!("cargo::rerun-if-changed={}", stamp.display());
-    for (version, fmu) in &fmus {
-        println!("cargo::rustc-env={}={}", version.names().environment, fmu.display());
-        println!("cargo::rerun-if-changed={}", fmu.display());
+    for (fmu, path) in &fmus {
+        println!("cargo::rustc-env={}={}", fmu.environment, path.display());
+        println!("cargo::rerun-if-changed={}", path.display());
     }
     if library::only_checking() {
         return match std::fs::remove_file(&stamp) {
@@ -41,15 +40,15 @@ pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
             _ => Ok(()),
         };
     }
-    let papers = licences::collect(versions)?;
-    let binaries = library::build(out, versions)?;
-    for ((version, fmu), binaries) in fmus.iter().zip(binaries) {
-        archive::pack(*version, fmu, description, binaries, papers.clone())?;
+    let papers = licences::collect(of_target)?;
+    let binaries = library::build(out, of_target)?;
+    for ((fmu, path), binaries) in fmus.iter().zip(binaries) {
+        archive::pack(*fmu, path, &descriptions[fmu.unit], binaries, papers.clone())?;
     }
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
     // The files get the age of the newest source: cargo treats files newer than the start of this script as changed.
     let newest = newest_source()?;
-    for made in fmus.iter().map(|(_, fmu)| fmu).chain([&stamp]) {
+    for made in fmus.iter().map(|(_, path)| path).chain([&stamp]) {
         let file = std::fs::File::options().append(true).open(made).map_err(|e| format!("{}: {e}", made.display()))?;
         file.set_modified(newest).map_err(|e| format!("{}: {e}", made.display()))?;
     }

@@ -29,7 +29,7 @@
 //! | [`system`] | pose and excitation → accelerations, reactions, and resets at events; without a clock or counters |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
 //! | [`space`] | a body on n feet, shaken in three directions → its run: a second core beside block, system and simulation |
-//! | [`mod@unit`] | the variables of modelDescription.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
+//! | [`mod@unit`] | the variables of modelDescription.xml and modelDescriptionInSpace.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
 //! | [`fmi`] | the calls of an importer → the unit: code shared by the C interfaces, [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
 //! Dependencies run one way: a block is independent of its integration, and both are independent of the interfaces.

@@ -11,6 +11,11 @@ use std::ptr::{null, null_mut};
 use rocking_block::fmi::fmi2::exports::*;
 use rocking_block::fmi::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
 use rocking_block::fmi::fmi3::exports::*;
+use rocking_block::unit::attributes::Kind;
+use rocking_block::unit::fmu::Fmu;
+use rocking_block::unit::in_space::SpaceUnit;
+use rocking_block::unit::in_space::variables::Variable as SpaceVariable;
+use rocking_block::unit::life_cycle::Interface;
 use rocking_block::unit::variables::{GUID, TOKEN, VARIABLES};
 
 struct Counting;
@@ -283,4 +288,34 @@ fn steps_in_space_allocate_nothing() {
     }
     assert_eq!(CALLS.get() - before, 0);
     assert!(events > 10 && run.state().counts.landings > 2, "{events} events");
+}
+
+/// Outputs are read between the steps, which leave their memory alone.
+#[test]
+fn steps_of_the_unit_in_space_allocate_nothing() {
+    let mut unit = SpaceUnit::new(Interface::CoSimulation);
+    let reference = |variable: SpaceVariable| variable as u32 + 1;
+    let real = |value: f64| value;
+    unit.set(Kind::Integer, &[reference(SpaceVariable::PulseShape)], &[2.0], real).unwrap();
+    let pulse = [SpaceVariable::PulseAmplitude, SpaceVariable::PulsePeriod, SpaceVariable::PulseAzimuth];
+    unit.set(Kind::Real, &pulse.map(reference), &[6.2622, 1.2566, 0.4], real).unwrap();
+    unit.enter_initialization_mode();
+    unit.exit_initialization_mode().unwrap();
+    let [tilt, energy, landings] =
+        [SpaceVariable::Tilt, SpaceVariable::EnergyTotal, SpaceVariable::EventsLandings].map(reference);
+    let (mut calls, mut seen) = (0, Vec::new());
+    for i in 0..100 {
+        let (here, there) = (0.05 * f64::from(i), 0.05 * f64::from(i + 1));
+        let before = CALLS.get();
+        unit.set(Kind::Real, &[1], &[0.1 * f64::from(i % 3)], real).unwrap();
+        unit.advance(here, there - here, &mut |_| {}).unwrap();
+        calls += CALLS.get() - before;
+        seen.push([unit.get(Kind::Real, tilt).unwrap(), unit.get(Kind::Real, energy).unwrap()]);
+    }
+    assert!(unit.get(Kind::Integer, landings).unwrap() > 2.0);
+    assert!(
+        seen.windows(2).all(|pair| pair[0][0] != pair[1][0] && pair[0][1] != pair[1][1]),
+        "outputs are those of each step"
+    );
+    assert_eq!(calls, 0);
 }

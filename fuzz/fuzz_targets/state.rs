@@ -13,9 +13,10 @@ mod seeds;
 
 use fmu::{ERROR, Fmu, OK, reference};
 use libfuzzer_sys::fuzz_target;
-use rocking_block::unit::life_cycle::Phase;
+use rocking_block::unit::fmu::Fmu as _;
+use rocking_block::unit::instance::Unit;
+use rocking_block::unit::life_cycle::{Interface, Phase};
 use rocking_block::unit::snapshot;
-use rocking_block::unit::instance::Interface;
 
 /// Contents of real states: before, during and after initialization, and under way in every regime and ending.
 fn plant_seeds() {
@@ -67,13 +68,13 @@ fn plant_seeds() {
 
 fuzz_target!(init: plant_seeds(), |content: &[u8]| {
     // As it is: mostly refused by the header.
-    let _ = snapshot::deserialize(content);
+    let _ = snapshot::deserialize::<Unit>(content);
     // Under a header that fits.
     let mut fmu = Fmu::new();
     let sealed = sealed::seal(content);
-    if let Ok(unit) = snapshot::deserialize(&sealed) {
-        let elsewhere = matches!(unit.phase(), Phase::ConfigurationMode | Phase::EventMode);
-        let own = unit.interface() == Interface::CoSimulation && !elsewhere;
+    if let Ok(unit) = snapshot::deserialize::<Unit>(&sealed) {
+        let elsewhere = matches!(unit.life().phase, Phase::ConfigurationMode | Phase::EventMode);
+        let own = unit.life().interface == Interface::CoSimulation && !elsewhere;
         assert_eq!(fmu.deserialize(&sealed), if own { OK } else { ERROR });
         if own {
             assert_eq!(fmu.restore(0), OK);

@@ -45,6 +45,22 @@ pub enum PulseShape {
     Gabor = 10,
 }
 
+impl PulseShape {
+    /// All shapes, in the order of their numbers.
+    pub const ALL: [PulseShape; 10] = [
+        PulseShape::None,
+        PulseShape::OneSine,
+        PulseShape::OneCosine,
+        PulseShape::C1,
+        PulseShape::C2,
+        PulseShape::HalfSine,
+        PulseShape::Rectangular,
+        PulseShape::SymmetricRicker,
+        PulseShape::AntisymmetricRicker,
+        PulseShape::Gabor,
+    ];
+}
+
 /// A ground pulse; outside its duration it is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pulse<T = f64> {

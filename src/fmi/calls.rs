@@ -1,8 +1,7 @@
 //! Functions of the interface that act on an instance, and the states in which they are legal.
 
 use crate::fmi::Version;
-use crate::unit::instance::Interface;
-use crate::unit::life_cycle::Phase;
+use crate::unit::life_cycle::{Interface, Phase};
 
 /// A function of the interface that acts on an instance.
 pub trait Call: Copy {

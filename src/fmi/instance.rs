@@ -1,15 +1,14 @@
-//! An instance of any version of FMI: a [`Unit`], statuses and messages, without pointers.
+//! An instance of any version of FMI: a unit, statuses and messages, without pointers.
 
 use std::ffi::CString;
 use std::mem::MaybeUninit;
 
 use crate::fmi::log::{Category, Log};
 use crate::fmi::{Status, Version, calls};
+use crate::unit::attributes::Kind;
 use crate::unit::fault::Fault;
-use crate::unit::instance::exchange::{AfterEvent, counted};
-use crate::unit::instance::{Interface, Unit};
-use crate::unit::life_cycle::Phase;
-use crate::unit::variables::{Kind, Metadata};
+use crate::unit::fmu::{AfterEvent, Exchanged, Fmu, counted};
+use crate::unit::life_cycle::{Interface, Phase};
 
 /// Result of a call. A fault becomes the error status and a message.
 pub type Answer = Result<Status, Fault>;
@@ -20,7 +19,7 @@ pub struct Instance<V: Version> {
     /// The importer's log.
     pub log: Log<V::Messenger>,
     /// The content of a saved state.
-    pub unit: Unit,
+    pub unit: V::Unit,
     /// Fields of this version of FMI.
     pub version: V,
     /// Strings returned to the importer, kept until its next request for strings.
@@ -30,7 +29,7 @@ pub struct Instance<V: Version> {
 impl<V: Version> Instance<V> {
     /// Makes a new instance with start values.
     pub fn new(log: Log<V::Messenger>, interface: Interface, version: V) -> Instance<V> {
-        Instance { log, unit: Unit::new(interface), version, texts: Vec::new() }
+        Instance { log, unit: V::Unit::new(interface), version, texts: Vec::new() }
     }
 
     /// Refuses a call that is illegal in the present state.
@@ -38,12 +37,12 @@ impl<V: Version> Instance<V> {
     /// # Errors
     /// The call is illegal in this state; the error names the states in which it is legal.
     pub fn admit(&self, call: V::Call) -> Result<(), Fault> {
-        calls::admit::<V>(call, self.unit.phase(), self.unit.interface()).map_err(Fault)
+        calls::admit::<V>(call, self.unit.life().phase, self.unit.life().interface).map_err(Fault)
     }
 
     /// Whether a panic was caught in an earlier call.
     pub fn is_fatal(&self) -> bool {
-        self.unit.phase() == Phase::Fatal
+        self.unit.life().phase == Phase::Fatal
     }
 
     /// Chooses the categories that are logged.
@@ -67,7 +66,7 @@ impl<V: Version> Instance<V> {
     /// Sets tolerance, start and stop of the run.
     ///
     /// # Errors
-    /// Those of [`Unit::plan`].
+    /// Those of [`Fmu::plan`].
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
         match (tolerance, self.unit.plan(tolerance, start, stop)?) {
             (Some(tolerance), Some(used)) => {
@@ -81,7 +80,7 @@ impl<V: Version> Instance<V> {
     /// Makes a block of the values. A refusal lets the importer correct them.
     ///
     /// # Errors
-    /// Those of [`Unit::exit_initialization_mode`].
+    /// Those of [`Fmu::exit_initialization_mode`].
     pub fn exit_initialization_mode(&mut self) -> Answer {
         let unread = self.unit.exit_initialization_mode()?;
         let unset = self.unit.unset_sizes();
@@ -102,7 +101,7 @@ impl<V: Version> Instance<V> {
     /// Sets values of one type, all or none.
     ///
     /// # Errors
-    /// Those of [`Unit::set`].
+    /// Those of [`Fmu::set`].
     pub fn set<T: Copy>(&mut self, kind: Kind, references: &[u32], values: &[T], real: impl Fn(T) -> f64) -> Answer {
         self.unit.set(kind, references, values, real)?;
         Ok(Status::Ok)
@@ -111,7 +110,7 @@ impl<V: Version> Instance<V> {
     /// Reads values of one type.
     ///
     /// # Errors
-    /// Those of [`Unit::check`] and [`Unit::get`].
+    /// Those of [`Fmu::check`] and [`Fmu::get`].
     pub fn get<T>(
         &mut self,
         kind: Kind,
@@ -119,12 +118,12 @@ impl<V: Version> Instance<V> {
         values: &mut [MaybeUninit<T>],
         convert: impl Fn(f64) -> T,
     ) -> Answer {
-        self.unit.check(references, kind)?;
+        V::Unit::check(references, kind)?;
         let (unit, mut lost) = (&mut self.unit, None);
         let results = references.iter().map(|&reference| {
             let value = unit.get(kind, reference)?;
             if !value.is_finite() {
-                lost = lost.or(Metadata::of(reference).map(|metadata| metadata.name));
+                lost = lost.or(V::Unit::known(reference).map(|known| known.name));
             }
             Ok(convert(value))
         });
@@ -140,7 +139,7 @@ impl<V: Version> Instance<V> {
     /// In Model Exchange the importer's solver may have set impossible states and can go back, so the call is discarded. In
     /// Co-Simulation the step before has reported an error.
     pub fn answer_without_numbers(&self, what: &str) -> Status {
-        if self.unit.interface() == Interface::CoSimulation {
+        if self.unit.life().interface == Interface::CoSimulation {
             return Status::Ok;
         }
         let message = format!("{what} is not finite; expected states, inputs and loads of possible size");
@@ -151,7 +150,7 @@ impl<V: Version> Instance<V> {
     /// Sets texts, all or none.
     ///
     /// # Errors
-    /// Those of [`Unit::set_texts`].
+    /// Those of [`Fmu::set_texts`].
     pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Answer {
         self.unit.set_texts(references, texts)?;
         Ok(Status::Ok)
@@ -160,7 +159,7 @@ impl<V: Version> Instance<V> {
     /// Reads texts.
     ///
     /// # Errors
-    /// Those of [`Unit::text`].
+    /// Those of [`Fmu::text`].
     pub fn get_texts(&mut self, references: &[u32]) -> Result<&[CString], Fault> {
         let text = |&reference| {
             let text = self.unit.text(reference)?;
@@ -173,7 +172,7 @@ impl<V: Version> Instance<V> {
     /// Returns the time derivatives of outputs, of order 1.
     ///
     /// # Errors
-    /// Those of [`Unit::output_derivatives`].
+    /// Those of [`Fmu::output_derivatives`].
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -186,7 +185,7 @@ impl<V: Version> Instance<V> {
     /// Returns derivatives in a direction of variables and, in FMI 3.0, of time.
     ///
     /// # Errors
-    /// Those of [`Unit::directional_derivative`].
+    /// Those of [`Fmu::directional_derivative`].
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -204,7 +203,7 @@ impl<V: Version> Instance<V> {
     /// Model Exchange: applies an event. One call suffices.
     ///
     /// # Errors
-    /// Those of [`Unit::pass_events`].
+    /// Those of [`Fmu::pass_events`].
     pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         let log = &self.log;
         self.unit.pass_events(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))
@@ -213,7 +212,7 @@ impl<V: Version> Instance<V> {
     /// Sets the time (s).
     ///
     /// # Errors
-    /// Those of [`Unit::set_time`].
+    /// Those of [`Fmu::set_time`].
     pub fn set_time(&mut self, time: f64) -> Answer {
         self.unit.set_time(time)?;
         Ok(Status::Ok)
@@ -222,34 +221,37 @@ impl<V: Version> Instance<V> {
     /// Sets the continuous states.
     ///
     /// # Errors
-    /// Those of [`Unit::set_states`].
+    /// Those of [`Fmu::set_states`].
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Answer {
         self.unit.set_states(states)?;
         Ok(Status::Ok)
     }
 
-    /// Returns all numbers that `of` computes: states, derivatives, event indicators or nominal values.
+    /// Returns the states, derivatives, nominal values or event indicators of Model Exchange.
     ///
     /// # Errors
-    /// An array of another length than `N`, and the errors of `of`.
-    pub fn get_all<const N: usize>(
-        &mut self,
-        of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
-        values: &mut [MaybeUninit<f64>],
-    ) -> Answer {
-        counted(values.len(), N, "numbers")?;
-        let numbers = of(&mut self.unit)?;
-        if numbers.iter().any(|number| !number.is_finite()) {
-            return Ok(self.answer_without_numbers("a derivative or an event indicator"));
-        }
-        write(numbers.into_iter().map(Ok), values)
+    /// An array of another length, and the errors of [`Fmu::exchanged`].
+    pub fn get_exchanged(&mut self, numbers: Exchanged, values: &mut [MaybeUninit<f64>]) -> Answer {
+        let expected = match numbers {
+            Exchanged::States | Exchanged::Derivatives | Exchanged::Nominals => V::Unit::STATES,
+            Exchanged::Indicators => V::Unit::INDICATORS,
+        };
+        counted(values.len(), expected, "numbers")?;
+        let mut lost = false;
+        self.unit.exchanged(numbers, &mut |numbers| {
+            lost = numbers.iter().any(|number| !number.is_finite());
+            if !lost {
+                values.iter_mut().zip(numbers).for_each(|(value, &number)| _ = value.write(number));
+            }
+        })?;
+        if lost { Ok(self.answer_without_numbers("a derivative or an event indicator")) } else { Ok(Status::Ok) }
     }
 
     /// Restores a saved state.
     ///
     /// # Errors
     /// Those of [`Instance::check_restorable`].
-    pub fn restore(&mut self, saved: &Unit) -> Answer {
+    pub fn restore(&mut self, saved: &V::Unit) -> Answer {
         self.check_restorable(saved)?;
         self.unit.clone_from(saved);
         Ok(Status::Ok)
@@ -259,12 +261,12 @@ impl<V: Version> Instance<V> {
     ///
     /// # Errors
     /// The refused state, with the expected one.
-    pub fn check_restorable(&self, saved: &Unit) -> Result<(), Fault> {
-        let (found, expected) = (saved.interface(), self.unit.interface());
+    pub fn check_restorable(&self, saved: &V::Unit) -> Result<(), Fault> {
+        let (found, expected) = (saved.life().interface, self.unit.life().interface);
         if found != expected {
             return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
         }
-        let phase = saved.phase();
+        let phase = saved.life().phase;
         if V::reached(expected) & phase.bit() == 0 {
             return Err(Fault::new(format!(
                 "the state was saved in {phase:?}; expected one to which calls of this version of FMI lead in {expected:?}"
@@ -274,8 +276,13 @@ impl<V: Version> Instance<V> {
     }
 }
 
+/// Returns the body of a call that only moves the instance to a state.
+pub fn moves_to<V: Version>(phase: Phase) -> impl FnOnce(&mut Instance<V>) -> Answer {
+    always(move |unit: &mut V::Unit| unit.set_phase(phase))
+}
+
 /// Returns the body of a call that never fails: an operation of the unit.
-pub fn always<V: Version>(act: impl FnOnce(&mut Unit)) -> impl FnOnce(&mut Instance<V>) -> Answer {
+pub fn always<V: Version>(act: impl FnOnce(&mut V::Unit)) -> impl FnOnce(&mut Instance<V>) -> Answer {
     |instance| {
         act(&mut instance.unit);
         Ok(Status::Ok)

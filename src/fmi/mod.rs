@@ -13,8 +13,8 @@ mod status;
 
 use crate::fmi::calls::Call;
 use crate::fmi::log::Messenger;
-use crate::unit::instance::Interface;
-use crate::unit::life_cycle::Phase;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::{Interface, Phase};
 pub use status::Status;
 
 /// The type of the standard's counts; the crate `libc` has none for WebAssembly.
@@ -23,6 +23,8 @@ pub type size_t = usize;
 
 /// A version of the standard, and the fields that it adds to an instance.
 pub trait Version {
+    /// The unit behind the interface.
+    type Unit: Fmu;
     /// The functions that act on an instance.
     type Call: Call;
     /// The importer's logger.

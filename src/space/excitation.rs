@@ -28,6 +28,39 @@ impl SpaceInputs {
         let moved = |ramps: [Ramp; 3]| ramps.map(|ramp| ramp.moved(time - self.time));
         SpaceInputs { time, ground: moved(self.ground), force: moved(self.force), moment: moved(self.moment) }
     }
+
+    fn with(&self, others: &SpaceInputs, act: impl Fn(Ramp, Ramp) -> Ramp) -> SpaceInputs {
+        let pairs = |a: &[Ramp; 3], b: &[Ramp; 3]| std::array::from_fn(|i| act(a[i], b[i]));
+        SpaceInputs {
+            time: self.time,
+            ground: pairs(&self.ground, &others.ground),
+            force: pairs(&self.force, &others.force),
+            moment: pairs(&self.moment, &others.moment),
+        }
+    }
+
+    /// Returns the sum of both, with the reference time of `self`.
+    pub fn plus(&self, others: &SpaceInputs) -> SpaceInputs {
+        let sum = |a: Ramp, b: Ramp| Ramp { value: a.value + b.value, rate: a.rate + b.rate };
+        self.with(&others.moved_to(self.time), sum)
+    }
+
+    /// Returns the inputs held constant at their values at the reference time.
+    pub fn held(&self) -> SpaceInputs {
+        self.with(self, |ramp, _| Ramp::held(ramp.value))
+    }
+
+    /// Returns the line from these values to those of `end`, each at its reference time.
+    pub fn line_to(&self, end: &SpaceInputs) -> SpaceInputs {
+        let duration = end.time - self.time;
+        self.with(end, |a, b| Ramp { value: a.value, rate: (b.value - a.value) / duration })
+    }
+
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let ramps = self.ground.iter().chain(&self.force).chain(&self.moment);
+        self.time.is_finite() && ramps.flat_map(|ramp| [ramp.value, ramp.rate]).all(f64::is_finite)
+    }
 }
 
 /// Greatest number of pulses.
@@ -158,6 +191,12 @@ impl SpaceGround {
             return Err(format!("azimuth = {} is not valid; expected a finite number", self.azimuth));
         }
         Ok(self)
+    }
+
+    /// Returns all records multiplied by a factor and delayed by `delay` (s).
+    pub fn scaled_and_shifted(self, factor: f64, delay: f64) -> SpaceGround {
+        let changed = |record: Record| Record { start_time: record.start_time + delay, ..record.scaled(factor) };
+        SpaceGround { records: self.records.map(|record| record.map(changed)), ..self }
     }
 
     /// Returns the time of the last sample (s), if there is a record.

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::space::events::Poised;
 use crate::space::forces::{FootContact, FootForces, support_height};
-use crate::space::motion::{BodyMotion, Turn, VELOCITY, of_foot, three};
+use crate::space::motion::{BodyMotion, OMEGA, Turn, VELOCITY, of_foot, three};
 
 /// Tilt and twist of a rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,6 +66,8 @@ pub struct SpaceObservation {
     pub velocity: Vector3<f64>,
     /// Its acceleration relative to the ground (m/s²).
     pub acceleration: Vector3<f64>,
+    /// Angular acceleration (rad/s²).
+    pub angular_acceleration: Vector3<f64>,
     /// Displacement of the middle of the base over the ground (m).
     pub drift: [f64; 2],
     /// Sum of the forces on the feet (N).
@@ -114,6 +116,7 @@ impl SpaceObservation {
             displacement,
             velocity,
             acceleration: three(rates, VELOCITY),
+            angular_acceleration: three(rates, OMEGA),
             drift: [drift.x, drift.y],
             force,
             moment,

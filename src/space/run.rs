@@ -63,6 +63,8 @@ pub struct SpaceState {
     pub half_tilt_square: f64,
     /// Counters.
     pub counts: SpaceCounts,
+    /// Time of the last event (s), or of the start.
+    pub last_event: f64,
     pub(super) events_in_this_instant: usize,
 }
 
@@ -136,6 +138,7 @@ impl SpaceRun {
             lift_off_energy: 0.0,
             half_tilt_square: Turn::of(&numbers).half_tilt_square(),
             counts: SpaceCounts::default(),
+            last_event: time,
             events_in_this_instant: 0,
             numbers,
             contacts,
@@ -157,7 +160,8 @@ impl SpaceRun {
             FootContact::Lifted(creep) => [creep.depth, creep.since],
             FootContact::Sticks | FootContact::Slides => [0.0; 2],
         });
-        let others = [state.time, state.initial_energy, state.lift_off_energy, state.half_tilt_square];
+        let others =
+            [state.time, state.last_event, state.initial_energy, state.lift_off_energy, state.half_tilt_square];
         let numbers = state.numbers.iter().copied().chain(creeps).chain(others);
         if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
             return Err(format!("the state has the number {number}; expected finite ones"));
@@ -181,18 +185,43 @@ impl SpaceRun {
         inputs: &SpaceInputs,
         observer: &mut dyn FnMut(&SpaceEvent),
     ) -> Result<Progress, SimulationError> {
+        let progress = self.advance_to_event(until, f64::INFINITY, inputs, observer)?;
+        Ok(progress.unwrap_or(Progress::Reached))
+    }
+
+    /// Advances as [`SpaceRun::advance`] does, at most to the first event later than `after` (s), which has happened then. Returns `None` if
+    /// that stops it.
+    ///
+    /// # Errors
+    /// The solver cannot go on: see [`SimulationError`].
+    pub fn advance_to_event(
+        &mut self,
+        until: f64,
+        after: f64,
+        inputs: &SpaceInputs,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<Option<Progress>, SimulationError> {
         let mut budget = MAX_STEPS;
+        let after = after.max(self.state.last_event);
         while self.state.time < until && self.state.ending.is_none() {
             let stop = next_kink(&self.setup.pulses, self.state.time).map_or(until, |kink| kink.min(until));
-            self.smooth_piece(stop, inputs, &mut budget, observer)?;
-        }
-        match self.state.ending {
-            Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
-            _ => {
-                self.state.time = until;
-                Ok(Progress::Reached)
+            self.smooth_piece(stop, after, inputs, &mut budget, observer)?;
+            if self.state.last_event > after && self.state.ending.is_none() {
+                return Ok(None);
             }
         }
+        match self.state.ending {
+            Some((ending, time)) if !self.is_frozen() => Ok(Some(Progress::Ended(ending, time))),
+            _ => {
+                self.state.time = until;
+                Ok(Some(Progress::Reached))
+            }
+        }
+    }
+
+    /// Sets the clock to a time (s) that a master has rounded.
+    pub fn set_time(&mut self, time: f64) {
+        self.state.time = time;
     }
 
     /// Whether the run has ended and the block is held, without motion or support.

@@ -113,17 +113,18 @@ fn first_fall(
 }
 
 impl SpaceRun {
-    /// Steps over a smooth piece of the excitation to `stop` (s), or to the end of the run.
+    /// Steps over a smooth piece of the excitation to `stop` (s), to the first event later than `after` (s), or to the end of the run.
     pub(super) fn smooth_piece(
         &mut self,
         stop: f64,
+        after: f64,
         inputs: &SpaceInputs,
         budget: &mut u64,
         observer: &mut dyn FnMut(&SpaceEvent),
     ) -> Result<(), SimulationError> {
         let excitation = self.excitation(inputs);
         self.begin(&excitation);
-        while self.state.time < stop && self.state.ending.is_none() {
+        while self.state.time < stop && self.state.ending.is_none() && self.state.last_event <= after {
             self.step(stop, &excitation, budget, observer)?;
         }
         Ok(())
@@ -303,12 +304,14 @@ impl SpaceRun {
             state.contacts[foot] = change.contact;
             state.lift_off_energy += change.lost;
             for kind in change.events.into_iter().flatten() {
+                state.last_event = time;
                 state.counts.add(kind);
                 observer(&SpaceEvent { time, kind });
             }
         }
         if memory.falls[number] {
             state.ending = Some((Ending::Overturned, time));
+            state.last_event = time;
             observer(&SpaceEvent { time, kind: SpaceEventKind::Overturning });
         }
         state.note_separation(setup);

@@ -2,6 +2,8 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`fmu`] | what the C interfaces need of a unit |
+//! | [`attributes`] | types, causalities and limits of variables |
 //! | [`variables`] | modelDescription.xml → a table of variables |
 //! | [`fmi3_variables`] | values of the parameters that exist only in FMI 3.0 |
 //! | [`inputs`] | the variables of inputs ↔ ramps |
@@ -13,8 +15,14 @@
 //! | [`life_cycle`] | the states of an instance |
 //! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
 //! | [`snapshot`] | an instance ↔ bytes |
+//! | [`in_space`] | the same for the block in space: modelDescriptionInSpace.xml ↔ [`crate::space`] |
 
 pub mod fault;
+
+pub mod fmu;
+
+pub mod attributes;
+
 pub mod variables;
 
 pub mod fmi3_variables;
@@ -36,3 +44,5 @@ pub mod life_cycle;
 pub mod instance;
 
 pub mod snapshot;
+
+pub mod in_space;

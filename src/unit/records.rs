@@ -7,11 +7,18 @@ use crate::unit::values::Values;
 use crate::unit::variables::{Fmi3Variable, Text, Variable};
 use rocking_records::{Choice, Format, LARGEST_FILE, ReadOptions, Record, Setting, local_path};
 
-/// The variables that name a record and its reading options.
-struct RecordSettings {
-    path: Text,
-    unit: Text,
-    channel: Variable,
+/// A file with a record, and the options of its reading. Each has the name of its variable.
+pub(super) struct RecordFile<'a> {
+    /// Its path; empty for none.
+    pub path: (&'static str, &'a str),
+    /// The unit of its values; empty for that of the file.
+    pub unit: (&'static str, &'a str),
+    /// Its channel; 0 for the only one.
+    pub channel: (&'static str, f64),
+    /// Its time step (s); 0 for that of the file.
+    pub time_step: (&'static str, f64),
+    /// Gravity (m/s²).
+    pub gravity: f64,
 }
 
 impl Values {
@@ -75,45 +82,48 @@ impl Values {
     /// Reads the files that the parameters name. An error is one line and names settings by their variables.
     pub(super) fn ground_of_files(&self) -> Result<Ground, String> {
         let unit = |texts: &[Text]| texts.iter().copied().find(|&text| !self[text].is_empty());
-        let horizontal = RecordSettings {
-            path: Text::RecordHorizontal,
-            unit: unit(&[Text::RecordHorizontalUnit]).unwrap_or(Text::RecordHorizontalUnit),
-            channel: Variable::RecordHorizontalChannel,
+        let record = |path: Text, unit: Text, channel: Variable| {
+            let text = |text: Text| (text.variable().name(), self[text].as_str());
+            let number = |variable: Variable| (variable.name(), self[variable]);
+            let (channel, time_step) = (number(channel), number(Variable::RecordDt));
+            RecordFile { path: text(path), unit: text(unit), channel, time_step, gravity: self[Variable::G] }.read()
         };
-        let vertical = RecordSettings {
-            path: Text::RecordVertical,
-            unit: unit(&[Text::RecordVerticalUnit, Text::RecordHorizontalUnit]).unwrap_or(Text::RecordVerticalUnit),
-            channel: Variable::RecordVerticalChannel,
-        };
-        Ok(Ground { horizontal: self.record(&horizontal)?, vertical: self.record(&vertical)? })
+        let horizontal_unit = unit(&[Text::RecordHorizontalUnit]).unwrap_or(Text::RecordHorizontalUnit);
+        let vertical_unit =
+            unit(&[Text::RecordVerticalUnit, Text::RecordHorizontalUnit]).unwrap_or(Text::RecordVerticalUnit);
+        Ok(Ground {
+            horizontal: record(Text::RecordHorizontal, horizontal_unit, Variable::RecordHorizontalChannel)?,
+            vertical: record(Text::RecordVertical, vertical_unit, Variable::RecordVerticalChannel)?,
+        })
     }
+}
 
-    fn record(&self, settings: &RecordSettings) -> Result<Option<Record>, String> {
-        let &RecordSettings { path, unit, channel } = settings;
-        if self[path].is_empty() {
+impl RecordFile<'_> {
+    /// Reads the record, if a path is given. An error is one line and names settings by their variables.
+    pub(super) fn read(&self) -> Result<Option<Record>, String> {
+        let &RecordFile { path: (path_name, path), unit: (unit_name, unit), channel, time_step, gravity } = self;
+        if path.is_empty() {
             return Ok(None);
         }
         // Opening a pipe waits for a writer, and a device may never end.
-        let found = local_path(Path::new(&self[path])).and_then(std::fs::metadata);
+        let found = local_path(Path::new(path)).and_then(std::fs::metadata);
         if found.is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-            let (name, found) = (path.variable().name(), &self[path]);
             return Err(format!(
-                "{name}: {found} is a pipe or a device; expected a file of at most {LARGEST_FILE} MiB"
+                "{path_name}: {path} is a pipe or a device; expected a file of at most {LARGEST_FILE} MiB"
             ));
         }
-        let time_step = self[Variable::RecordDt];
-        let unit_choice = (!self[unit].is_empty()).then(|| self[unit].parse());
+        let unit_choice = (!unit.is_empty()).then(|| unit.parse());
         let options = ReadOptions {
-            unit: unit_choice.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
-            time_step: (time_step != 0.0).then_some(time_step),
-            gravity: self[Variable::G],
-            channel: (self[channel] != 0.0).then_some(Choice::Number(self[channel] as usize)),
+            unit: unit_choice.transpose().map_err(|error| format!("{unit_name}: {error}"))?,
+            time_step: (time_step.1 != 0.0).then_some(time_step.1),
+            gravity,
+            channel: (channel.1 != 0.0).then_some(Choice::Number(channel.1 as usize)),
             ..ReadOptions::default()
         };
         let name = |setting: Setting| match setting {
-            Setting::Unit => unit.variable().name().to_string(),
-            Setting::TimeStep => Variable::RecordDt.name().to_string(),
-            Setting::Channel => channel.name().to_string(),
+            Setting::Unit => unit_name.to_string(),
+            Setting::TimeStep => time_step.0.to_string(),
+            Setting::Channel => channel.0.to_string(),
             Setting::Format => "a format".to_string(),
             Setting::TimeColumn | Setting::AccelerationColumn => {
                 "a file with one column of accelerations, here one of columns".to_string()
@@ -126,15 +136,13 @@ impl Values {
             | Setting::BandPass
             | Setting::Resample => setting.to_string(),
         };
-        let read = rocking_records::read(Path::new(&self[path]), &options);
-        let record = read.map_err(|error| format!("{}: {}", path.variable().name(), error.naming(name)))?;
+        let read = rocking_records::read(Path::new(path), &options);
+        let record = read.map_err(|error| format!("{path_name}: {}", error.naming(name)))?;
         match options.channel {
             Some(Choice::Number(given)) if given > 1 && !Setting::Channel.formats().contains(&record.format) => {
                 Err(format!(
-                    "{} = {given}; expected 0 or 1, since {} is a file of format {} and has one channel",
-                    channel.name(),
-                    self[path],
-                    record.format
+                    "{} = {given}; expected 0 or 1, since {path} is a file of format {} and has one channel",
+                    channel.0, record.format
                 ))
             }
             Some(_) | None => Ok(Some(record)),

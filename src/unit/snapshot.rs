@@ -3,13 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
-use crate::unit::variables::GUID;
+use crate::unit::fmu::Fmu;
 
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
-/// Version of the content. Raise it with every change of [`Unit`]'s fields.
-pub const VERSION: u32 = 12;
+/// Version of the content of the planar block. Raise it with every change of [`Unit`](crate::unit::instance::Unit)'s fields.
+pub const VERSION: u32 = 13;
 
 #[derive(Serialize, Deserialize)]
 struct Header {
@@ -24,13 +23,13 @@ struct Header {
 ///
 /// # Errors
 /// A state that [`postcard`] cannot write. No state of a run is one.
-pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
+pub fn serialize<U: Fmu>(unit: &U) -> Result<Vec<u8>, Fault> {
     let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
     let content = postcard::to_allocvec(unit).map_err(internal)?;
     let header = Header {
         magic: MAGIC,
-        version: VERSION,
-        guid: GUID.into(),
+        version: U::CONTENT_VERSION,
+        guid: U::GUID.into(),
         length: content.len() as u64,
         checksum: crc32fast::hash(&content),
     };
@@ -46,18 +45,18 @@ pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
 ///
 /// # Errors
 /// Bytes of another program or another version, truncated bytes and altered bytes.
-pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
+pub fn deserialize<U: Fmu>(bytes: &[u8]) -> Result<U, Fault> {
     let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
     let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)
         .map_err(|_| refuse(format!("found {} bytes; expected a complete header", bytes.len())))?;
     if header.magic != MAGIC {
         return Err(refuse("found another beginning; expected that of a state of this FMU".into()));
     }
-    if header.version != VERSION {
-        return Err(refuse(format!("found version {}; expected {VERSION}", header.version)));
+    if header.version != U::CONTENT_VERSION {
+        return Err(refuse(format!("found version {}; expected {}", header.version, U::CONTENT_VERSION)));
     }
-    if header.guid != GUID {
-        return Err(refuse(format!("found GUID {:?}; expected {GUID:?}", header.guid)));
+    if header.guid != U::GUID {
+        return Err(refuse(format!("found GUID {:?}; expected {:?}", header.guid, U::GUID)));
     }
     // The importer's buffer may be longer than the content.
     let content = usize::try_from(header.length)
@@ -69,7 +68,7 @@ pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
         let expected = header.checksum;
         return Err(refuse(format!("found altered content of checksum {checksum:08x}; expected {expected:08x}")));
     }
-    let unit: Unit = postcard::from_bytes(content)
+    let unit: U = postcard::from_bytes(content)
         .map_err(|error| refuse(format!("found broken content; expected a state: {error}")))?;
     if unit.is_valid() {
         Ok(unit)

@@ -5,9 +5,9 @@ use rocking_block::block::restraints::tie;
 use crate::beyond_cases::{Case, Change, cases, cases_with_links, instants};
 use crate::common::{Record, inputs_at, record_named};
 use crate::compare::check_cases;
+use crate::event_lines::LoggedEvent;
 use crate::functions::*;
 use crate::host::{Instance, call};
-use crate::logging::LoggedEvent;
 
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
 const CLOSE: f64 = 1e-7;

@@ -57,8 +57,9 @@ pub fn read(text: &str) -> Description {
 }
 
 impl Description {
-    /// Returns the variable with this name.
+    /// Returns the variable with this name in the planar unit, or its like in another unit.
     pub fn variable(&self, name: &str) -> &Variable {
+        let name = crate::unit::name(name);
         self.variables.iter().find(|v| v.name == name).unwrap_or_else(|| panic!("there is no variable {name}"))
     }
 

@@ -7,6 +7,7 @@ use std::sync::{LazyLock, Mutex};
 
 use crate::description::{self, Description};
 use crate::functions::*;
+use crate::unit;
 
 /// The unpacked FMU.
 pub struct Fmu {
@@ -19,17 +20,18 @@ pub struct Fmu {
 
 /// The FMU that the build packed; its library is loaded once and stays.
 pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
-    let mut archive = zip::ZipArchive::new(std::fs::File::open(env!("ROCKING_BLOCK_FMU")).unwrap()).unwrap();
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(unit::PATH).unwrap()).unwrap();
     let mut entry = |name: &str| {
         let mut bytes = Vec::new();
         archive.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
         bytes
     };
-    let binary = entry("binaries/linux64/rocking_block.so");
+    let library = format!("{}.so", unit::IDENTIFIER);
+    let binary = entry(&format!("binaries/linux64/{library}"));
     let xml = String::from_utf8(entry("modelDescription.xml")).unwrap();
     let description = description::read(&xml);
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rocking_block.so");
+    let path = folder.path().join(library);
     std::fs::write(&path, &binary).unwrap();
     // SAFETY: the library has no initialization of its own.
     let library = unsafe { libloading::Library::new(&path) }.unwrap();

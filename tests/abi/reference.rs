@@ -4,9 +4,9 @@ use rocking_block::block::{Foundation, Ratios, Supports};
 
 use crate::common::{Case, cases, inputs_at, record_step};
 use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance, check_cases};
+use crate::event_lines::LoggedEvent;
 use crate::functions::*;
 use crate::host::{Instance, call};
-use crate::logging::LoggedEvent;
 
 /// Returns |a − b|/|b|.
 pub fn relative(a: f64, b: f64) -> f64 {

@@ -107,20 +107,6 @@ fn a_ramp_is_followed_exactly() {
     }
 }
 
-/// Outputs follow the ramp to the end of the step: at rest on the rigid base, `H = M a_gx`.
-#[test]
-fn outputs_at_the_end_of_a_step_see_the_input_of_that_time() {
-    let instance = Instance::new("block");
-    instance.set("foundation", 2.0);
-    instance.set("a_gx", 0.5);
-    instance.initialize(None);
-    instance.set_rate("a_gx", 1.0);
-    instance.step(0.0, 0.5);
-    assert_eq!(instance.get("H"), 1000.0 * 1.0);
-    instance.set("a_gx", 0.25);
-    assert_eq!(instance.get("H"), 1000.0 * 0.25, "an input set between steps acts at once");
-}
-
 #[test]
 fn without_derivatives_the_input_is_held() {
     let run = |zero_rates: bool| {
@@ -308,23 +294,6 @@ fn runs_begin_at_the_start_time() {
     for start in [-100.0, 1000.0] {
         let difference = (run(start) - run(0.0)).abs();
         assert!(difference <= 1e-8 * ALPHA, "from {start} s on theta differs by {difference:e}");
-    }
-}
-
-/// Outputs in Initialization Mode follow the present inputs, independent of earlier reads.
-#[test]
-fn inputs_act_at_once_in_initialization_mode() {
-    let instance = Instance::new("block");
-    assert_eq!(call!(instance, enter_initialization_mode), OK);
-    for a_gx in [2.0, -1.0, 0.5] {
-        instance.set("a_gx", a_gx);
-        // For a block at rest on its supports, only the moment of H turns it.
-        let (h, u_ddot) = (instance.get("H"), instance.get("u_ddot"));
-        assert!((h - instance.get("mass") * (u_ddot + a_gx)).abs() < 1e-9 * h.abs(), "H = {h} N at {a_gx} m/s2");
-        let mut derivative = f64::NAN;
-        let (of, to) = (reference("H"), reference("a_gx"));
-        assert_eq!(call!(instance, get_directional_derivative, &of, 1, &to, 1, &1.0, &mut derivative), OK);
-        assert!((derivative * a_gx - h).abs() < 1e-9 * h.abs(), "dH/da_gx = {derivative} at {a_gx} m/s2");
     }
 }
 

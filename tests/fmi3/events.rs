@@ -95,18 +95,6 @@ fn an_impact_is_seen_from_both_sides() {
     assert!((after / before - block.get("derived.e")).abs() < 1e-12, "{after} after {before}");
 }
 
-/// A master that ignores the event gets the same bits.
-#[test]
-fn an_unhandled_event_is_applied_in_the_next_step() {
-    let [handled, forgotten] = [(), ()].map(|()| rocking(true, true, &[]));
-    handled.step_by_events(0.0, 4.0, true);
-    let mut here = 0.0;
-    while here < 4.0 {
-        here = forgotten.step(here, 4.0 - here).reached;
-    }
-    assert_eq!(handled.output_bits(), forgotten.output_bits());
-}
-
 #[test]
 fn the_step_reports_the_end_of_the_run() {
     // Complete separation: epsilon = 0.4 throws the block off its supports.

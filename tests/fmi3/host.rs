@@ -11,6 +11,7 @@ use std::sync::{LazyLock, Mutex};
 use roxmltree::Document;
 
 use crate::functions::*;
+use crate::unit;
 
 /// A variable of modelDescription.xml.
 #[derive(Clone, Debug)]
@@ -20,6 +21,7 @@ pub struct Variable {
     pub kind: String,
     pub causality: String,
     pub attributes: BTreeMap<String, String>,
+    pub is_array: bool,
 }
 
 /// The unpacked FMU.
@@ -30,11 +32,9 @@ pub struct Fmu {
     pub variables: BTreeMap<String, Variable>,
 }
 
-pub const BINARY: &str = "binaries/x86_64-linux/rocking_block.so";
-
 /// The FMU that the build packed; its library is loaded once and stays.
 pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
-    let mut archive = zip::ZipArchive::new(std::fs::File::open(env!("ROCKING_BLOCK_FMI3")).unwrap()).unwrap();
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(unit::PATH).unwrap()).unwrap();
     let mut files = BTreeMap::new();
     for place in 0..archive.len() {
         let mut entry = archive.by_index(place).unwrap();
@@ -54,6 +54,7 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
             kind: node.tag_name().name().to_string(),
             causality: attributes["causality"].clone(),
             attributes: attributes.clone(),
+            is_array: node.children().any(|child| child.has_tag_name("Dimension")),
         };
         (attributes["name"].clone(), variable)
     };
@@ -61,7 +62,7 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     let token = CString::new(root.attribute("instantiationToken").unwrap()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rocking_block.so");
-    std::fs::write(&path, &files[BINARY]).unwrap();
+    std::fs::write(&path, &files[unit::BINARY]).unwrap();
     // SAFETY: the library has no initialization of its own.
     let library = unsafe { libloading::Library::new(&path) }.unwrap();
     let functions = Functions::load(&library);
@@ -72,7 +73,7 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
 
 /// Returns the value reference of a variable.
 pub fn reference(name: &str) -> u32 {
-    FMU.variables.get(name).unwrap_or_else(|| panic!("there is no variable {name}")).reference
+    FMU.variables.get(unit::name(name)).unwrap_or_else(|| panic!("there is no variable {name}")).reference
 }
 
 /// The importer's reaction to an intermediate update.
@@ -275,7 +276,7 @@ impl Instance {
 
     /// Sets a scalar of any type except a text.
     pub fn try_set(&self, name: &str, value: f64) -> Status {
-        let variable = &FMU.variables[name];
+        let variable = &FMU.variables[unit::name(name)];
         let vr = &variable.reference;
         match variable.kind.as_str() {
             "Float64" => call!(self, set_float64, vr, 1, &value, 1),
@@ -299,7 +300,7 @@ impl Instance {
 
     /// Reads a scalar of any type except a text.
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
-        let variable = &FMU.variables[name];
+        let variable = &FMU.variables[unit::name(name)];
         let vr = &variable.reference;
         let (mut float, mut boolean, mut int32, mut int64, mut size) = (f64::NAN, false, 0, 0, 0);
         let (status, value) = match variable.kind.as_str() {
@@ -321,7 +322,7 @@ impl Instance {
     /// Returns the bits of all outputs.
     #[track_caller]
     pub fn output_bits(&self) -> Vec<u64> {
-        let outputs = FMU.variables.iter().filter(|(_, variable)| variable.causality == "output");
+        let outputs = FMU.variables.iter().filter(|(_, v)| v.causality == "output" && !v.is_array);
         outputs.map(|(name, _)| self.get(name).to_bits()).collect()
     }
 

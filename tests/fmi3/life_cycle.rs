@@ -171,9 +171,10 @@ fn without_logging_errors_are_logged() {
     let environment = Environment::default();
     let place = std::ptr::from_ref(&environment).cast_mut().cast();
     let of = |token: Text| {
-        let instantiate = FMU.functions.instantiate_model_exchange;
+        let instantiate = FMU.functions.instantiate_co_simulation;
+        let name = c"block".as_ptr();
         // SAFETY: texts end with 0, and the environment lives as long as the instance.
-        unsafe { instantiate(c"block".as_ptr(), token, null(), false, false, place, Some(logger)) }
+        unsafe { instantiate(name, token, null(), false, false, false, false, null(), 0, place, Some(logger), None) }
     };
     assert!(of(c"{no token}".as_ptr()).is_null());
     let [(status, category, text)] = &*std::mem::take(&mut *environment.messages.lock().unwrap()) else {

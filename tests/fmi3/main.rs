@@ -25,4 +25,6 @@ mod loading;
 mod misuse;
 mod package;
 mod states;
+mod stops;
+mod unit;
 mod values;

@@ -1,8 +1,9 @@
 //! Content of the FMU of FMI 3.0, and exports of its library.
 
 use crate::functions::NAMES;
-use crate::host::{BINARY, FMU};
+use crate::host::FMU;
 use crate::loading::exports;
+use crate::unit::BINARY;
 
 #[test]
 fn holds_the_files_of_the_standard() {

@@ -57,7 +57,7 @@ def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
 
 
 # Variants of one thing; a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
-VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$")]
+VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$", r"^unit::(in_space::)?variables$")]
 
 
 @pytest.mark.check

@@ -1,6 +1,8 @@
 //! The unit in Model Exchange: times of events, and outputs and derivatives of one instant.
 
+use rocking_block::unit::fmu::Fmu;
 use rocking_block::unit::instance::{Interface, Unit};
+use rocking_block::unit::life_cycle::Phase;
 use rocking_block::unit::variables::{Metadata, VARIABLES};
 
 fn metadata(name: &str) -> &'static Metadata {
@@ -33,7 +35,7 @@ fn a_time_event_within_round_off_is_present() {
         unit(&[("pulse.shape", 2.0), ("pulse.amplitude", 4.0), ("pulse.period", period), ("pulse.start", start)]);
     let first = unit.pass_events(&mut |_| ()).unwrap().next_time;
     assert_eq!(first, Some(start));
-    unit.enter_continuous_time_mode();
+    unit.set_phase(Phase::ContinuousTimeMode);
     for ulps in [1, 2, 8] {
         let mut unit = unit.clone();
         let time = (0..ulps).fold(start, |time, _| time.next_down());
@@ -42,7 +44,7 @@ fn a_time_event_within_round_off_is_present() {
         let next = unit.pass_events(&mut |_| ()).unwrap().next_time.unwrap();
         assert!((next - start - period).abs() < 1e-12, "{ulps} ulp before {start} s: {next} s");
         // The pulse acts from now on.
-        unit.enter_continuous_time_mode();
+        unit.set_phase(Phase::ContinuousTimeMode);
         unit.set_time(start + 0.1).unwrap();
         assert!(get(&mut unit, "H") > 1.0);
     }
@@ -67,7 +69,7 @@ fn outputs_at_trial_points_are_those_of_the_derivatives() {
     ] {
         let mut unit = unit(&values);
         unit.pass_events(&mut |_| ()).unwrap();
-        unit.enter_continuous_time_mode();
+        unit.set_phase(Phase::ContinuousTimeMode);
         let indicators = unit.indicators().unwrap();
         unit.set_time(0.25).unwrap();
         assert!(unit.indicators().unwrap().iter().any(|indicator| *indicator < 0.0), "{values:?}: {indicators:?}");

@@ -1,5 +1,6 @@
 //! The functions of FMI 2.0 as a shared library exports them, over the solver.
 
+use rocking_block::unit::instance::Unit;
 use rocking_block::{fmi, unit};
 
 #[path = "../../../src/fmi/fmi2/exports.rs"]

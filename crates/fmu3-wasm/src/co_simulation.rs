@@ -5,11 +5,12 @@ use std::mem::MaybeUninit;
 
 use rocking_block::fmi::fmi3::boundary::{self, Stepping};
 use rocking_block::fmi::fmi3::calls::Call;
-use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit, always};
+use rocking_block::fmi::fmi3::instance::{Answer, always, moves_to};
 use rocking_block::fmi::fmi3::step::StepOutcome;
 use rocking_block::fmi::fmi3::types::*;
 use rocking_block::fmi::fmi3::values::of_no_type;
-use rocking_block::unit::instance::Unit as State;
+use rocking_block::unit::fmu::Fmu;
+use rocking_block::unit::life_cycle::Phase;
 use rocking_block::unit::snapshot;
 use rocking_block::unit::variables::Kind;
 
@@ -18,7 +19,7 @@ use crate::bindings::exports::fmi::fmi3::co_simulation::{
     IntervalQualifier, Status, VariableDependency,
 };
 use crate::bindings::fmi::fmi3::intermediate_update_callbacks::intermediate_update;
-use crate::instance::{Instance, status};
+use crate::instance::{Instance, State, Unit, status};
 
 impl GuestCoSimulationInstance for Instance {
     common_methods!();
@@ -69,7 +70,7 @@ impl GuestCoSimulationInstance for Instance {
             Ok(rocking_block::fmi::Status::Ok)
         };
         // SAFETY: a live instance (standard, 2.3.1).
-        let code = unsafe { boundary::do_step(self.handle(), step, || Ok(()), done) };
+        let code = unsafe { boundary::do_step::<State>(self.handle(), step, || Ok(()), done) };
         result.take().ok_or(status(code))
     }
 }

@@ -5,12 +5,16 @@ use std::mem::MaybeUninit;
 
 use rocking_block::fmi::fmi3::boundary::{self, Request, Stepping};
 use rocking_block::fmi::fmi3::calls::Call;
-use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit};
+use rocking_block::fmi::fmi3::instance::Answer;
 use rocking_block::fmi::fmi3::types::*;
 use rocking_block::unit::fault::Fault;
+pub use rocking_block::unit::instance::Unit as State;
 
 use crate::bindings::fmi::fmi3::callbacks::log_message;
 use crate::bindings::fmi::fmi3::types::{DiscreteStatesInfo, Status};
+
+/// The instance of the C interface.
+pub type Unit = rocking_block::fmi::fmi3::instance::Instance<State>;
 
 /// An instance, freed when the importer drops the resource.
 pub struct Instance {
@@ -22,7 +26,7 @@ pub struct Instance {
 impl Drop for Instance {
     fn drop(&mut self) {
         // SAFETY: a live instance, which is not used after this (standard, 2.3.1).
-        unsafe { boundary::free_instance(self.handle) }
+        unsafe { boundary::free_instance::<State>(self.handle) }
     }
 }
 
@@ -52,7 +56,7 @@ impl Instance {
         };
         // SAFETY: the texts end with 0. The logger may be called with the environment, a box that is dropped after the instance; the
         // contract of `stepping` is its maker's (standard, 2.3.1).
-        let handle = unsafe { boundary::instantiate(function, &request, stepping) };
+        let handle = unsafe { boundary::instantiate::<State>(function, &request, stepping) };
         (!handle.is_null()).then_some(Instance { handle, _name: name })
     }
 

@@ -19,10 +19,10 @@ macro_rules! common_methods {
             exit_initialization_mode ExitInitializationMode Unit::leave_initialization_mode;
             enter_event_mode EnterEventMode Unit::begin_event;
             enter_step_mode EnterStepMode Unit::enter_step_mode;
-            terminate Terminate always(State::terminate);
-            reset Reset always(State::reset);
-            enter_configuration_mode EnterConfigurationMode always(|unit| unit.configure(true));
-            exit_configuration_mode ExitConfigurationMode always(|unit| unit.configure(false));
+            terminate Terminate moves_to(Phase::Terminated);
+            reset Reset always(Fmu::reset);
+            enter_configuration_mode EnterConfigurationMode moves_to(Phase::ConfigurationMode);
+            exit_configuration_mode ExitConfigurationMode moves_to(Phase::Instantiated);
         }
 
         fn update_discrete_states(&self) -> Result<DiscreteStatesInfo, Status> {
@@ -180,11 +180,11 @@ macro_rules! accessors {
 macro_rules! missing_types {
     ($($get:ident $set:ident $get_call:ident $set_call:ident $type:ty, $name:literal;)*) => {$(
         fn $get(&self, value_references: Vec<u32>) -> Result<Vec<$type>, Status> {
-            self.ask(Call::$get_call, |_| of_no_type(&value_references, $name).map(|_| Vec::new()))
+            self.ask(Call::$get_call, |_| of_no_type::<State>(&value_references, $name).map(|_| Vec::new()))
         }
 
         fn $set(&self, value_references: Vec<u32>, _: Vec<$type>) -> Status {
-            self.call(Call::$set_call, |_| of_no_type(&value_references, $name))
+            self.call(Call::$set_call, |_| of_no_type::<State>(&value_references, $name))
         }
     )*};
 }

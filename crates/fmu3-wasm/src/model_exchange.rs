@@ -3,10 +3,10 @@
 use std::mem::MaybeUninit;
 
 use rocking_block::fmi::fmi3::calls::Call;
-use rocking_block::fmi::fmi3::instance::{Answer, Instance as Unit, always};
+use rocking_block::fmi::fmi3::instance::{Answer, always, moves_to};
 use rocking_block::fmi::fmi3::values::of_no_type;
-use rocking_block::simulation::exchange::{INDICATORS, STATES};
-use rocking_block::unit::instance::Unit as State;
+use rocking_block::unit::fmu::{Exchanged, Fmu};
+use rocking_block::unit::life_cycle::Phase;
 use rocking_block::unit::snapshot;
 use rocking_block::unit::variables::Kind;
 
@@ -14,7 +14,7 @@ use crate::bindings::exports::fmi::fmi3::model_exchange::{
     CompletedStepResult, DiscreteStatesInfo, GuestModelExchangeInstance, IntervalFraction, IntervalQualifier,
     ModelExchangeInstance, Status, VariableDependency,
 };
-use crate::instance::Instance;
+use crate::instance::{Instance, State, Unit};
 
 impl GuestModelExchangeInstance for Instance {
     common_methods!();
@@ -31,7 +31,7 @@ impl GuestModelExchangeInstance for Instance {
     }
 
     transitions! {
-        enter_continuous_time_mode EnterContinuousTimeMode always(State::enter_continuous_time_mode);
+        enter_continuous_time_mode EnterContinuousTimeMode moves_to(Phase::ContinuousTimeMode);
     }
 
     fn set_time(&self, time: f64) -> Status {
@@ -45,29 +45,41 @@ impl GuestModelExchangeInstance for Instance {
     fn get_continuous_state_derivatives(&self) -> Result<Vec<f64>, Status> {
         self.get(
             Call::GetContinuousStateDerivatives,
-            |_| STATES,
-            |unit, values| unit.get_all(State::derivatives, values),
+            |_| State::STATES,
+            |unit, values| unit.get_exchanged(Exchanged::Derivatives, values),
         )
     }
 
     fn get_event_indicators(&self) -> Result<Vec<f64>, Status> {
-        self.get(Call::GetEventIndicators, |_| INDICATORS, |unit, values| unit.get_all(State::indicators, values))
+        self.get(
+            Call::GetEventIndicators,
+            |_| State::INDICATORS,
+            |unit, values| unit.get_exchanged(Exchanged::Indicators, values),
+        )
     }
 
     fn get_continuous_states(&self) -> Result<Vec<f64>, Status> {
-        self.get(Call::GetContinuousStates, |_| STATES, |unit, values| unit.get_all(State::states, values))
+        self.get(
+            Call::GetContinuousStates,
+            |_| State::STATES,
+            |unit, values| unit.get_exchanged(Exchanged::States, values),
+        )
     }
 
     fn get_nominals_of_continuous_states(&self) -> Result<Vec<f64>, Status> {
-        self.get(Call::GetNominalsOfContinuousStates, |_| STATES, |unit, values| unit.get_all(State::nominals, values))
+        self.get(
+            Call::GetNominalsOfContinuousStates,
+            |_| State::STATES,
+            |unit, values| unit.get_exchanged(Exchanged::Nominals, values),
+        )
     }
 
     fn get_number_of_event_indicators(&self) -> Result<u64, Status> {
-        self.ask(Call::GetNumberOfEventIndicators, |_| Ok(INDICATORS as u64))
+        self.ask(Call::GetNumberOfEventIndicators, |_| Ok(State::INDICATORS as u64))
     }
 
     fn get_number_of_continuous_states(&self) -> Result<u64, Status> {
-        self.ask(Call::GetNumberOfContinuousStates, |_| Ok(STATES as u64))
+        self.ask(Call::GetNumberOfContinuousStates, |_| Ok(State::STATES as u64))
     }
 
     fn completed_integrator_step(&self, _: bool) -> Result<CompletedStepResult, Status> {

@@ -34,7 +34,8 @@ use crate::fmi::calls::Call;
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Status, Version};
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::Phase;
 
 /// No call is in progress.
 const FREE: u8 = 0;
@@ -195,7 +196,7 @@ fn failed<V: Version>(instance: &mut Instance<V>, call: V::Call, reason: std::th
     let (status, message) = match reason {
         Ok(Fault(message)) => (Status::Error, message),
         Err(panic) => {
-            instance.unit.fail_fatally();
+            instance.unit.set_phase(Phase::Fatal);
             (Status::Fatal, format!("internal error: {}", panic_reason(panic.as_ref())))
         }
     };
@@ -206,7 +207,7 @@ fn failed<V: Version>(instance: &mut Instance<V>, call: V::Call, reason: std::th
         Ok(()) => status,
         // The logger panicked.
         Err(_) => {
-            instance.unit.fail_fatally();
+            instance.unit.set_phase(Phase::Fatal);
             Status::Fatal
         }
     }
@@ -259,7 +260,7 @@ pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_v
     // SAFETY: by contract memory that nothing else uses meanwhile (standard, 2.1.8).
     let output = unsafe { single_output("FMUstate", state) }?;
     // SAFETY: not null (see `single_output`), and by contract set to null or a state (standard, 2.1.8).
-    let saved = unsafe { state.read() }.cast::<Unit>();
+    let saved = unsafe { state.read() }.cast::<V::Unit>();
     // SAFETY: by contract null or a state that has not been freed (standard, 2.1.8); no other call holds a reference to it, since
     // no reference outlives its call.
     match unsafe { saved.as_mut() } {
@@ -276,21 +277,21 @@ pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_v
 ///
 /// # Errors
 /// `state` is null.
-pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
+pub unsafe fn state<'a, U: Fmu>(state: *mut c_void) -> Result<&'a U, Fault> {
     // SAFETY: by contract null or a live state (standard, 2.1.8).
-    unsafe { state.cast::<Unit>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
+    unsafe { state.cast::<U>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
 }
 
 /// Frees a state and sets its pointer to null. Does nothing for null.
 ///
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
-pub unsafe fn free_state(state: *mut *mut c_void) -> Status {
+pub unsafe fn free_state<U: Fmu>(state: *mut *mut c_void) -> Status {
     if state.is_null() {
         return Status::Ok;
     }
     // SAFETY: by contract an initialized pointer that nothing else uses meanwhile (standard, 2.1.8).
-    let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Unit>();
+    let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<U>();
     if !saved.is_null() {
         // SAFETY: `get_state` or `give_state` made it from a box, and by contract it has not been freed (standard, 2.1.8).
         drop(unsafe { Box::from_raw(saved) });
@@ -299,7 +300,7 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Status {
 }
 
 /// Writes the pointer of a deserialized state to the importer's memory.
-pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Status {
+pub fn give_state<U: Fmu>(output: OutputArray<*mut c_void>, unit: U) -> Status {
     output.put(Box::into_raw(Box::new(unit)).cast());
     Status::Ok
 }

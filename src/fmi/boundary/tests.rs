@@ -5,8 +5,8 @@ use std::ffi::CStr;
 
 use crate::fmi::instance::always;
 use crate::fmi::log::{Category, Log, Messenger, Wanted};
-use crate::unit::instance::Interface;
-use crate::unit::life_cycle::Phase;
+use crate::unit::instance::Unit;
+use crate::unit::life_cycle::{Interface, Phase};
 
 /// A version with one function, legal in every state, and a logger that panics.
 struct Any;
@@ -17,6 +17,7 @@ struct Function;
 struct Panicking;
 
 impl Version for Any {
+    type Unit = Unit;
     type Call = Function;
     type Messenger = Panicking;
 
@@ -68,7 +69,7 @@ fn a_panic_is_caught_and_the_instance_refuses_from_then_on() {
     let mut instance = instance();
     assert_eq!(guarded(&mut instance, Function, |_| panic!("broken")), Status::Fatal);
     assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
-    assert_eq!(guarded(&mut instance, Function, always(Unit::reset)), Status::Fatal);
+    assert_eq!(guarded(&mut instance, Function, always(Fmu::reset)), Status::Fatal);
 }
 
 #[test]

@@ -12,8 +12,8 @@ use crate::fmi::fmi2::types::{
     fmi2Status, fmi2String, fmi2Type,
 };
 use crate::fmi::log::Log;
-use crate::unit::instance::Interface;
-use crate::unit::variables::GUID;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::Interface;
 
 pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
@@ -21,9 +21,13 @@ pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 ///
 /// # Safety
 /// `component` is null or comes from [`instantiate`] and has not been freed.
-pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi2Status {
+pub unsafe fn call<U: Fmu>(
+    component: fmi2Component,
+    call: Call,
+    act: impl FnOnce(&mut Instance<U>) -> Answer,
+) -> fmi2Status {
     // SAFETY: by contract.
-    unsafe { boundary::call::<Fmi2>(component, call, act) }.code()
+    unsafe { boundary::call::<Fmi2<U>>(component, call, act) }.code()
 }
 
 /// `fmi2Instantiate`: makes an instance. Returns null and logs the reason if the request is not for this FMU.
@@ -31,7 +35,7 @@ pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut I
 /// # Safety
 /// Strings are null or end with 0; `functions` is null or points to the importer's callbacks, whose logger may be called
 /// during the life of the instance (standard, 2.1.5).
-pub unsafe fn instantiate(
+pub unsafe fn instantiate<U: Fmu>(
     name: fmi2String,
     kind: fmi2Type,
     guid: fmi2String,
@@ -47,8 +51,8 @@ pub unsafe fn instantiate(
         let (name, guid) = unsafe { (text(name), text(guid)) };
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
         let log = Log::new(messenger, CString::from(shown), is_true(logging));
-        match fit(name, kind, guid) {
-            Ok(interface) => Some(Instance::new(log, interface, Fmi2)),
+        match fit::<U>(name, kind, guid) {
+            Ok(interface) => Some(Instance::<U>::new(log, interface, Fmi2::default())),
             Err(reason) => {
                 log.status(Status::Error, &format!("fmi2Instantiate: {reason}"));
                 None
@@ -57,7 +61,7 @@ pub unsafe fn instantiate(
     })
 }
 
-fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Interface, String> {
+fn fit<U: Fmu>(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Interface, String> {
     if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
         return Err("instanceName is missing; expected a name".into());
     }
@@ -70,10 +74,15 @@ fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Inter
             ));
         }
     };
+    if !U::INTERFACES.contains(&interface) {
+        return Err(format!(
+            "fmuType = {kind}; expected {FMI2_CO_SIMULATION}, fmi2CoSimulation, which alone this FMU offers"
+        ));
+    }
     match guid.map(CStr::to_string_lossy) {
-        Some(guid) if guid == GUID => Ok(interface),
-        Some(guid) => Err(format!("fmuGUID = {guid:?}; expected {GUID:?}")),
-        None => Err(format!("fmuGUID is missing; expected {GUID:?}")),
+        Some(guid) if guid == U::GUID => Ok(interface),
+        Some(guid) => Err(format!("fmuGUID = {guid:?}; expected {:?}", U::GUID)),
+        None => Err(format!("fmuGUID is missing; expected {:?}", U::GUID)),
     }
 }
 
@@ -81,9 +90,9 @@ fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Inter
 ///
 /// # Safety
 /// As for [`call`]; unless a call is in progress, the handle is invalid afterwards.
-pub unsafe fn free_instance(component: fmi2Component) {
+pub unsafe fn free_instance<U: Fmu>(component: fmi2Component) {
     // SAFETY: by contract.
-    unsafe { boundary::free::<Fmi2>(component) }
+    unsafe { boundary::free::<Fmi2<U>>(component) }
 }
 
 /// Whether a Boolean of C is true.
@@ -97,6 +106,7 @@ mod tests {
     use crate::fmi::boundary::guarded;
     use crate::fmi::fmi2::types::fmi2CallbackLogger;
     use crate::unit::fault::Fault;
+    use crate::unit::instance::Unit;
 
     /// Tests a host that shares this library's Rust runtime. tests/abi/callbacks.rs tests other hosts.
     #[test]
@@ -116,7 +126,7 @@ mod tests {
         // SAFETY: a logger of any arguments.
         let messenger = unsafe { Messenger::new(callbacks) };
         let log = Log::new(messenger, c"block".into(), false);
-        let mut instance = Instance::new(log, Interface::CoSimulation, Fmi2);
+        let mut instance = Instance::<Unit>::new(log, Interface::CoSimulation, Fmi2::default());
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
     }

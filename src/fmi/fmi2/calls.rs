@@ -7,8 +7,8 @@ use crate::fmi;
 use crate::fmi::calls::{BOTH, calls};
 use crate::fmi::fmi2::callbacks::Messenger;
 use crate::fmi::fmi2::instance::Fmi2;
-use crate::unit::instance::Interface;
-use crate::unit::life_cycle::Phase;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::{Interface, Phase};
 
 const INSTANTIATED: u16 = Phase::Instantiated.bit();
 const INITIALIZATION: u16 = Phase::InitializationMode.bit();
@@ -77,7 +77,8 @@ calls! {
     }
 }
 
-impl fmi::Version for Fmi2 {
+impl<U: Fmu> fmi::Version for Fmi2<U> {
+    type Unit = U;
     type Call = Call;
     type Messenger = Messenger;
 

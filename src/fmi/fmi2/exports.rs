@@ -1,7 +1,8 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
-//! The crate `crates/fmu2` compiles this file as the FMU's library and exports the names.
+//! The crates `crates/fmu2` and `crates/fmu2-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
+//! unit.
 //!
 //! For all functions the component is null or a live instance (standard, 2.1.5), arrays have the given number of elements (2.1.7,
 //! 2.1.9, 3.2.1, 4.2.1), and strings end with 0 (2.1.5). Saved states come from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and have
@@ -16,13 +17,18 @@ use std::ffi::c_char;
 use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi2::boundary::{self, call, is_true};
 use crate::fmi::fmi2::calls::Call;
-use crate::fmi::fmi2::instance::{Instance, always, write};
+use crate::fmi::fmi2::instance::{always, moves_to, write};
 use crate::fmi::fmi2::types::*;
 use crate::fmi::size_t;
+use crate::unit::attributes::Kind;
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
+use crate::unit::fmu::{Exchanged, Fmu};
+use crate::unit::life_cycle::Phase;
 use crate::unit::snapshot;
-use crate::unit::variables::Kind;
+
+use super::Unit;
+
+type Instance = crate::fmi::fmi2::instance::Instance<Unit>;
 
 /// Returns the platform of the types: "default".
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
@@ -49,14 +55,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
 ) -> fmi2Component {
     // SAFETY: the strings are null or end with 0, `functions` is null or the importer's callbacks, and its logger may be
     // called until the instance is freed (standard, 2.1.5).
-    unsafe { boundary::instantiate(instance_name, fmu_type, guid, functions, logging_on) }
+    unsafe { boundary::instantiate::<Unit>(instance_name, fmu_type, guid, functions, logging_on) }
 }
 
 /// Frees an instance. Does nothing for null.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     // SAFETY: `component` is null or a live instance, and is not used after this (standard, 2.1.5).
-    unsafe { boundary::free_instance(component) }
+    unsafe { boundary::free_instance::<Unit>(component) }
 }
 
 /// Functions of an instance. Each has a line with its name, its call, its other arguments and its body.
@@ -66,7 +72,7 @@ macro_rules! functions {
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(component: fmi2Component, $($argument: $type),*) -> fmi2Status {
             // SAFETY: the component is null or live (standard, 2.1.5); the clauses at the top of this file hold for other pointers.
-            unsafe { call(component, Call::$call, $body) }
+            unsafe { call::<Unit>(component, Call::$call, $body) }
         }
     )*};
 }
@@ -84,13 +90,13 @@ functions! {
         instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
     };
     /// Begins initialization.
-    fmi2EnterInitializationMode EnterInitializationMode() = always(Unit::enter_initialization_mode);
+    fmi2EnterInitializationMode EnterInitializationMode() = always(Fmu::enter_initialization_mode);
     /// Ends initialization and makes the block.
     fmi2ExitInitializationMode ExitInitializationMode() = Instance::exit_initialization_mode;
     /// Ends the run.
-    fmi2Terminate Terminate() = always(Unit::terminate);
+    fmi2Terminate Terminate() = moves_to(Phase::Terminated);
     /// Returns to the state after instantiation.
-    fmi2Reset Reset() = always(Unit::reset);
+    fmi2Reset Reset() = always(Fmu::reset);
     /// Reads Real variables.
     fmi2GetReal GetReal(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) = |instance| {
         let mut values = output_array("value", values, count)?;
@@ -141,16 +147,16 @@ functions! {
     /// Restores a saved state.
     fmi2SetFMUstate SetFmuState(state: fmi2FMUstate) = |instance| instance.restore(boundary::state(state)?);
     /// Frees a saved state.
-    fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| Ok(boundary::free_state(state));
+    fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| Ok(boundary::free_state::<Unit>(state));
     /// Returns the size of a saved state in bytes.
     fmi2SerializedFMUstateSize SerializedFmuStateSize(state: fmi2FMUstate, size: *mut size_t) = |_| {
-        single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        single_output("size", size)?.put(snapshot::serialize::<Unit>(boundary::state(state)?)?.len());
         Ok(Status::Ok)
     };
     /// Writes a saved state as bytes.
     fmi2SerializeFMUstate SerializeFmuState(state: fmi2FMUstate, bytes: *mut fmi2Byte, size: size_t) = |_| {
         let mut output = output_array::<u8>("serializedState", bytes.cast(), size)?;
-        output.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        output.copy(&snapshot::serialize::<Unit>(boundary::state(state)?)?)?;
         Ok(Status::Ok)
     };
     /// Makes a saved state from bytes.
@@ -232,7 +238,7 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
 
 functions! {
     /// Model Exchange: enters Event Mode.
-    fmi2EnterEventMode EnterEventMode() = always(Unit::enter_event_mode);
+    fmi2EnterEventMode EnterEventMode() = always(Fmu::enter_event_mode);
     /// Model Exchange: applies an event.
     fmi2NewDiscreteStates NewDiscreteStates(event_info: *mut fmi2EventInfo) = |instance| {
         let output = single_output("fmi2EventInfo", event_info)?;
@@ -248,7 +254,7 @@ functions! {
         Ok(Status::Ok)
     };
     /// Model Exchange: enters Continuous-Time Mode.
-    fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = always(Unit::enter_continuous_time_mode);
+    fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = moves_to(Phase::ContinuousTimeMode);
     /// Model Exchange: accepts a step of the importer's solver.
     fmi2CompletedIntegratorStep CompletedIntegratorStep(
         _no_set_state_prior: fmi2Boolean, enter_event_mode: *mut fmi2Boolean, terminate: *mut fmi2Boolean
@@ -268,14 +274,14 @@ functions! {
     ) = |instance| instance.set_continuous_states(read("x", states, count)?);
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi2GetDerivatives GetDerivatives(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Derivatives, output_array("derivatives", values, count)?.elements());
     /// Model Exchange: returns the event indicators.
     fmi2GetEventIndicators GetEventIndicators(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Indicators, output_array("eventIndicators", values, count)?.elements());
     /// Model Exchange: returns the continuous states.
     fmi2GetContinuousStates GetContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::states, output_array("x", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::States, output_array("x", values, count)?.elements());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, output_array("x_nominal", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Nominals, output_array("x_nominal", values, count)?.elements());
 }

@@ -1,26 +1,35 @@
 //! An instance of FMI 2.0: the part of [`crate::fmi::instance`] that depends on the version.
 
+use std::marker::PhantomData;
+
 use crate::fmi;
 use crate::fmi::fmi2::types::{Status, StatusKind};
 use crate::fmi::log::Category;
 use crate::simulation::Progress;
 use crate::unit::fault::Fault;
+use crate::unit::fmu::Fmu;
 use crate::unit::life_cycle::Phase;
 
-pub use crate::fmi::instance::{Answer, always, write};
+pub use crate::fmi::instance::{Answer, always, moves_to, write};
 
-/// FMI 2.0, which adds no fields to an instance.
+/// FMI 2.0 of a unit, which adds no fields to an instance.
 #[derive(Debug)]
-pub struct Fmi2;
+pub struct Fmi2<U>(PhantomData<U>);
+
+impl<U> Default for Fmi2<U> {
+    fn default() -> Fmi2<U> {
+        Fmi2(PhantomData)
+    }
+}
 
 /// An instance of FMI 2.0.
-pub type Instance = fmi::instance::Instance<Fmi2>;
+pub type Instance<U> = fmi::instance::Instance<Fmi2<U>>;
 
-impl Instance {
+impl<U: Fmu> Instance<U> {
     /// `fmi2DoStep`. Allocates no memory unless it fails.
     ///
     /// # Errors
-    /// Those of [`Unit::advance`](crate::unit::instance::Unit::advance).
+    /// Those of [`Fmu::advance`](crate::unit::fmu::Fmu::advance).
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
         let log = &self.log;
@@ -61,7 +70,7 @@ impl Instance {
     /// A kind of another type.
     pub fn boolean_status(&self, kind: StatusKind) -> Result<bool, Fault> {
         match kind {
-            StatusKind::Terminated => Ok(self.unit.phase() == Phase::StepFailed),
+            StatusKind::Terminated => Ok(self.unit.life().phase == Phase::StepFailed),
             StatusKind::DoStepStatus | StatusKind::PendingStatus | StatusKind::LastSuccessfulTime => {
                 Err(Fault::new(format!("{kind:?} is no Boolean; expected fmi2Terminated")))
             }
@@ -73,7 +82,7 @@ impl Instance {
     /// # Errors
     /// A kind of another type.
     pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
-        match (kind, self.unit.phase()) {
+        match (kind, self.unit.life().phase) {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
             (StatusKind::DoStepStatus, _) => Ok(Status::Ok),
             (StatusKind::PendingStatus | StatusKind::LastSuccessfulTime | StatusKind::Terminated, _) => {
@@ -85,7 +94,7 @@ impl Instance {
     /// `fmi2SetRealInputDerivatives`, order 1 only.
     ///
     /// # Errors
-    /// Those of [`Unit::set_input_derivatives`](crate::unit::instance::Unit::set_input_derivatives).
+    /// Those of [`Fmu::set_input_derivatives`](crate::unit::fmu::Fmu::set_input_derivatives).
     #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         self.unit.set_input_derivatives(references, orders, values)?;

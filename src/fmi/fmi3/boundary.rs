@@ -11,8 +11,8 @@ use crate::fmi::fmi3::step::StepOutcome;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::log::Log;
 use crate::unit::fault::Fault;
-use crate::unit::instance::Interface;
-use crate::unit::variables::TOKEN;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::Interface;
 
 pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
@@ -20,9 +20,13 @@ pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 ///
 /// # Safety
 /// `instance` is null or comes from [`instantiate`] and has not been freed.
-pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi3Status {
+pub unsafe fn call<U: Fmu>(
+    instance: fmi3Instance,
+    call: Call,
+    act: impl FnOnce(&mut Instance<U>) -> Answer,
+) -> fmi3Status {
     // SAFETY: by contract.
-    unsafe { boundary::call::<Fmi3>(instance, call, act) }.code()
+    unsafe { boundary::call::<Fmi3<U>>(instance, call, act) }.code()
 }
 
 /// `fmi3DoStep`: runs a step in pieces, with intermediate updates between them.
@@ -31,21 +35,21 @@ pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Ins
 ///
 /// # Safety
 /// As for [`call`].
-pub unsafe fn do_step(
+pub unsafe fn do_step<U: Fmu>(
     instance: fmi3Instance,
     step: StepOutcome,
     ready: impl Fn() -> Result<(), Fault>,
     done: impl Fn(&StepOutcome) -> Answer,
 ) -> fmi3Status {
     let mut step = step;
-    let piece = |instance: &mut Instance, reply: Option<UpdateReply>| {
+    let piece = |instance: &mut Instance<U>, reply: Option<UpdateReply>| {
         if reply.is_none() {
             ready()?;
         }
         instance.step_on(&mut step, reply, &done)
     };
     // SAFETY: by contract.
-    unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::call) }.code()
+    unsafe { boundary::call_in_pieces::<Fmi3<U>, _, _>(instance, Call::DoStep, piece, Updater::call) }.code()
 }
 
 /// Arguments of an instantiation, for any interface type.
@@ -83,7 +87,7 @@ pub struct Stepping {
 /// # Safety
 /// Strings are null or end with 0, there are `required_count` required variables, and the callbacks may be called with the
 /// environment during the life of the instance (standard, 2.3.1).
-pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<Stepping>) -> fmi3Instance {
+pub unsafe fn instantiate<U: Fmu>(function: &str, request: &Request, stepping: Option<Stepping>) -> fmi3Instance {
     let &Request { name, token, logging, environment, logger } = request;
     boundary::create(|| {
         // SAFETY: by contract null or strings that end with 0 (standard, 2.2.1) and do not change during this call.
@@ -105,8 +109,8 @@ pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<St
                     .and_then(|required| Fmi3::stepped(is_true(event_mode), is_true(early_return), required, updater))
             }
         };
-        match fit(name, token).and(how) {
-            Ok(how) => Some(Instance::new(log, interface, how)),
+        match fit::<U>(name, token, interface).and(how) {
+            Ok(how) => Some(Instance::<U>::new(log, interface, how)),
             Err(reason) => {
                 log.status(Status::Error, &format!("{function}: {reason}"));
                 None
@@ -115,14 +119,17 @@ pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<St
     })
 }
 
-fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
+fn fit<U: Fmu>(name: Option<&CStr>, token: Option<&CStr>, interface: Interface) -> Result<(), String> {
+    if !U::INTERFACES.contains(&interface) {
+        return Err("this FMU offers Co-Simulation alone".into());
+    }
     if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
         return Err("instanceName is missing; expected a name".into());
     }
     match token.map(CStr::to_string_lossy) {
-        Some(token) if token == TOKEN => Ok(()),
-        Some(token) => Err(format!("instantiationToken = {token:?}; expected {TOKEN:?}")),
-        None => Err(format!("instantiationToken is missing; expected {TOKEN:?}")),
+        Some(token) if token == U::TOKEN => Ok(()),
+        Some(token) => Err(format!("instantiationToken = {token:?}; expected {:?}", U::TOKEN)),
+        None => Err(format!("instantiationToken is missing; expected {:?}", U::TOKEN)),
     }
 }
 
@@ -130,9 +137,9 @@ fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
 ///
 /// # Safety
 /// As for [`instantiate`].
-pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
+pub unsafe fn refuse<U: Fmu>(request: &Request, reason: &str) -> fmi3Instance {
     let &Request { logging, environment, logger, .. } = request;
-    boundary::create::<Fmi3>(|| {
+    boundary::create::<Fmi3<U>>(|| {
         // SAFETY: by contract the importer's logger, to be called during this call (standard, 2.3.1).
         let log = Log::new(unsafe { Messenger::new(logger, environment) }, c"?".into(), is_true(logging));
         log.status(Status::Error, reason);
@@ -144,7 +151,7 @@ pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
 ///
 /// # Safety
 /// As for [`call`]; unless a call is in progress, the handle is invalid afterwards.
-pub unsafe fn free_instance(instance: fmi3Instance) {
+pub unsafe fn free_instance<U: Fmu>(instance: fmi3Instance) {
     // SAFETY: by contract.
-    unsafe { boundary::free::<Fmi3>(instance) }
+    unsafe { boundary::free::<Fmi3<U>>(instance) }
 }

@@ -7,8 +7,8 @@ use crate::fmi;
 use crate::fmi::calls::{BOTH, calls};
 use crate::fmi::fmi3::callbacks::Messenger;
 use crate::fmi::fmi3::instance::Fmi3;
-use crate::unit::instance::Interface;
-use crate::unit::life_cycle::Phase;
+use crate::unit::fmu::Fmu;
+use crate::unit::life_cycle::{Interface, Phase};
 
 const INSTANTIATED: u16 = Phase::Instantiated.bit();
 const CONFIGURATION: u16 = Phase::ConfigurationMode.bit();
@@ -109,7 +109,8 @@ calls! {
     }
 }
 
-impl fmi::Version for Fmi3 {
+impl<U: Fmu> fmi::Version for Fmi3<U> {
+    type Unit = U;
     type Call = Call;
     type Messenger = Messenger;
 

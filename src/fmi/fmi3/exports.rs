@@ -1,7 +1,8 @@
 //! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
-//! The crate `crates/fmu3` compiles this file as the FMU's library and exports the names.
+//! The crates `crates/fmu3` and `crates/fmu3-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
+//! unit.
 //!
 //! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6, 3.2, 4.2), and
 //! strings end with 0 (2.2.1). Saved states come from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and have not been freed, and a
@@ -16,16 +17,20 @@ use crate::fmi::arrays::{output_array, read, single_output, texts};
 use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
-use crate::fmi::fmi3::instance::{Instance, always, write};
+use crate::fmi::fmi3::instance::{always, moves_to, write};
 use crate::fmi::fmi3::step::StepOutcome;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::fmi3::values::of_no_type;
 use crate::fmi::size_t;
-use crate::simulation::exchange::{INDICATORS, STATES};
+use crate::unit::attributes::Kind;
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
+use crate::unit::fmu::{Exchanged, Fmu};
+use crate::unit::life_cycle::Phase;
 use crate::unit::snapshot;
-use crate::unit::variables::Kind;
+
+use super::Unit;
+
+type Instance = crate::fmi::fmi3::instance::Instance<Unit>;
 
 /// Returns the version of the interface: "3.0".
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
@@ -65,7 +70,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     };
     // SAFETY: strings are null or end with 0, there are `required_count` references, and the callbacks may be called until the
     // instance is freed (standard, 2.3.1).
-    unsafe { boundary::instantiate("fmi3InstantiateCoSimulation", &request, Some(stepping)) }
+    unsafe { boundary::instantiate::<Unit>("fmi3InstantiateCoSimulation", &request, Some(stepping)) }
 }
 
 /// Makes a new instance for Model Exchange, or returns null. The path of the resources is not used.
@@ -87,7 +92,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
         logger: log_message,
     };
     // SAFETY: strings are null or end with 0, and the logger may be called until the instance is freed (standard, 2.3.1).
-    unsafe { boundary::instantiate("fmi3InstantiateModelExchange", &request, None) }
+    unsafe { boundary::instantiate::<Unit>("fmi3InstantiateModelExchange", &request, None) }
 }
 
 /// Returns null: Scheduled Execution is not supported.
@@ -113,14 +118,14 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     };
     let reason = "fmi3InstantiateScheduledExecution: this FMU offers Co-Simulation and Model Exchange";
     // SAFETY: the logger may be called with its environment (standard, 2.3.1).
-    unsafe { boundary::refuse(&request, reason) }
+    unsafe { boundary::refuse::<Unit>(&request, reason) }
 }
 
 /// Frees an instance. Does nothing for null.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     // SAFETY: `instance` is null or a live instance, and is not used after this (standard, 2.3.1).
-    unsafe { boundary::free_instance(instance) }
+    unsafe { boundary::free_instance::<Unit>(instance) }
 }
 
 /// Functions of an instance. Each has a line with its name, its call, its other arguments and its body.
@@ -130,7 +135,7 @@ macro_rules! functions {
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
             // SAFETY: the instance is null or live (standard, 2.3.1); the clauses at the top of this file hold for other pointers.
-            unsafe { call(instance, Call::$call, $body) }
+            unsafe { call::<Unit>(instance, Call::$call, $body) }
         }
     )*};
 }
@@ -155,15 +160,15 @@ functions! {
     /// Enters Step Mode.
     fmi3EnterStepMode EnterStepMode() = Instance::enter_step_mode;
     /// Model Exchange: enters Continuous-Time Mode.
-    fmi3EnterContinuousTimeMode EnterContinuousTimeMode() = always(Unit::enter_continuous_time_mode);
+    fmi3EnterContinuousTimeMode EnterContinuousTimeMode() = moves_to(Phase::ContinuousTimeMode);
     /// Ends the run.
-    fmi3Terminate Terminate() = always(Unit::terminate);
+    fmi3Terminate Terminate() = moves_to(Phase::Terminated);
     /// Returns to the state after instantiation.
-    fmi3Reset Reset() = always(Unit::reset);
+    fmi3Reset Reset() = always(Fmu::reset);
     /// Enters Configuration Mode, where sizes of arrays can be set.
-    fmi3EnterConfigurationMode EnterConfigurationMode() = always(|unit| unit.configure(true));
+    fmi3EnterConfigurationMode EnterConfigurationMode() = moves_to(Phase::ConfigurationMode);
     /// Leaves Configuration Mode.
-    fmi3ExitConfigurationMode ExitConfigurationMode() = always(|unit| unit.configure(false));
+    fmi3ExitConfigurationMode ExitConfigurationMode() = moves_to(Phase::Instantiated);
 }
 
 macro_rules! getters {
@@ -203,17 +208,17 @@ getters! {
     /// Reads sizes of arrays.
     fmi3GetUInt64 GetUInt64 fmi3UInt64, Instance::get_sizes;
     /// No variable has this type.
-    fmi3GetFloat32 GetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
+    fmi3GetFloat32 GetFloat32 fmi3Float32, |_, references, _| of_no_type::<Unit>(references, "Float32");
     /// No variable has this type.
-    fmi3GetInt8 GetInt8 fmi3Int8, |_, references, _| of_no_type(references, "Int8");
+    fmi3GetInt8 GetInt8 fmi3Int8, |_, references, _| of_no_type::<Unit>(references, "Int8");
     /// No variable has this type.
-    fmi3GetUInt8 GetUInt8 fmi3UInt8, |_, references, _| of_no_type(references, "UInt8");
+    fmi3GetUInt8 GetUInt8 fmi3UInt8, |_, references, _| of_no_type::<Unit>(references, "UInt8");
     /// No variable has this type.
-    fmi3GetInt16 GetInt16 fmi3Int16, |_, references, _| of_no_type(references, "Int16");
+    fmi3GetInt16 GetInt16 fmi3Int16, |_, references, _| of_no_type::<Unit>(references, "Int16");
     /// No variable has this type.
-    fmi3GetUInt16 GetUInt16 fmi3UInt16, |_, references, _| of_no_type(references, "UInt16");
+    fmi3GetUInt16 GetUInt16 fmi3UInt16, |_, references, _| of_no_type::<Unit>(references, "UInt16");
     /// No variable has this type.
-    fmi3GetUInt32 GetUInt32 fmi3UInt32, |_, references, _| of_no_type(references, "UInt32");
+    fmi3GetUInt32 GetUInt32 fmi3UInt32, |_, references, _| of_no_type::<Unit>(references, "UInt32");
 }
 
 macro_rules! setters {
@@ -246,17 +251,17 @@ setters! {
     /// Sets sizes of arrays, all or none.
     fmi3SetUInt64 SetUInt64 fmi3UInt64, Instance::set_sizes;
     /// No variable has this type.
-    fmi3SetFloat32 SetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
+    fmi3SetFloat32 SetFloat32 fmi3Float32, |_, references, _| of_no_type::<Unit>(references, "Float32");
     /// No variable has this type.
-    fmi3SetInt8 SetInt8 fmi3Int8, |_, references, _| of_no_type(references, "Int8");
+    fmi3SetInt8 SetInt8 fmi3Int8, |_, references, _| of_no_type::<Unit>(references, "Int8");
     /// No variable has this type.
-    fmi3SetUInt8 SetUInt8 fmi3UInt8, |_, references, _| of_no_type(references, "UInt8");
+    fmi3SetUInt8 SetUInt8 fmi3UInt8, |_, references, _| of_no_type::<Unit>(references, "UInt8");
     /// No variable has this type.
-    fmi3SetInt16 SetInt16 fmi3Int16, |_, references, _| of_no_type(references, "Int16");
+    fmi3SetInt16 SetInt16 fmi3Int16, |_, references, _| of_no_type::<Unit>(references, "Int16");
     /// No variable has this type.
-    fmi3SetUInt16 SetUInt16 fmi3UInt16, |_, references, _| of_no_type(references, "UInt16");
+    fmi3SetUInt16 SetUInt16 fmi3UInt16, |_, references, _| of_no_type::<Unit>(references, "UInt16");
     /// No variable has this type.
-    fmi3SetUInt32 SetUInt32 fmi3UInt32, |_, references, _| of_no_type(references, "UInt32");
+    fmi3SetUInt32 SetUInt32 fmi3UInt32, |_, references, _| of_no_type::<Unit>(references, "UInt32");
 }
 
 functions! {
@@ -272,26 +277,26 @@ functions! {
     /// No variable has this type.
     fmi3GetBinary GetBinary(
         references: *const fmi3ValueReference, count: size_t, _sizes: *mut size_t, _values: *mut fmi3Binary, _value_count: size_t
-    ) = |_| of_no_type(read("valueReferences", references, count)?, "Binary");
+    ) = |_| of_no_type::<Unit>(read("valueReferences", references, count)?, "Binary");
     /// No variable has this type.
     fmi3SetBinary SetBinary(
         references: *const fmi3ValueReference, count: size_t, _sizes: *const size_t, _values: *const fmi3Binary, _value_count: size_t
-    ) = |_| of_no_type(read("valueReferences", references, count)?, "Binary");
+    ) = |_| of_no_type::<Unit>(read("valueReferences", references, count)?, "Binary");
     /// Saves the state.
     fmi3GetFMUState GetFmuState(state: *mut fmi3FMUState) = |instance| boundary::get_state(instance, state);
     /// Restores a saved state.
     fmi3SetFMUState SetFmuState(state: fmi3FMUState) = |instance| instance.restore(boundary::state(state)?);
     /// Frees a saved state.
-    fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| Ok(boundary::free_state(state));
+    fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| Ok(boundary::free_state::<Unit>(state));
     /// Returns the size of a saved state in bytes.
     fmi3SerializedFMUStateSize SerializedFmuStateSize(state: fmi3FMUState, size: *mut size_t) = |_| {
-        single_output("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        single_output("size", size)?.put(snapshot::serialize::<Unit>(boundary::state(state)?)?.len());
         Ok(Status::Ok)
     };
     /// Writes a saved state as bytes.
     fmi3SerializeFMUState SerializeFmuState(state: fmi3FMUState, bytes: *mut fmi3Byte, size: size_t) = |_| {
         let mut output = output_array("serializedState", bytes, size)?;
-        output.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        output.copy(&snapshot::serialize::<Unit>(boundary::state(state)?)?)?;
         Ok(Status::Ok)
     };
     /// Makes a saved state from bytes.
@@ -379,7 +384,7 @@ pub unsafe extern "C" fn fmi3DoStep(
                 single_output("lastSuccessfulTime", last_successful_time)?,
             ))
         };
-        boundary::do_step(
+        boundary::do_step::<Unit>(
             instance,
             StepOutcome::new(time, step),
             || outputs().map(|_| ()),
@@ -415,24 +420,24 @@ functions! {
     };
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Derivatives, output_array("derivatives", values, count)?.elements());
     /// Model Exchange: returns the event indicators.
     fmi3GetEventIndicators GetEventIndicators(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Indicators, output_array("eventIndicators", values, count)?.elements());
     /// Model Exchange: returns the continuous states.
     fmi3GetContinuousStates GetContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::states, output_array("continuousStates", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::States, output_array("continuousStates", values, count)?.elements());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, output_array("nominals", values, count)?.elements());
+        |instance| instance.get_exchanged(Exchanged::Nominals, output_array("nominals", values, count)?.elements());
     /// Model Exchange: returns the number of event indicators.
     fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |_| {
-        single_output("nEventIndicators", count)?.put(INDICATORS);
+        single_output("nEventIndicators", count)?.put(Unit::INDICATORS);
         Ok(Status::Ok)
     };
     /// Model Exchange: returns the number of continuous states.
     fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates(count: *mut size_t) = |_| {
-        single_output("nContinuousStates", count)?.put(STATES);
+        single_output("nContinuousStates", count)?.put(Unit::STATES);
         Ok(Status::Ok)
     };
 }

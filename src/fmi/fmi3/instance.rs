@@ -1,19 +1,21 @@
 //! An instance of FMI 3.0: the part of [`crate::fmi::instance`] that depends on the version.
 
+use std::marker::PhantomData;
+
 use crate::fmi;
 use crate::fmi::fmi3::callbacks::Updater;
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
+use crate::unit::attributes::{Causality, Variability};
 use crate::unit::fault::Fault;
-use crate::unit::instance::Interface;
-use crate::unit::instance::exchange::AfterEvent;
-use crate::unit::variables::{Causality, Metadata, Variability};
+use crate::unit::fmu::{AfterEvent, Fmu};
+use crate::unit::life_cycle::{Interface, Phase};
 
-pub use crate::fmi::instance::{Answer, always, write};
+pub use crate::fmi::instance::{Answer, always, moves_to, write};
 
 /// The importer's choices at instantiation.
 #[derive(Debug)]
-pub struct Fmi3 {
+pub struct Fmi3<U> {
     /// Whether the importer handles events in Event Mode.
     pub event_mode: bool,
     /// Whether a step may be left early.
@@ -24,15 +26,23 @@ pub struct Fmi3 {
     required: Vec<u32>,
     /// Whether inputs are among them.
     pub sets_inputs: bool,
+    unit: PhantomData<U>,
 }
 
 /// An instance of FMI 3.0.
-pub type Instance = fmi::instance::Instance<Fmi3>;
+pub type Instance<U> = fmi::instance::Instance<Fmi3<U>>;
 
-impl Fmi3 {
+impl<U: Fmu> Fmi3<U> {
     /// Returns the choices of Model Exchange.
-    pub fn exchanged() -> Fmi3 {
-        Fmi3 { event_mode: true, early_return: false, updater: None, required: Vec::new(), sets_inputs: false }
+    pub fn exchanged() -> Fmi3<U> {
+        Fmi3 {
+            event_mode: true,
+            early_return: false,
+            updater: None,
+            required: Vec::new(),
+            sets_inputs: false,
+            unit: PhantomData,
+        }
     }
 
     /// Returns the choices for Co-Simulation. Refuses variables that cannot be set or read inside a step.
@@ -44,10 +54,10 @@ impl Fmi3 {
         early_return: bool,
         required: &[u32],
         updater: Option<Updater>,
-    ) -> Result<Fmi3, String> {
+    ) -> Result<Fmi3<U>, String> {
         let mut sets_inputs = false;
         for &reference in required {
-            let known = Metadata::of(reference).filter(|known| known.variability == Variability::Continuous);
+            let known = U::known(reference).filter(|known| known.variability == Variability::Continuous);
             let Some(known) = known else {
                 return Err(format!(
                     "requiredIntermediateVariables holds {reference}; expected value references of inputs and continuous outputs"
@@ -55,7 +65,7 @@ impl Fmi3 {
             };
             sets_inputs |= known.causality == Causality::Input;
         }
-        Ok(Fmi3 { event_mode, early_return, updater, required: required.to_vec(), sets_inputs })
+        Ok(Fmi3 { event_mode, early_return, updater, required: required.to_vec(), sets_inputs, unit: PhantomData })
     }
 
     /// Refuses variables that were not requested for intermediate updates.
@@ -72,7 +82,7 @@ impl Fmi3 {
     }
 }
 
-impl Instance {
+impl<U: Fmu> Instance<U> {
     /// `fmi3EnterInitializationMode`.
     ///
     /// # Errors
@@ -112,9 +122,9 @@ impl Instance {
     /// `fmi3UpdateDiscreteStates`: applies an event.
     ///
     /// # Errors
-    /// Those of [`Unit::pass_events`](crate::unit::instance::Unit::pass_events) and [`Unit::apply_pending_event`](crate::unit::instance::Unit::apply_pending_event).
+    /// Those of [`Fmu::pass_events`] and [`Fmu::apply_pending_event`].
     pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
-        if self.unit.interface() == Interface::ModelExchange {
+        if self.unit.life().interface == Interface::ModelExchange {
             return self.new_discrete_states();
         }
         let log = &self.log;
@@ -128,7 +138,7 @@ impl Instance {
     /// Those of [`Instance::update_discrete_states`].
     pub fn enter_step_mode(&mut self) -> Answer {
         self.update_discrete_states()?;
-        self.unit.enter_step_mode();
+        self.unit.set_phase(Phase::StepComplete);
         Ok(Status::Ok)
     }
 }

@@ -7,8 +7,7 @@ use crate::fmi::fmi3::instance::{Answer, Instance};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
 use crate::unit::fault::Fault;
-use crate::unit::instance::Unit;
-use crate::unit::instance::substeps::Reached;
+use crate::unit::fmu::{Fmu, Reached};
 use crate::unit::life_cycle::Phase;
 
 /// Fraction by which the last interval between two updates may be longer than the others.
@@ -63,11 +62,11 @@ impl StepOutcome {
 }
 
 /// Ends the importer's update in a step to `end` (s), and takes its reply.
-fn end_update(unit: &mut Unit, step: &mut StepOutcome, end: f64, reply: Option<UpdateReply>) {
-    match (unit.phase(), reply) {
+fn end_update(unit: &mut impl Fmu, step: &mut StepOutcome, end: f64, reply: Option<UpdateReply>) {
+    match (unit.life().phase, reply) {
         (Phase::SettingAhead, _) => unit.end_setting_ahead(),
         (Phase::ReadingOutputs, reply) => {
-            unit.set_reading_outputs(false);
+            unit.set_phase(Phase::StepComplete);
             let early_return = reply.and_then(|reply| reply.early_return);
             step.until = step.until.min(early_return.unwrap_or(end).max(unit.time()));
         }
@@ -87,12 +86,11 @@ fn end_update(unit: &mut Unit, step: &mut StepOutcome, end: f64, reply: Option<U
     }
 }
 
-impl Instance {
+impl<U: Fmu> Instance<U> {
     /// Advances a step to its end or to the importer's next update. Allocates no memory unless it fails.
     ///
     /// # Errors
-    /// Those of [`Unit::begin_substeps`](crate::unit::instance::Unit::begin_substeps) and
-    /// [`Unit::do_substep`](crate::unit::instance::Unit::do_substep).
+    /// Those of [`Fmu::begin_substeps`] and [`Fmu::do_substep`].
     pub fn step_on(
         &mut self,
         step: &mut StepOutcome,
@@ -115,7 +113,7 @@ impl Instance {
         reply: Option<UpdateReply>,
     ) -> Result<Option<IntermediateUpdate>, Fault> {
         let Instance { log, unit, version, .. } = self;
-        let mut tell = |event: &_| log.tell(Status::Ok, Category::Events, format_args!("{event}"));
+        let mut tell = |event: &U::Event| log.tell(Status::Ok, Category::Events, format_args!("{event}"));
         let end = match step.end {
             Some(end) => end,
             None => {
@@ -151,7 +149,7 @@ impl Instance {
             match unit.do_substep(step.until, after, &mut tell)? {
                 Reached::End => {
                     if let Some(updater) = version.updater {
-                        unit.set_reading_outputs(true);
+                        unit.set_phase(Phase::ReadingOutputs);
                         let (time, can_return_early) = (unit.time(), version.early_return);
                         let requests_inputs = false;
                         return Ok(Some(IntermediateUpdate { updater, time, requests_inputs, can_return_early }));

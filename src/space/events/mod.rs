@@ -56,6 +56,19 @@ pub struct SpaceEvent {
     pub kind: SpaceEventKind,
 }
 
+impl std::fmt::Display for SpaceEvent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (kind, foot) = match self.kind {
+            SpaceEventKind::LiftOff(foot) => ("lift-off of foot", foot),
+            SpaceEventKind::Landing(foot) => ("landing on foot", foot),
+            SpaceEventKind::Slides(foot) => ("slip of foot", foot),
+            SpaceEventKind::Sticks(foot) => ("grip of foot", foot),
+            SpaceEventKind::Overturning => return write!(f, "t = {:.9} s: overturning", self.time),
+        };
+        write!(f, "t = {:.9} s: {kind} {foot}", self.time)
+    }
+}
+
 /// The most functions of a foot.
 pub const PER_CONTACT: usize = 2;
 

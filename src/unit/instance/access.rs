@@ -1,22 +1,15 @@
 //! Reading and setting variables by value reference.
 
+use crate::unit::attributes::find;
 use crate::unit::derived::{DerivedSource, derived};
 use crate::unit::fault::Fault;
 use crate::unit::instance::{Unit, no_block};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
 use crate::unit::values::Values;
-use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
+use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES};
 
 impl Unit {
-    /// Refuses references to unknown variables or variables of another type.
-    ///
-    /// # Errors
-    /// The first reference to no variable, or to one of another type.
-    pub fn check(&self, references: &[u32], kind: Kind) -> Result<(), Fault> {
-        references.iter().try_for_each(|&reference| known(reference, kind).map(|_| ()))
-    }
-
     /// Sets values of one type, all or none.
     ///
     /// Setting a fixed parameter after initialization is refused even if the value is the present one.
@@ -62,22 +55,13 @@ impl Unit {
 
     #[inline]
     fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
-        let Metadata { name, causality, variability, role, .. } = metadata;
-        if let Role::Output(output) = *role
+        if let Role::Output(output) = metadata.role
             && state(output).is_some()
-            && self.phase == Phase::ContinuousTimeMode
+            && self.life.phase == Phase::ContinuousTimeMode
         {
             return Ok(());
         }
-        if !metadata.is_settable() {
-            return Err(Fault::new(format!("{name} is {}; expected an input or a parameter to set", causality.one())));
-        }
-        if self.phase.is_initialized() && *variability == Variability::Fixed {
-            return Err(Fault::new(format!(
-                "{name} is a fixed parameter; expected it to be set before initialization ends"
-            )));
-        }
-        Ok(())
+        metadata.settable(self.life.phase)
     }
 
     /// Sets texts, all or none.
@@ -139,22 +123,7 @@ impl Unit {
 /// Returns the variable with this value reference, if it has this type.
 #[inline(always)]
 pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
-    match Metadata::of(reference) {
-        Some(metadata) if metadata.kind.base() == kind => Ok(metadata),
-        other => Err(unknown(reference, kind, other)),
-    }
-}
-
-/// Returns the refusal of a value reference that is of no variable of this type.
-#[cold]
-#[inline(never)]
-fn unknown(reference: u32, kind: Kind, found: Option<&Metadata>) -> Fault {
-    Fault::new(match found {
-        Some(Metadata { name, kind: found, .. }) => {
-            format!("{name} (value reference {reference}) is of type {found}; expected {kind}")
-        }
-        None => format!("value reference {reference} does not exist; expected 1 to {}", VARIABLES.len()),
-    })
+    find(&VARIABLES, reference, kind)
 }
 
 /// Returns the Real output with this value reference; an error says what was `wanted`.

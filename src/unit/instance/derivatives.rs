@@ -171,7 +171,7 @@ impl Unit {
         direction: &[f64],
         time: f64,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
-        let derivatives = if self.phase == Phase::InitializationMode {
+        let derivatives = if self.life.phase == Phase::InitializationMode {
             let mut sum = Direction { time, ..Direction::default() };
             knowns.iter().zip(direction).try_for_each(|(&reference, &component)| sum.add(reference, component))?;
             self.initial_derivatives(unknowns, &sum)?

@@ -4,30 +4,17 @@ use crate::excitation::Inputs;
 use crate::simulation::exchange::{ContinuousStates, INDICATORS, STATES, nominals};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
+use crate::unit::fmu::{AfterEvent, counted};
 use crate::unit::instance::{Interface, Unit, no_block, with_ground};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{ObservationCache, state};
 use crate::unit::variables::Output;
 
-/// Information for the importer after an event.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AfterEvent {
-    /// Whether the run ended.
-    pub ended: bool,
-    /// Whether states may have changed.
-    ///
-    /// True at each event of Model Exchange: derivatives change, redundant states are projected, and some importers restart
-    /// their solver only then.
-    pub states_changed: bool,
-    /// Time of the next kink of the excitation or predicted event (s), the earlier one.
-    pub next_time: Option<f64>,
-}
-
 impl Unit {
     /// Enters Event Mode. The present inputs acted up to now.
     pub fn enter_event_mode(&mut self) {
         self.complete_step();
-        self.phase = Phase::EventMode;
+        self.life.phase = Phase::EventMode;
     }
 
     /// Applies the events of the present time: kinks of the excitation and transitions.
@@ -46,7 +33,7 @@ impl Unit {
             if let Err(error) = simulation.pass_events(&acting, end, observer) {
                 // A failed transition may leave numbers that are not finite.
                 *simulation = before;
-                self.phase = Phase::Error;
+                self.life.phase = Phase::Error;
                 return Err(Fault::new(error.to_string()));
             }
             self.states = simulation.states(&acting);
@@ -63,11 +50,6 @@ impl Unit {
             states_changed: true,
             next_time: next_time.filter(|time| time.is_finite()),
         })
-    }
-
-    /// Continues the motion.
-    pub fn enter_continuous_time_mode(&mut self) {
-        self.phase = Phase::ContinuousTimeMode;
     }
 
     /// Sets the time (s).
@@ -111,7 +93,7 @@ impl Unit {
     /// # Errors
     /// Values that make no block or record.
     pub fn states(&mut self) -> Result<ContinuousStates, Fault> {
-        if self.phase.is_initialized() {
+        if self.life.phase.is_initialized() {
             return Ok(self.states);
         }
         let (simulation, inputs) = self.preview()?;
@@ -132,8 +114,10 @@ impl Unit {
 
     /// Returns the value of an output that needs no equations of motion. It is a continuous state in Model Exchange, or the rotation.
     pub(super) fn state_output(&self, output: Output) -> Option<f64> {
-        match self.interface {
-            Interface::ModelExchange => state(output).filter(|_| self.phase.is_initialized()).map(|i| self.states[i]),
+        match self.life.interface {
+            Interface::ModelExchange => {
+                state(output).filter(|_| self.life.phase.is_initialized()).map(|i| self.states[i])
+            }
             Interface::CoSimulation if output == Output::Theta => Some(self.simulation.as_ref()?.state()[0]),
             Interface::CoSimulation => None,
         }
@@ -161,7 +145,8 @@ impl Unit {
 
     /// Accepts a step of the importer's solver. Inputs count as linear in time over it.
     pub fn complete_step(&mut self) {
-        let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
+        let Some(simulation) = self.simulation.as_mut().filter(|_| self.life.interface == Interface::ModelExchange)
+        else {
             return;
         };
         let (last, time) = (simulation.last_completed(), simulation.time());
@@ -176,15 +161,4 @@ impl Unit {
             self.observed = ObservationCache::default();
         }
     }
-}
-
-/// Refuses an array of the wrong length.
-///
-/// # Errors
-/// Another length, with the expected one.
-pub fn counted(found: usize, expected: usize, what: &str) -> Result<(), Fault> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(Fault::new(format!("room for {found} {what}; expected {expected}")))
 }

@@ -16,7 +16,7 @@ impl Unit {
     }
 
     /// Returns the number of values of a variable.
-    pub fn size(&self, variable: Fmi3Variable) -> usize {
+    pub fn size_of(&self, variable: Fmi3Variable) -> usize {
         self.values.fmi3.of(variable).len().max(1)
     }
 
@@ -40,7 +40,7 @@ impl Unit {
 
     /// Returns an event indicator of Model Exchange. It is a constant in Co-Simulation, where the importer watches none.
     fn indicator(&mut self, number: usize) -> Result<f64, Fault> {
-        match self.interface() {
+        match self.life.interface {
             Interface::CoSimulation => Ok(1.0),
             Interface::ModelExchange => Ok(self.indicators()?[number]),
         }
@@ -56,7 +56,7 @@ impl Unit {
         if self.values.fmi3.of(variable).is_empty() {
             return Err(Fault::new(format!("{name} is set; expected a real parameter")));
         }
-        if self.phase().is_initialized() {
+        if self.life.phase.is_initialized() {
             return Err(Fault::new(format!(
                 "{name} is a fixed parameter; expected it to be set before initialization ends"
             )));

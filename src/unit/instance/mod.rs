@@ -4,6 +4,7 @@ mod access;
 pub mod derivatives;
 pub mod exchange;
 mod fmi3_variables;
+mod fmu;
 mod rates;
 pub mod substeps;
 
@@ -16,36 +17,18 @@ use crate::block::restraints::tie;
 use crate::excitation::Inputs;
 use crate::excitation::records::Ground;
 use crate::simulation::exchange::ContinuousStates;
-use crate::simulation::{Progress, Settings, Simulation, SimulationError};
+use crate::simulation::{Progress, Simulation, SimulationError};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
-use crate::unit::life_cycle::Phase;
+pub use crate::unit::life_cycle::Interface;
+use crate::unit::life_cycle::{LifeCycle, Phase};
 use crate::unit::outputs::ObservationCache;
 use crate::unit::values::Values;
-
-/// Settings of the run, known before it begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Experiment {
-    tolerance: Option<f64>,
-    start: f64,
-    stop: Option<f64>,
-}
-
-/// Interface type of an instance: who steps the block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Interface {
-    /// The FMU's own solver.
-    CoSimulation,
-    /// The importer's solver.
-    ModelExchange,
-}
 
 /// An instance as a safe state machine, without pointers and messages. A copy of it is a saved state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
-    interface: Interface,
-    phase: Phase,
-    experiment: Experiment,
+    life: LifeCycle,
     values: Values,
     /// The importer's inputs, linear in time.
     inputs: Inputs,
@@ -57,8 +40,6 @@ pub struct Unit {
     acting: Option<Inputs>,
     /// The inputs at the end of the present substep, if known in advance. See [`substeps`].
     at_end: Option<Inputs>,
-    /// Planned end of a communication step that was left early (s).
-    left: Option<f64>,
     /// The FMU's own records, once they are read. Saved states share them; serialized states contain them, so that resuming
     /// needs no file.
     ground: Option<Arc<Ground>>,
@@ -69,17 +50,6 @@ pub struct Unit {
     /// Cached observation and energies at the present time.
     #[serde(skip)]
     observed: ObservationCache,
-}
-
-/// Largest error of a master's clock, relative to the greater of step and time.
-const CLOCK_ROUNDING: f64 = 1e-9;
-
-/// Largest fraction of a communication step that a master's clock may skip.
-const MAX_SKIPPED: f64 = 1e-3;
-
-/// Returns the largest accepted error (s) of a master's clock. It is near `time` (s), for a communication step of `step` (s).
-fn clock_slack(step: f64, time: f64) -> f64 {
-    (CLOCK_ROUNDING * step.max(time.abs())).min(MAX_SKIPPED * step)
 }
 
 fn no_block() -> Fault {
@@ -100,16 +70,13 @@ impl Unit {
     /// Makes a new instance with start values.
     pub fn new(interface: Interface) -> Unit {
         Unit {
-            interface,
-            phase: Phase::Instantiated,
-            experiment: Experiment::default(),
+            life: LifeCycle::new(interface),
             values: Values::default(),
             inputs: Inputs::default(),
             rates_are_new: false,
             simulation: None,
             acting: None,
             at_end: None,
-            left: None,
             ground: None,
             states: ContinuousStates::default(),
             last_inputs: Inputs::default(),
@@ -117,34 +84,11 @@ impl Unit {
         }
     }
 
-    /// Returns the interface type.
-    pub fn interface(&self) -> Interface {
-        self.interface
-    }
-
-    /// Returns the state of the instance.
-    pub fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    /// Makes the instance unusable after a caught panic.
-    pub fn fail_fatally(&mut self) {
-        self.phase = Phase::Fatal;
-    }
-
     /// Whether this can be a state of this FMU, which a checksum cannot ensure.
     pub fn is_valid(&self) -> bool {
-        let times = [self.experiment.start, self.left.unwrap_or(0.0)];
-        let is_inside_a_step = matches!(self.phase, Phase::SettingAhead | Phase::ReadingOutputs);
-        let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
-            && self.phase != Phase::Fatal
-            && match self.interface {
-                Interface::CoSimulation => self.phase != Phase::ContinuousTimeMode,
-                Interface::ModelExchange => !stepped,
-            }
-            && !is_inside_a_step
-            && times.iter().chain(&self.states).all(|x| x.is_finite())
+            && self.life.is_valid()
+            && self.states.iter().all(|x| x.is_finite())
             && [&self.inputs, &self.last_inputs]
                 .into_iter()
                 .chain(&self.at_end)
@@ -157,7 +101,7 @@ impl Unit {
                         && simulation.is_valid()
                         && self.values.block().as_ref() == Ok(simulation.block())
                 }
-                None => !self.phase.is_initialized(),
+                None => !self.life.phase.is_initialized(),
             }
     }
 
@@ -166,30 +110,15 @@ impl Unit {
     /// # Errors
     /// Times that are not finite or not in order, or a tolerance that is not a finite number above 0.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
-        if !start.is_finite() {
-            return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
-        }
-        if let Some(stop) = stop
-            && !(stop.is_finite() && stop > start)
-        {
-            return Err(Fault::new(format!("stopTime = {stop:?}; expected a finite time after startTime = {start:?}")));
-        }
-        if let Some(tolerance) = tolerance
-            && !(tolerance.is_finite() && tolerance > 0.0)
-        {
-            return Err(Fault::new(format!("tolerance = {tolerance:?}; expected a finite number > 0")));
-        }
-        self.experiment = Experiment { tolerance, start, stop };
+        let used = self.life.plan(tolerance, start, stop)?;
         self.inputs.time = start;
         self.forget();
-        let [least, most] = Settings::TOLERANCES;
-        let clamped = |tolerance: f64| tolerance.clamp(least, most);
-        Ok(tolerance.filter(|&tolerance| clamped(tolerance) != tolerance).map(clamped))
+        Ok(used)
     }
 
     /// Begins initialization.
     pub fn enter_initialization_mode(&mut self) {
-        self.phase = Phase::InitializationMode;
+        self.life.phase = Phase::InitializationMode;
         self.forget();
     }
 
@@ -201,7 +130,7 @@ impl Unit {
     /// Values that make no block or record.
     pub fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
         self.preview()?;
-        self.phase = match self.interface {
+        self.life.phase = match self.life.interface {
             Interface::CoSimulation => Phase::StepComplete,
             Interface::ModelExchange => {
                 self.states = self.states()?;
@@ -214,16 +143,6 @@ impl Unit {
     /// Returns the sizes of the block that are read but unset, with their start values.
     pub fn unset_sizes(&self) -> Vec<(&'static str, f64)> {
         self.values.unset_sizes().map(|variable| (variable.name(), self.values[variable])).collect()
-    }
-
-    /// Ends the run.
-    pub fn terminate(&mut self) {
-        self.phase = Phase::Terminated;
-    }
-
-    /// Returns to the state after instantiation.
-    pub fn reset(&mut self) {
-        *self = Unit::new(self.interface);
     }
 
     /// Advances by `step` (s) from `time` (s) and reports each event. `time` is the present one, up to a master's rounding.
@@ -251,36 +170,10 @@ impl Unit {
 
     /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
     fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
-        let Unit { experiment, simulation, left, .. } = self;
-        let simulation = simulation.as_mut().ok_or_else(no_block)?;
-        let present = simulation.time();
-        if !(step.is_finite() && step > 0.0) {
-            return Err(Fault::new(format!("communicationStepSize = {step:?} at t = {present:?} s; expected > 0 s")));
-        }
-        let slack = clock_slack(step, present);
-        // A NaN would pass the comparison with the present time.
-        if !time.is_finite() || (time - present).abs() > slack {
-            return Err(Fault::new(format!(
-                "currentCommunicationPoint = {time:?} s; expected t = {present:?} s, the time of the FMU, to {slack:e} s"
-            )));
-        }
-        let until = time + step;
-        if let Some(stop) = experiment.stop
-            && until > stop + clock_slack(step, stop)
-        {
-            return Err(Fault::new(format!(
-                "found a step to t = {until:?} s; expected none past stopTime = {stop:?} s"
-            )));
-        }
-        if until == time {
-            return Err(Fault::new(format!(
-                "communicationStepSize = {step:e} s is lost in t = {time:?} s; expected a longer step"
-            )));
-        }
+        let simulation = self.simulation.as_mut().ok_or_else(no_block)?;
+        let until = self.life.begin_step(simulation.time(), time, step)?;
         simulation.set_time(time);
-        // The rest of a step left early ends exactly at that step's planned end, if `time + step` is near it.
-        let rounding = slack.max(f64::EPSILON * until.abs());
-        Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
+        Ok(until)
     }
 
     /// Advances to `until` (s), from sample to sample of the FMU's own records.
@@ -291,7 +184,7 @@ impl Unit {
         until: f64,
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
     ) -> Result<(Progress, bool), Fault> {
-        let Unit { phase, simulation, inputs, acting, ground, observed, .. } = self;
+        let Unit { life, simulation, inputs, acting, ground, observed, .. } = self;
         let (Some(simulation), Some(ground)) = (simulation, ground) else { return Err(no_block()) };
         (*acting, *observed) = (None, ObservationCache::default());
         let mut piece = (!ground.is_empty()).then(|| ground.piece_at(simulation.time()));
@@ -305,7 +198,7 @@ impl Unit {
                 (Ok((Progress::Reached, false)), Some(piece)) if end < until => ground.next_interval(piece),
                 (Ok(progress), _) => break progress,
                 (Err(error), _) => {
-                    *phase = Phase::Error;
+                    life.phase = Phase::Error;
                     return Err(Fault::new(error.to_string()));
                 }
             }
@@ -317,7 +210,7 @@ impl Unit {
                 *acting = Some(with_ground(inputs, ground, simulation.time()).0);
             }
             Progress::Reached => {}
-            Progress::Ended(..) => *phase = Phase::StepFailed,
+            Progress::Ended(..) => life.phase = Phase::StepFailed,
         }
         if piece.is_none() {
             *acting = Some(*inputs);
@@ -350,11 +243,11 @@ impl Unit {
     /// The event leaves no regime that lasts.
     pub fn apply_pending_event(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let acting = self.acting();
-        let Unit { phase, simulation, observed, .. } = self;
+        let Unit { life, simulation, observed, .. } = self;
         let simulation = simulation.as_mut().ok_or_else(no_block)?;
         *observed = ObservationCache::default();
         simulation.apply_pending_event(&acting, observer).map_err(|error| {
-            *phase = Phase::Error;
+            life.phase = Phase::Error;
             Fault::new(error.to_string())
         })
     }
@@ -367,7 +260,7 @@ impl Unit {
     /// Returns the present time (s); before initialization, the planned start.
     #[inline]
     pub fn time(&self) -> f64 {
-        self.simulation.as_ref().map_or(self.experiment.start, Simulation::time)
+        self.simulation.as_ref().map_or(self.life.experiment.start, Simulation::time)
     }
 
     /// Applies changed values: before initialization ends to the whole block, later to the observation.
@@ -375,11 +268,11 @@ impl Unit {
     /// A changed rate alone also invalidates the observation, since it changes the rounding of inputs.
     #[inline(always)]
     fn take_up_values(&mut self) {
-        if !self.phase.is_initialized() {
+        if !self.life.phase.is_initialized() {
             return self.forget();
         }
         (self.acting, self.observed) = (None, ObservationCache::default());
-        if self.interface == Interface::ModelExchange {
+        if self.life.interface == Interface::ModelExchange {
             self.change_inputs();
         }
     }
@@ -427,21 +320,21 @@ impl Unit {
         if self.simulation.is_none() {
             let block = self.block()?;
             let ground = self.ground()?;
-            let Unit { values, experiment, inputs, .. } = self;
-            let (acting, _) = with_ground(inputs, &ground, experiment.start);
+            let Unit { values, life, inputs, .. } = self;
+            let (acting, _) = with_ground(inputs, &ground, life.experiment.start);
             let mut simulation = Simulation::new(
                 block,
-                values.settings(experiment.tolerance),
+                values.settings(life.experiment.tolerance),
                 values.pulse(),
                 &values.initial(),
-                experiment.start,
+                life.experiment.start,
                 &acting,
             );
             if !simulation.pose().is_finite() {
                 return Err(no_balance(simulation.block()));
             }
             self.acting = Some(acting);
-            if self.interface == Interface::ModelExchange {
+            if self.life.interface == Interface::ModelExchange {
                 simulation.begin_exchange();
             }
             self.simulation = Some(simulation);

@@ -4,23 +4,13 @@
 //! completed gives the same bits as an uninterrupted step.
 
 use crate::excitation::Inputs;
-use crate::simulation::{Ending, Progress};
+use crate::simulation::Progress;
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
+use crate::unit::fmu::Reached;
 use crate::unit::instance::Unit;
 use crate::unit::life_cycle::Phase;
 use crate::unit::variables::Input;
-
-/// Progress of a part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reached {
-    /// The end of the part, or of the step.
-    End,
-    /// An event, not yet applied.
-    Event,
-    /// The end of the run, at this time (s).
-    Ended(Ending, f64),
-}
 
 impl Unit {
     /// Begins a communication step as [`Unit::advance`] does, and returns its end (s).
@@ -37,7 +27,7 @@ impl Unit {
 
     /// Leaves the present step, which would have ended at `end` (s).
     pub fn leave_step(&mut self, end: f64) {
-        self.left = (self.time() < end).then_some(end);
+        self.life.leave_step(self.time(), end);
     }
 
     /// Whether [`Unit::do_substep`] needs the inputs of a new part.
@@ -57,7 +47,7 @@ impl Unit {
     /// They can be set by [`Unit::set_ahead`] until [`Unit::end_setting_ahead`].
     pub fn begin_setting_ahead(&mut self, end: f64) {
         self.at_end = Some(Inputs { time: end, ..self.present_inputs() });
-        self.phase = Phase::SettingAhead;
+        self.life.phase = Phase::SettingAhead;
     }
 
     /// Sets an input at the end of the new part.
@@ -69,7 +59,7 @@ impl Unit {
 
     /// Makes the inputs linear from their present values to those at the end.
     pub fn end_setting_ahead(&mut self) {
-        self.phase = Phase::StepComplete;
+        self.life.phase = Phase::StepComplete;
         if let Some(at_end) = &self.at_end {
             self.inputs = self.present_inputs().line_to(at_end);
         }
@@ -104,20 +94,5 @@ impl Unit {
             Progress::Reached if stopped => Reached::Event,
             Progress::Reached => Reached::End,
         })
-    }
-
-    /// Lets the importer begin or stop reading outputs inside a step.
-    pub fn set_reading_outputs(&mut self, begins: bool) {
-        self.phase = if begins { Phase::ReadingOutputs } else { Phase::StepComplete };
-    }
-
-    /// Continues with steps after an event.
-    pub fn enter_step_mode(&mut self) {
-        self.phase = Phase::StepComplete;
-    }
-
-    /// Enters or leaves Configuration Mode, where sizes of arrays are set.
-    pub fn configure(&mut self, begins: bool) {
-        self.phase = if begins { Phase::ConfigurationMode } else { Phase::Instantiated };
     }
 }

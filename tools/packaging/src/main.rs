@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use standard::Standard;
+use standard::{Standard, identifier};
 
 /// The files of an FMU, by path.
 type Files = BTreeMap<String, Vec<u8>>;
@@ -61,6 +61,7 @@ fn merge_all(out: &str, fmus: &[&str]) -> Result<(), String> {
 fn check(fmu: &str) -> Result<(), String> {
     let files = read(fmu)?;
     let standard = Standard::of(&files).map_err(|error| format!("{fmu}: {error}"))?;
+    let identifier = identifier(&files).map_err(|error| format!("{fmu}: {error}"))?;
     let size = std::fs::metadata(fmu).map_err(|e| format!("{fmu}: {e}"))?.len();
     println!("{fmu}: {size} bytes");
     let binaries: Vec<_> = files.iter().filter(|(path, _)| path.starts_with("binaries/")).collect();
@@ -71,7 +72,7 @@ fn check(fmu: &str) -> Result<(), String> {
         let failed = |error| format!("{fmu}: {path}: {error}");
         let needs = needs::of(content).map_err(failed)?;
         println!("  {path}: {} bytes, needs {needs}", content.len());
-        standard.check_place(path, needs.platform).map_err(failed)?;
+        standard.check_place(path, needs.platform, &identifier).map_err(failed)?;
         needs.check(&standard.functions()).map_err(failed)?;
     }
     Ok(())

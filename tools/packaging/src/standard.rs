@@ -42,18 +42,29 @@ impl Standard {
         names.lines().collect()
     }
 
-    /// Refuses a binary in a folder of another platform.
-    pub fn check_place(self, path: &str, platform: Platform) -> Result<(), String> {
+    /// Refuses a binary in a folder of another platform, or under another name than `identifier`.
+    pub fn check_place(self, path: &str, platform: Platform, identifier: &str) -> Result<(), String> {
         // FMI 2.0 has no name for Arm; this is that of FMI 3.0.
-        let expected = match (self, platform) {
-            (Standard::Fmi2, Platform::Linux) => "binaries/linux64/rocking_block.so",
-            (Standard::Fmi2, Platform::Windows) => "binaries/win64/rocking_block.dll",
-            (Standard::Fmi3, Platform::Linux) => "binaries/x86_64-linux/rocking_block.so",
-            (Standard::Fmi3, Platform::Windows) => "binaries/x86_64-windows/rocking_block.dll",
-            (Standard::Fmi2 | Standard::Fmi3, Platform::LinuxOnArm) => "binaries/aarch64-linux/rocking_block.so",
+        let (folder, suffix) = match (self, platform) {
+            (Standard::Fmi2, Platform::Linux) => ("linux64", "so"),
+            (Standard::Fmi2, Platform::Windows) => ("win64", "dll"),
+            (Standard::Fmi3, Platform::Linux) => ("x86_64-linux", "so"),
+            (Standard::Fmi3, Platform::Windows) => ("x86_64-windows", "dll"),
+            (Standard::Fmi2 | Standard::Fmi3, Platform::LinuxOnArm) => ("aarch64-linux", "so"),
         };
+        let expected = format!("binaries/{folder}/{identifier}.{suffix}");
         if path == expected { Ok(()) } else { Err(format!("is for {platform:?}; expected it at {expected}")) }
     }
+}
+
+/// Returns the model identifier of Co-Simulation, which is the name of the binaries.
+pub fn identifier(files: &Files) -> Result<String, String> {
+    let text = String::from_utf8_lossy(files.get("modelDescription.xml").ok_or("modelDescription.xml is missing")?);
+    let found = text
+        .split_once("<CoSimulation")
+        .and_then(|(_, rest)| rest.split_once("modelIdentifier=\"")?.1.split_once('"'))
+        .map(|(value, _)| value.to_string());
+    found.ok_or_else(|| "modelDescription.xml: no modelIdentifier of CoSimulation".into())
 }
 
 #[cfg(test)]
@@ -70,8 +81,16 @@ mod tests {
     }
 
     #[test]
+    fn the_identifier_is_that_of_co_simulation() {
+        let text = r#"<a><ModelExchange modelIdentifier="me"/><CoSimulation needsTool="no" modelIdentifier="cs"/></a>"#;
+        let files = Files::from([("modelDescription.xml".to_string(), text.as_bytes().to_vec())]);
+        assert_eq!(identifier(&files).unwrap(), "cs");
+        assert!(identifier(&Files::new()).is_err());
+    }
+
+    #[test]
     fn binaries_are_where_importers_look() {
-        let at = |standard: Standard, path, platform| standard.check_place(path, platform);
+        let at = |standard: Standard, path, platform| standard.check_place(path, platform, "rocking_block");
         at(Standard::Fmi2, "binaries/linux64/rocking_block.so", Platform::Linux).unwrap();
         at(Standard::Fmi3, "binaries/x86_64-linux/rocking_block.so", Platform::Linux).unwrap();
         let error = at(Standard::Fmi3, "binaries/linux64/rocking_block.so", Platform::Linux).unwrap_err();

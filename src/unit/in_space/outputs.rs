@@ -1,0 +1,143 @@
+//! Outputs and calculated parameters of modelDescriptionInSpace.xml → the sources of their values.
+
+use crate::space::energies::SpaceEnergies;
+use crate::space::outputs::{FootObservation, SpaceObservation};
+use crate::space::{SpaceBody, SpaceGround, SpaceRun};
+use crate::unit::in_space::variables::{Derived, Output};
+
+/// The source of an output's value.
+pub enum SpaceSource {
+    /// A quantity of an observation.
+    Observed(fn(&SpaceObservation) -> f64),
+    /// A quantity of the foot of a rectangle with this number.
+    Foot(usize, fn(&FootObservation) -> f64),
+    /// An energy.
+    Energy(fn(&SpaceEnergies) -> f64),
+    /// A quantity of the run.
+    Run(fn(&SpaceRun) -> f64),
+}
+
+/// Numbers of the feet of a rectangle.
+const SW: usize = 0;
+const NW: usize = 1;
+const SE: usize = 2;
+const NE: usize = 3;
+
+/// Returns the source of an output.
+pub fn source(output: Output) -> SpaceSource {
+    use SpaceSource::{Energy, Foot, Observed, Run};
+    match output {
+        Output::Tilt => Observed(|at| at.attitude.tilt),
+        Output::TiltX => Observed(|at| at.attitude.tilt_x),
+        Output::TiltY => Observed(|at| at.attitude.tilt_y),
+        Output::Azimuth => Observed(|at| at.attitude.azimuth),
+        Output::Twist => Observed(|at| at.attitude.twist),
+        Output::OmegaX => Observed(|at| at.omega.x),
+        Output::OmegaY => Observed(|at| at.omega.y),
+        Output::OmegaZ => Observed(|at| at.omega.z),
+        Output::OmegaXDot => Observed(|at| at.angular_acceleration.x),
+        Output::OmegaYDot => Observed(|at| at.angular_acceleration.y),
+        Output::OmegaZDot => Observed(|at| at.angular_acceleration.z),
+        Output::U => Observed(|at| at.displacement.x),
+        Output::W => Observed(|at| at.displacement.y),
+        Output::V => Observed(|at| at.displacement.z),
+        Output::UDot => Observed(|at| at.velocity.x),
+        Output::WDot => Observed(|at| at.velocity.y),
+        Output::VDot => Observed(|at| at.velocity.z),
+        Output::UDdot => Observed(|at| at.acceleration.x),
+        Output::WDdot => Observed(|at| at.acceleration.y),
+        Output::VDdot => Observed(|at| at.acceleration.z),
+        Output::NSW => Foot(SW, |foot| foot.normal),
+        Output::NSE => Foot(SE, |foot| foot.normal),
+        Output::NNW => Foot(NW, |foot| foot.normal),
+        Output::NNE => Foot(NE, |foot| foot.normal),
+        Output::UpliftSW => Foot(SW, |foot| foot.uplift),
+        Output::UpliftSE => Foot(SE, |foot| foot.uplift),
+        Output::UpliftNW => Foot(NW, |foot| foot.uplift),
+        Output::UpliftNE => Foot(NE, |foot| foot.uplift),
+        Output::SlipSW => Foot(SW, |foot| foot.slip),
+        Output::SlipSE => Foot(SE, |foot| foot.slip),
+        Output::SlipNW => Foot(NW, |foot| foot.slip),
+        Output::SlipNE => Foot(NE, |foot| foot.slip),
+        Output::Touching => Observed(|at| at.touching() as f64),
+        Output::Sliding => Observed(|at| at.sliding() as f64),
+        Output::HX => Observed(|at| at.force.x),
+        Output::HY => Observed(|at| at.force.y),
+        Output::MBaseX => Observed(|at| at.moment.x),
+        Output::MBaseY => Observed(|at| at.moment.y),
+        Output::MBaseZ => Observed(|at| at.moment.z),
+        Output::FrictionDemand => Observed(|at| at.feet.iter().map(|foot| foot.friction_demand).fold(0.0, f64::max)),
+        Output::DriftX => Observed(|at| at.drift[0]),
+        Output::DriftY => Observed(|at| at.drift[1]),
+        Output::EnergyTotal => Energy(|energies| energies.stored.total()),
+        Output::EnergyKinetic => Energy(|energies| energies.stored.kinetic),
+        Output::EnergyWeight => Energy(|energies| energies.stored.weight),
+        Output::EnergySupports => Energy(|energies| energies.stored.supports),
+        Output::EnergyInput => Energy(|energies| energies.input),
+        Output::EnergyDashpots => Energy(|energies| energies.dashpots),
+        Output::EnergySlip => Energy(|energies| energies.slip),
+        Output::EnergyLiftOff => Energy(|energies| energies.lift_off),
+        Output::EnergyResidual => Energy(|energies| energies.residual),
+        Output::PeakTilt => Run(SpaceRun::peak_tilt),
+        Output::EventsLiftOffs => Run(|run| run.state().counts.lift_offs as f64),
+        Output::EventsLandings => Run(|run| run.state().counts.landings as f64),
+        Output::EventsSlides => Run(|run| run.state().counts.slides as f64),
+        Output::EventsSticks => Run(|run| run.state().counts.sticks as f64),
+        Output::EventsLastTime => Run(|run| run.state().last_event),
+        Output::Separated => Run(|run| flag(run.state().separated)),
+        Output::Overturned => Run(|run| flag(run.state().ending.is_some_and(|(ending, _)| ending.is_overturning()))),
+    }
+}
+
+/// Returns 1 for true and 0 for false.
+fn flag(is: bool) -> f64 {
+    f64::from(u8::from(is))
+}
+
+/// The source of a calculated parameter's value.
+pub enum SpaceDerived {
+    /// The block.
+    Body(fn(&SpaceBody) -> f64),
+    /// The peak of a record, by its direction.
+    Peak(usize),
+    /// The end of the records.
+    End,
+}
+
+impl SpaceDerived {
+    /// Returns the value of a source in the records.
+    pub fn of_ground(&self, ground: &SpaceGround) -> f64 {
+        match self {
+            SpaceDerived::Body(_) => 0.0,
+            SpaceDerived::Peak(axis) => {
+                ground.records[*axis].as_ref().map_or(0.0, |record| record.peak().acceleration.abs())
+            }
+            SpaceDerived::End => ground.end().unwrap_or(0.0),
+        }
+    }
+}
+
+/// Returns the source of a calculated parameter.
+pub fn derived(parameter: Derived) -> SpaceDerived {
+    use SpaceDerived::{Body, Peak};
+    match parameter {
+        Derived::DerivedAlpha => Body(|body| body.alpha),
+        Derived::DerivedR0 => Body(|body| body.r0),
+        Derived::DerivedP => Body(|body| body.p),
+        Derived::DerivedOmegaV => Body(|body| body.omega_v),
+        Derived::DerivedEta => Body(|body| body.omega_v / body.p),
+        Derived::DerivedXiV => Body(|body| body.xi_v),
+        Derived::DerivedK => Body(|body| body.stiffness),
+        Derived::DerivedC => Body(|body| body.damping),
+        Derived::DerivedKH => Body(|body| body.horizontal_stiffness),
+        Derived::DerivedCH => Body(|body| body.horizontal_damping),
+        Derived::DerivedCenterHeight => Body(|body| body.center_height),
+        Derived::DerivedInertiaX => Body(|body| body.inertia[(0, 0)]),
+        Derived::DerivedInertiaY => Body(|body| body.inertia[(1, 1)]),
+        Derived::DerivedInertiaZ => Body(|body| body.inertia[(2, 2)]),
+        Derived::RecordPGAX => Peak(0),
+        Derived::RecordPGAY => Peak(1),
+        Derived::RecordPGAZ => Peak(2),
+        Derived::RecordEnd => SpaceDerived::End,
+    }
+}
