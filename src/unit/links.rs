@@ -1,8 +1,10 @@
-//! The ties and dampers among the variables: their names and the variables of their parameters.
+//! The ties and dampers among the variables: their names, the variables of their parameters, and the fault of a pretension.
 
 use std::sync::LazyLock;
 
+use crate::block::Block;
 use crate::block::restraints::{LinkKind, Tie, tie};
+use crate::unit::fault::Fault;
 use crate::unit::variables::{VARIABLES, Variable};
 
 /// A tie or damper among the variables: its name and its parameters. A damper has no variables of pretension and slack, which are 0.
@@ -20,6 +22,16 @@ pub static LINKS: LazyLock<[LinkVariables; tie::VARIABLES]> = LazyLock::new(|| {
         (name, link)
     })
 });
+
+/// Returns the fault of a block whose beginning is not finite, with the ties that may press it past their anchors.
+pub fn no_balance(block: &Block) -> Fault {
+    let names = tie::names(block.ties()).into_iter().zip(block.ties());
+    let names: Vec<String> = names.filter(|(_, tie)| tie.pulls_without_length()).map(|(name, _)| name).collect();
+    Fault::new(format!(
+        "found no balance of the block at the start; expected a pretension of {} that does not press it past the anchor",
+        if names.is_empty() { "ties".into() } else { names.join(", ") }
+    ))
+}
 
 #[cfg(test)]
 mod tests {

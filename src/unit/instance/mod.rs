@@ -13,7 +13,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::block::restraints::tie;
 use crate::excitation::Inputs;
 use crate::excitation::records::Ground;
 use crate::simulation::exchange::ContinuousStates;
@@ -22,6 +21,7 @@ use crate::system::events::Event;
 use crate::unit::fault::Fault;
 pub use crate::unit::life_cycle::Interface;
 use crate::unit::life_cycle::{LifeCycle, Phase};
+use crate::unit::links::no_balance;
 use crate::unit::outputs::ObservationCache;
 use crate::unit::values::Values;
 
@@ -54,16 +54,6 @@ pub struct Unit {
 
 fn no_block() -> Fault {
     Fault::new("found no block; expected the call after initialization")
-}
-
-/// Returns the fault of a block whose beginning is not finite, with the ties that may press it past their anchors.
-fn no_balance(block: &Block) -> Fault {
-    let names = tie::names(block.ties()).into_iter().zip(block.ties());
-    let names: Vec<String> = names.filter(|(_, tie)| tie.pulls_without_length()).map(|(name, _)| name).collect();
-    Fault::new(format!(
-        "found no balance of the block at the start; expected a pretension of {} that does not press it past the anchor",
-        if names.is_empty() { "ties".into() } else { names.join(", ") }
-    ))
 }
 
 impl Unit {
