@@ -277,7 +277,7 @@ fn add_peaks(summary: &mut Summary, body: &SpaceBody, history: &HistoryInSpace) 
         ]),
         "peak",
         format!(
-            "θ/α = {:.4} ({:.4} of that over the nearest edge), twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
+            "θ/α = {:.4} ({:.4} of the balance over the nearest edge), twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
             peaks.tilt() / body.alpha,
             peaks.tilt() / edge,
             peaks.twist().to_degrees(),
