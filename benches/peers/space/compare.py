@@ -14,6 +14,7 @@ import csv
 import json
 import math
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -74,7 +75,8 @@ def attitude(q):
 
 
 def run(program, method, case, tolerance, end, seconds):
-    words = subprocess.run([program, case, method, str(tolerance), str(end), str(seconds)], capture_output=True, text=True)
+    words = subprocess.run([program, case, method, str(tolerance), str(end), str(seconds)], check=False,
+                           capture_output=True, text=True)
     if words.returncode != 0:
         return None
     *state, cpu, rhs, steps, events = map(float, words.stdout.split())
@@ -120,7 +122,7 @@ def at_error(points, goal, work):
             front.append((error, least))
     if front[-1][0] <= goal:
         return front[-1][1]
-    for (e_0, w_0), (e_1, w_1) in zip(front, front[1:]):
+    for (e_0, w_0), (e_1, w_1) in pairwise(front):
         if e_0 <= goal <= e_1:
             share = math.log(goal / e_0) / math.log(e_1 / e_0)
             return math.exp((1 - share) * math.log(w_0) + share * math.log(w_1))
