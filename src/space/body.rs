@@ -172,6 +172,11 @@ impl SpaceBody {
         nearest_edge(standing.map(|foot| [foot.place.x, foot.place.y]))
     }
 
+    /// Returns the tilt of balance over the nearest edge (rad).
+    pub fn edge_angle(&self) -> f64 {
+        libm::atan2(self.edge_distance(), self.center_height)
+    }
+
     /// Returns M g R0 (J), the scale of energies.
     pub fn energy_scale(&self) -> f64 {
         self.mass * self.gravity * self.r0

@@ -11,7 +11,7 @@ use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, Sp
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::limits::fastest_number;
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
-use crate::space::peaks::{OF_MOTION, of_motion};
+use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
 use crate::space::run::SpaceRun;
 
 /// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
@@ -115,6 +115,47 @@ fn first_fall(
     Some((elapsed, elapsed == 0.0 && start.re >= -rounding))
 }
 
+/// Returns the first fall of a watched function in a step.
+fn first_crossing(
+    here: &Poised,
+    [starts, ends]: [&[SpaceSample]; 2],
+    searched: &Searched,
+    inside: &mut SpaceInterior,
+) -> Option<SpaceCrossing> {
+    let mut first: Option<SpaceCrossing> = None;
+    for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
+        let found = first_fall([ends.0, ends.1], searched, function, inside);
+        if let Some((elapsed, rise_unseen)) = found
+            && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
+        {
+            first = Some(SpaceCrossing { elapsed, number, rise_unseen });
+        }
+    }
+    first
+}
+
+/// Includes the values of a step from `here` on for this duration (s), with the quantities of the motion and the samples at its end.
+fn include_peaks(
+    peaks: &mut SpacePeaks,
+    here: &Poised,
+    end: [Dual; OF_MOTION],
+    [starts, ends]: [&[SpaceSample]; 2],
+    duration: f64,
+    inside: &mut SpaceInterior,
+) {
+    let start = of_motion(here.body, &here.motion());
+    for (i, (start, end)) in start.into_iter().zip(end).enumerate() {
+        let peak = peaks.of_motion_mut(i);
+        *peak = roots::greatest(*peak, start, end, duration, &mut |elapsed| inside.of_motion(elapsed)[i]);
+    }
+    for (function, (start, end)) in here.functions().zip(starts.iter().zip(ends)) {
+        if let Some(peak) = peaks.of_function_mut(function) {
+            let mut sample = |elapsed| inside.sample(function, elapsed);
+            *peak = roots::greatest(*peak, start.value, end.value, duration, &mut sample);
+        }
+    }
+}
+
 impl SpaceRun {
     /// Steps over a smooth piece of the excitation to `stop` (s), or to the end of the run.
     pub(super) fn smooth_piece(
@@ -188,15 +229,7 @@ impl SpaceRun {
         let turns_far = attempt.size * omega.max(omega_after) > SMALL_TURN;
         let searched = Searched { duration: attempt.size, longest, turns_far };
         let [starts, ends] = &mut memory.samples;
-        let mut first: Option<SpaceCrossing> = None;
-        for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends.iter())).enumerate() {
-            let found = first_fall([ends.0, ends.1], &searched, function, &mut inside);
-            if let Some((elapsed, rise_unseen)) = found
-                && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
-            {
-                first = Some(SpaceCrossing { elapsed, number, rise_unseen });
-            }
-        }
+        let mut first = first_crossing(&here, [starts, ends], &searched, &mut inside);
         if let Some(SpaceCrossing { rise_unseen: true, elapsed, .. }) = &mut first {
             if roots::may_shorten(time, attempt.size, longest) {
                 state.counts.evaluations += inside.evaluations;
@@ -216,17 +249,7 @@ impl SpaceRun {
         } else {
             of_motion(body, &there.motion())
         };
-        let start = of_motion(body, &here.motion());
-        for (i, (start, end)) in start.into_iter().zip(end).enumerate() {
-            let peak = state.peaks.of_motion_mut(i);
-            *peak = roots::greatest(*peak, start, end, duration, &mut |elapsed| inside.of_motion(elapsed)[i]);
-        }
-        for (function, (start, end)) in here.functions().zip(starts.iter().zip(ends.iter())) {
-            if let Some(peak) = state.peaks.of_function_mut(function) {
-                let mut sample = |elapsed| inside.sample(function, elapsed);
-                *peak = roots::greatest(*peak, start.value, end.value, duration, &mut sample);
-            }
-        }
+        include_peaks(&mut state.peaks, &here, end, [starts, ends], duration, &mut inside);
         if is_inside {
             inside.go_to(duration);
         }

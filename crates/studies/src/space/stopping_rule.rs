@@ -37,10 +37,9 @@ fn barrier(body: &SpaceBody) -> Option<f64> {
 fn fraction_of_barrier(run: &SpaceRun) -> Option<f64> {
     let body = run.body();
     let barrier = barrier(body)?;
-    let balance = libm::atan2(body.edge_distance(), body.center_height);
     let tilt = run.observe(&still(run)).attitude.tilt;
     let fraction = run.energies().stored.total() / barrier;
-    (tilt < balance && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
+    (tilt < body.edge_angle() && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
 }
 
 /// Whether a block stands for good without further excitation.

@@ -68,10 +68,10 @@ pub struct SpaceSpec {
     #[schemars(skip)]
     #[cfg_attr(feature = "clap", arg(long, value_parser = base_shapes()))]
     pub base: Option<BaseShape>,
-    /// Number of feet of a circular base, 3 to 64 [default: 32]; or a table of feet: x and y from the centre of mass and, if any, the gap
+    /// Number of feet of a circular base, 3 to 64 [default: 32]; or the file of a table of feet: x and y from the centre of mass and, if any, the gap
     /// below the foot, in m, a line each. A block on such feet needs --center-height, --inertia-tensor, --mass and --omega-v or --stiffness
     #[schemars(skip)]
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N|FILE.csv"))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "FEET"))]
     pub feet: Option<FeetSpec>,
     /// Distance of the centre of mass from the middle of the base along y; --eccentricity is that along x [m] [default: 0]
     #[schemars(title = "eccentricity e_y")]

@@ -146,9 +146,9 @@ impl SimulateCommand {
 
     fn initial_in_space(&self) -> anyhow::Result<SpaceInitial> {
         let &SpaceOptions { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, .. } = &self.space;
-        let tilt = tilt_x.hypot(tilt_y);
-        check("tilt-x", tilt_x, |_| tilt < 1.57, "a tilt, with --tilt-y, within 1.57 rad")?;
-        check("tilt-y", tilt_y, |_| tilt < 1.57, "a tilt, with --tilt-x, within 1.57 rad")?;
+        let is_valid = tilt_x * tilt_x + tilt_y * tilt_y < 1.57 * 1.57;
+        check("tilt-x", tilt_x, |_| is_valid, "a tilt, with --tilt-y, within 1.57 rad")?;
+        check("tilt-y", tilt_y, |_| is_valid, "a tilt, with --tilt-x, within 1.57 rad")?;
         check("twist", twist, |_| true, "a finite angle")?;
         for (option, rate) in [("omega-x", omega_x), ("omega-y", omega_y), ("omega-z", omega_z)] {
             check(option, rate, |_| true, "a finite rate")?;
@@ -211,7 +211,7 @@ fn parameters(parameters: &SpaceParameters, body: &SpaceBody) -> Object {
     let inertia = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| body.inertia[place]);
     Object::default()
         .with("alpha", body.alpha)
-        .with("alpha_edge", body.edge_distance().atan2(body.center_height))
+        .with("alpha_edge", body.edge_angle())
         .with("p", body.p)
         .with("omega_v", body.omega_v)
         .with("xi_v", body.xi_v)
@@ -262,7 +262,7 @@ fn prospect(run: &RunInSpace, history: &HistoryInSpace) -> &'static str {
 /// Adds the greatest values, and where the block stands at the end.
 fn add_peaks(summary: &mut Summary, body: &SpaceBody, history: &HistoryInSpace) {
     let (peaks, weight) = (&history.peaks, body.mass * body.gravity);
-    let edge = body.edge_distance().atan2(body.center_height);
+    let edge = body.edge_angle();
     summary.item(
         "peak",
         Object::from([
