@@ -47,6 +47,15 @@ fn write(groups: impl Iterator<Item = State>, numbers: &mut [f64]) {
     }
 }
 
+/// Evaluates stages in turn, each at the state that those before it give.
+macro_rules! stages {
+    ($stepper:ident, $size:ident, $equations:ident; $($i:tt)*) => {$(
+        let states = $stepper.start.iter().zip(&$stepper.stages).map(|(start, k)| *start + increment!(k, $i).times($size));
+        write(states, &mut $stepper.state);
+        $stepper.evaluate($i, $equations);
+    )*};
+}
+
 impl Stepper {
     /// Returns the memory for steps of a state of this dimension.
     pub fn new(dimension: usize) -> Stepper {
@@ -79,14 +88,7 @@ impl Stepper {
     /// Takes a step of `size` (s), with [`dop853::EVALUATIONS_PER_STEP`] evaluations, and writes the state at its end.
     pub fn attempt(&mut self, size: f64, equations: &impl SliceEquations, end: &mut [f64]) {
         (self.size, self.is_dense) = (size, false);
-        macro_rules! stages {
-            ($($i:tt)*) => {$(
-                let states = self.start.iter().zip(&self.stages).map(|(start, k)| *start + increment!(k, $i).times(size));
-                write(states, &mut self.state);
-                self.evaluate($i, equations);
-            )*};
-        }
-        stages!(1 2 3 4 5 6 7 8 9 10 11);
+        stages!(self, size, equations; 1 2 3 4 5 6 7 8 9 10 11);
         for (start, (end, k)) in self.start.iter().zip(self.end.iter_mut().zip(&self.stages)) {
             *end = *start + increment!(k, 12).times(size);
         }
@@ -140,14 +142,7 @@ impl Stepper {
 
     fn form_dense_output(&mut self, equations: &impl SliceEquations) {
         let size = self.size;
-        macro_rules! stages {
-            ($($i:tt)*) => {$(
-                let states = self.start.iter().zip(&self.stages).map(|(start, k)| *start + increment!(k, $i).times(size));
-                write(states, &mut self.state);
-                self.evaluate($i, equations);
-            )*};
-        }
-        stages!(13 14 15);
+        stages!(self, size, equations; 13 14 15);
         for (i, dense) in self.dense.iter_mut().enumerate() {
             let (start, end) = (self.start[i], self.end[i]);
             *dense = dop853::polynomial(start, end - start, size, &self.stages[i]);

@@ -15,6 +15,7 @@ use crate::system::swing::Swing;
 /// The way in which a run went on.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
+#[cfg_attr(not(feature = "lanes"), expect(dead_code, reason = "only runs with derivatives repeat steps"))]
 pub enum StepKind {
     /// It stayed where it was: an event happens at once.
     Stayed,

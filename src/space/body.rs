@@ -94,7 +94,8 @@ impl SpaceBody {
         };
         let root = decompose(&inertia)?;
         let loads = static_loads(&feet, mass * gravity)?;
-        let half_width = half_width.unwrap_or_else(|| nearest_edge(&feet));
+        let half_width = half_width
+            .unwrap_or_else(|| nearest_edge(feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y])));
         let r0 = (half_width * half_width + center_height * center_height).sqrt();
         let p = match parameters.base {
             Base::Rectangle { size: BaseSize::Slenderness { p, .. }, .. }
@@ -163,6 +164,17 @@ impl SpaceBody {
     #[inline]
     pub fn creep_rate(&self) -> f64 {
         self.stiffness / self.damping
+    }
+
+    /// Returns the distance from the centre of mass to the nearest edge between feet without gaps, seen from above (m).
+    pub fn edge_distance(&self) -> f64 {
+        let standing = self.feet.iter().filter(|foot| foot.static_load > 0.0);
+        nearest_edge(standing.map(|foot| [foot.place.x, foot.place.y]))
+    }
+
+    /// Returns the tilt of balance over the nearest edge (rad).
+    pub fn edge_angle(&self) -> f64 {
+        libm::atan2(self.edge_distance(), self.center_height)
     }
 
     /// Returns M g R0 (J), the scale of energies.
@@ -335,8 +347,8 @@ fn static_loads(feet: &[FootPlace], weight: f64) -> Result<Vec<f64>, SpaceError>
 }
 
 /// Returns the distance from the centre of mass to the nearest edge of the base, seen from above.
-fn nearest_edge(feet: &[FootPlace]) -> f64 {
-    let standing: Vec<_> = feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y]).collect();
+fn nearest_edge(standing: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let standing: Vec<[f64; 2]> = standing.collect();
     let mut nearest = f64::INFINITY;
     for (i, &[x, y]) in standing.iter().enumerate() {
         for &[x_2, y_2] in &standing[i + 1..] {

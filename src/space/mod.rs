@@ -15,6 +15,7 @@
 //! | [`events`] | the functions that are watched, and the change of the block at their zeros: a file each |
 //! | `limits` | contacts and tolerance → allowed errors and the longest step |
 //! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
+//! | [`peaks`] | the ends of a step → the greatest values, also between them |
 //! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
 
 pub mod beginning;
@@ -28,6 +29,7 @@ mod limits;
 pub mod motion;
 pub mod outputs;
 pub mod parameters;
+pub mod peaks;
 pub mod run;
 mod stepping;
 
@@ -36,4 +38,5 @@ pub use body::SpaceBody;
 pub use events::{SpaceEvent, SpaceEventKind};
 pub use excitation::{DirectedPulse, SpaceGround, SpaceInputs};
 pub use parameters::{Base, BaseSize, FootPlace, SpaceError, SpaceParameters, SpaceSupports};
+pub use peaks::SpacePeaks;
 pub use run::{SpaceRun, SpaceSetup, SpaceState};

@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
+use crate::numerics::dual::Dual;
+use crate::space::body::SpaceBody;
 use crate::space::events::Poised;
 use crate::space::forces::{FootContact, FootForces, support_height};
-use crate::space::motion::{BodyMotion, OMEGA, Turn, VELOCITY, of_foot, three};
+use crate::space::motion::{BodyMotion, Component, OMEGA, Turn, VELOCITY, constant, of_foot, three};
 
 /// Tilt and twist of a rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +32,27 @@ impl Attitude {
         let [tilt_x, tilt_y] = [z.x, z.y].map(|n| if across > 0.0 { tilt * n / across } else { 0.0 });
         Attitude { tilt, tilt_x, tilt_y, azimuth: libm::atan2(z.y, z.x), twist: libm::atan2(x.y - y.x, x.x + y.y) }
     }
+}
+
+impl Attitude {
+    /// Returns the twist of a rotation (rad), with its rate.
+    pub(super) fn twist_of(turn: &Turn<Dual>) -> Dual {
+        let [x, y] = [Vector3::x(), Vector3::y()].map(|axis| turn.rotate(&constant(&axis)));
+        let (sin, cos) = (x.y - y.x, x.x + y.y);
+        let rate = (cos.re * sin.eps - sin.re * cos.eps) / (sin.re * sin.re + cos.re * cos.re);
+        Dual::new(libm::atan2(sin.re, cos.re), rate)
+    }
+}
+
+/// The middle of the base under the centre of mass (m), in body axes.
+fn middle(body: &SpaceBody) -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -body.center_height)
+}
+
+/// Returns the displacement of the base's middle over the ground (m).
+pub(super) fn drift<T: Component>(body: &SpaceBody, motion: &BodyMotion<T>) -> [T; 2] {
+    let drift = motion.displacement + motion.turn.change(&constant(&middle(body)));
+    [drift.x, drift.y]
 }
 
 /// A foot at an instant.
@@ -84,8 +107,7 @@ impl SpaceObservation {
         let &Poised { body, time, state, rates, contacts } = now;
         let motion = BodyMotion::of(state);
         let BodyMotion { displacement, turn, velocity, omega } = motion;
-        let base = Vector3::new(0.0, 0.0, -body.center_height);
-        let drift = displacement + turn.change(&base);
+        let base = middle(body);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         let mut feet = Vec::with_capacity(body.count());
         for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
@@ -117,7 +139,7 @@ impl SpaceObservation {
             velocity,
             acceleration: three(rates, VELOCITY),
             angular_acceleration: three(rates, OMEGA),
-            drift: [drift.x, drift.y],
+            drift: drift(body, &motion),
             force,
             moment,
             feet,

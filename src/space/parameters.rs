@@ -158,11 +158,11 @@ pub enum SpaceError {
     },
     /// A centre of mass that is not over the base, or presses on too few feet.
     #[error(
-        "feet: foot {foot} at ({x} m, {y} m) from the centre of mass carries {load} N at rest; expected a centre of mass so far inside the \
-         base that all feet without a gap carry"
+        "feet: foot {} at ({x} m, {y} m) from the centre of mass carries {load} N at rest; expected a centre of mass so far inside the \
+         base that all feet without a gap carry", .foot + 1
     )]
     Unloaded {
-        /// The number of the foot.
+        /// The index of the foot, from 0; the message counts from 1.
         foot: usize,
         /// Its place (m).
         x: f64,

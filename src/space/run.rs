@@ -18,8 +18,9 @@ use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceSample, topp
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
-use crate::space::motion::{Turn, WORKS, dimension};
+use crate::space::motion::{WORKS, dimension};
 use crate::space::outputs::SpaceObservation;
+use crate::space::peaks::SpacePeaks;
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,8 +60,8 @@ pub struct SpaceState {
     pub initial_energy: f64,
     /// Energy of springs lost at lift-offs, less that of supports that had not recovered at landings (J).
     pub lift_off_energy: f64,
-    /// Greatest square of the sine of half the tilt.
-    pub half_tilt_square: f64,
+    /// Greatest values.
+    pub peaks: SpacePeaks,
     /// Counters.
     pub counts: SpaceCounts,
     /// Time of the last event (s), or of the start.
@@ -136,7 +137,7 @@ impl SpaceRun {
             separated: false,
             initial_energy: stored(&setup.body, &numbers, &contacts).total(),
             lift_off_energy: 0.0,
-            half_tilt_square: Turn::of(&numbers).half_tilt_square(),
+            peaks: SpacePeaks::at_start(&setup.body, &numbers),
             counts: SpaceCounts::default(),
             last_event: time,
             events_in_this_instant: 0,
@@ -160,11 +161,13 @@ impl SpaceRun {
             FootContact::Lifted(creep) => [creep.depth, creep.since],
             FootContact::Sticks | FootContact::Slides => [0.0; 2],
         });
-        let others =
-            [state.time, state.last_event, state.initial_energy, state.lift_off_energy, state.half_tilt_square];
+        let others = [state.time, state.last_event, state.initial_energy, state.lift_off_energy];
         let numbers = state.numbers.iter().copied().chain(creeps).chain(others);
         if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
             return Err(format!("the state has the number {number}; expected finite ones"));
+        }
+        if !state.peaks.is_valid() {
+            return Err(format!("the state has the peaks {:?}; expected finite ones, none negative", state.peaks));
         }
         if !state.control.is_valid() {
             return Err("the state has an invalid step size; expected a positive one".into());
@@ -262,9 +265,14 @@ impl SpaceRun {
         self.state.time
     }
 
+    /// Greatest values so far.
+    pub fn peaks(&self) -> &SpacePeaks {
+        &self.state.peaks
+    }
+
     /// Greatest tilt so far (rad).
     pub fn peak_tilt(&self) -> f64 {
-        2.0 * libm::asin(self.state.half_tilt_square.sqrt().min(1.0))
+        self.state.peaks.tilt()
     }
 
     /// Energies now, and their sums since the start (J).

@@ -11,6 +11,7 @@ use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, Sp
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::limits::fastest_number;
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
+use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
 use crate::space::run::SpaceRun;
 
 /// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
@@ -53,8 +54,10 @@ impl SpaceInterior<'_> {
         self.go_to(elapsed).sample(function).value
     }
 
-    fn half_tilt_square(&mut self, elapsed: f64) -> Dual {
-        self.go_to(elapsed).motion().turn.half_tilt_square()
+    /// Returns the quantities of the body's motion with a peak.
+    fn of_motion(&mut self, elapsed: f64) -> [Dual; OF_MOTION] {
+        let now = self.go_to(elapsed);
+        of_motion(now.body, &now.motion())
     }
 }
 
@@ -110,6 +113,47 @@ fn first_fall(
     };
     let elapsed = roots::first_fall(start, end, rounding, duration, pieces, bounded, &mut sample)?;
     Some((elapsed, elapsed == 0.0 && start.re >= -rounding))
+}
+
+/// Returns the first fall of a watched function in a step.
+fn first_crossing(
+    here: &Poised,
+    [starts, ends]: [&[SpaceSample]; 2],
+    searched: &Searched,
+    inside: &mut SpaceInterior,
+) -> Option<SpaceCrossing> {
+    let mut first: Option<SpaceCrossing> = None;
+    for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
+        let found = first_fall([ends.0, ends.1], searched, function, inside);
+        if let Some((elapsed, rise_unseen)) = found
+            && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
+        {
+            first = Some(SpaceCrossing { elapsed, number, rise_unseen });
+        }
+    }
+    first
+}
+
+/// Includes the values of a step from `here` on for this duration (s), with the quantities of the motion and the samples at its end.
+fn include_peaks(
+    peaks: &mut SpacePeaks,
+    here: &Poised,
+    end: [Dual; OF_MOTION],
+    [starts, ends]: [&[SpaceSample]; 2],
+    duration: f64,
+    inside: &mut SpaceInterior,
+) {
+    let start = of_motion(here.body, &here.motion());
+    for (i, (start, end)) in start.into_iter().zip(end).enumerate() {
+        let peak = peaks.of_motion_mut(i);
+        *peak = roots::greatest(*peak, start, end, duration, &mut |elapsed| inside.of_motion(elapsed)[i]);
+    }
+    for (function, (start, end)) in here.functions().zip(starts.iter().zip(ends)) {
+        if let Some(peak) = peaks.of_function_mut(function) {
+            let mut sample = |elapsed| inside.sample(function, elapsed);
+            *peak = roots::greatest(*peak, start.value, end.value, duration, &mut sample);
+        }
+    }
 }
 
 impl SpaceRun {
@@ -185,16 +229,8 @@ impl SpaceRun {
         let omega_after = three(&memory.end, OMEGA).norm();
         let turns_far = attempt.size * omega.max(omega_after) > SMALL_TURN;
         let searched = Searched { duration: attempt.size, longest, turns_far };
-        let [starts, ends] = &memory.samples;
-        let mut first: Option<SpaceCrossing> = None;
-        for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
-            let found = first_fall([ends.0, ends.1], &searched, function, &mut inside);
-            if let Some((elapsed, rise_unseen)) = found
-                && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
-            {
-                first = Some(SpaceCrossing { elapsed, number, rise_unseen });
-            }
-        }
+        let [starts, ends] = &mut memory.samples;
+        let mut first = first_crossing(&here, [starts, ends], &searched, &mut inside);
         if let Some(SpaceCrossing { rise_unseen: true, elapsed, .. }) = &mut first {
             if roots::may_shorten(time, attempt.size, longest) {
                 state.counts.evaluations += inside.evaluations;
@@ -206,16 +242,21 @@ impl SpaceRun {
             *elapsed = attempt.size;
         }
         let duration = first.as_ref().map_or(attempt.size, |crossing| crossing.elapsed);
-        let [start, end] = [here.motion().turn.half_tilt_square(), inside.tilt_at_end(&there, duration, attempt.size)];
-        state.half_tilt_square = roots::greatest(state.half_tilt_square, start, end, duration, &mut |elapsed| {
-            inside.half_tilt_square(elapsed)
-        });
         let is_inside = duration < attempt.size;
+        let end = if is_inside {
+            let now = inside.go_to(duration);
+            write_samples(&now, ends);
+            of_motion(body, &now.motion())
+        } else {
+            of_motion(body, &there.motion())
+        };
+        include_peaks(&mut state.peaks, &here, end, [starts, ends], duration, &mut inside);
         if is_inside {
             inside.go_to(duration);
         }
         state.counts.evaluations += inside.evaluations;
         state.numbers.copy_from_slice(if is_inside { &memory.inside } else { &memory.end });
+        state.peaks.include_slips(&state.numbers, body.count());
         state.move_clock(if is_inside { time + duration } else { end_time });
         if let Some(SpaceCrossing { number, .. }) = first {
             normalize(&mut state.numbers);
@@ -337,12 +378,5 @@ impl SpaceRun {
             *falls = elapsed > 0.0 && began_above && end.value.re <= end.rounding && end.value.eps < 0.0;
         }
         memory.falls[number] = true;
-    }
-}
-
-impl SpaceInterior<'_> {
-    /// Returns the sample of the tilt after `duration` of a step of `size` (s).
-    fn tilt_at_end(&mut self, there: &Poised, duration: f64, size: f64) -> Dual {
-        if duration < size { self.half_tilt_square(duration) } else { there.motion().turn.half_tilt_square() }
     }
 }

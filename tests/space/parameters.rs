@@ -76,7 +76,7 @@ fn invalid_parameters_are_refused_with_name_value_and_range() {
         ),
         (
             of_list(&[[2.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, -1.0, 0.0]]),
-            "feet: foot 0 at (2 m, 0 m) from the centre of mass carries -3270 N at rest; expected a centre of mass so far inside the base \
+            "feet: foot 1 at (2 m, 0 m) from the centre of mass carries -3270 N at rest; expected a centre of mass so far inside the base \
              that all feet without a gap carry",
         ),
         (
@@ -90,7 +90,7 @@ fn invalid_parameters_are_refused_with_name_value_and_range() {
         error(|p| p.inertia = Some([1.0, 1.0, 1.0, 2.0, 0.0, 0.0])).starts_with("inertia has the principal moments")
     );
     assert!(error(|p| p.inertia = Some([f64::NAN; 6])).starts_with("inertia has the principal moments"));
-    assert!(error(|p| p.eccentricity = [10.0, 0.0]).starts_with("feet: foot 0 at"));
+    assert!(error(|p| p.eccentricity = [10.0, 0.0]).starts_with("feet: foot 1 at"));
 }
 
 #[test]

@@ -7,9 +7,10 @@ use std::path::Path;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
 use rocking_block::space::excitation::{DirectedPulses, MAX_PULSES};
+use rocking_block::space::outputs::{FootObservation, SpaceObservation};
 use rocking_block::space::{
     Base, BaseSize, DirectedPulse, FootPlace, SpaceBody, SpaceEventKind, SpaceGround, SpaceInitial, SpaceInputs,
-    SpaceParameters, SpaceRun, SpaceSetup, SpaceSupports,
+    SpaceParameters, SpacePeaks, SpaceRun, SpaceSetup, SpaceSupports,
 };
 use rocking_records::{ReadOptions, Record};
 use serde::Deserialize;
@@ -248,6 +249,7 @@ impl Case {
         let mut run = self.run();
         let mut events = Vec::new();
         let mut worst = [0.0_f64; 5];
+        let mut rows_peaks = RowsPeaks::default();
         let mut rows = csv::Reader::from_path(folder().join(format!("{}.csv", self.name))).unwrap();
         let headers = rows.headers().unwrap().clone();
         for row in rows.records() {
@@ -278,7 +280,9 @@ impl Case {
             assert_eq!(seen.touching(), value("touching") as usize, "{} at {t}", self.name);
             assert_eq!(seen.sliding(), value("sliding") as usize, "{} at {t}", self.name);
             worst[4] = worst[4].max(run.energies().residual.abs() / run.body().energy_scale());
+            rows_peaks.include(&seen);
         }
+        rows_peaks.compare(run.peaks());
         if self.end == "overturned" {
             run.advance(self.t_final + 0.01, &SpaceInputs::default(), &mut |event| events.push(*event)).unwrap();
         }
@@ -328,6 +332,38 @@ impl Case {
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found.1 - expected.1).abs() < 1e-7, "{}, foot {foot}: {found:?}, not {expected:?}", self.name);
             }
+        }
+    }
+}
+
+/// The greatest values of the rows, twist, drift, N, uplift and slip.
+#[derive(Default)]
+struct RowsPeaks([f64; 5]);
+
+impl RowsPeaks {
+    fn include(&mut self, seen: &SpaceObservation) {
+        let of_feet = |value: fn(&FootObservation) -> f64| seen.feet.iter().map(value).fold(0.0, f64::max);
+        let [x, y] = seen.drift;
+        let values = [
+            seen.attitude.twist.abs(),
+            x.hypot(y),
+            of_feet(|foot| foot.normal),
+            of_feet(|foot| foot.uplift),
+            of_feet(|foot| foot.slip),
+        ];
+        self.0.iter_mut().zip(values).for_each(|(peak, value)| *peak = peak.max(value));
+    }
+
+    /// Peaks of a run are at least those of its rows, 10 ms apart, and hardly more.
+    fn compare(&self, peaks: &SpacePeaks) {
+        let found = [peaks.twist(), peaks.drift(), peaks.normal, peaks.uplift, peaks.slip];
+        // N jumps and swings between rows.
+        for ((found, of_rows), excess) in found.into_iter().zip(self.0).zip([0.01, 0.01, 0.3, 0.01, 0.01]) {
+            assert!(
+                found >= of_rows * (1.0 - 1e-14) && found <= of_rows * (1.0 + excess),
+                "{peaks:?}, not {:?}",
+                self.0
+            );
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Curves, areas, marks and outcome bars → a chart with axes.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use plotters::chart::MeshStyle;
@@ -132,7 +133,7 @@ pub struct Chart<'a> {
     /// Ordinates θ/α of the unstable equilibria of a block on a rigid base. Lines mark the left one and the right one.
     pub balance: Option<[f64; 2]>,
     /// Names of ordinates, in place of numbers.
-    pub names: Vec<(f64, &'static str)>,
+    pub names: Vec<(f64, Cow<'static, str>)>,
     /// Vertical lines.
     pub verticals: Vec<(LineStyle, f64)>,
     /// Texts, left-aligned at a point of the chart.
@@ -195,7 +196,7 @@ impl Chart<'_> {
         }
         for (ordinate, name) in &self.names {
             let (left, middle) = at(x.start, *ordinate);
-            root.draw_text(name, &anchored(0.9 * TEXT, HPos::Right, VPos::Center), (left - 150, middle))?;
+            root.draw_text(name.as_ref(), &anchored(0.9 * TEXT, HPos::Right, VPos::Center), (left - 150, middle))?;
         }
         if !self.message.is_empty() {
             let [x, y] = [x, y].map(|range| 0.5 * (range.start + range.end));

@@ -30,7 +30,7 @@ pub(crate) const LINKS: [LineStyle; MAX_TIES] = [
 ];
 
 /// A quantity over time: its name in the legend, the style of its line, its value.
-type Series<'a> = (&'a str, LineStyle, &'a dyn Fn(&Row) -> f64);
+pub(crate) type Series<'a, R = Row> = (&'a str, LineStyle, &'a dyn Fn(&R) -> f64);
 
 /// Draws a history as SVG, with a title for the run.
 ///
@@ -45,6 +45,8 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     let axis = |shown: bool| (if shown { "time (s)" } else { "" }, start..end);
     let moves = |direction: usize| history.rows.iter().any(|row| row.ground[direction] != 0.0);
     let has_ground = moves(0) || moves(1);
+    let rows = &history.rows;
+    let panel = |height, chart, series: &[Series]| panel(rows, |row| row.time, height, chart, series);
 
     let theta: Series = ("", LineStyle::THIN, &|row| row.observation.theta / alpha);
     let left: Series = ("left corner N_L", LineStyle::BLUE, &|row| row.observation.reaction[0] / weight);
@@ -66,8 +68,8 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     };
     let reactions = Chart { x: axis(false), y: ("N/(M g)", 0.0..0.0), ..Chart::default() };
     let mut panels = vec![
-        panel(history, HEIGHTS[0], rotation, &[theta]),
-        panel(history, HEIGHTS[1], reactions, &[left, right]),
+        panel(HEIGHTS[0], rotation, &[theta]),
+        panel(HEIGHTS[1], reactions, &[left, right]),
         (HEIGHTS[2], Vec::new(), regimes(history, axis(!has_ground))),
     ];
     let holds = Holds::of(block);
@@ -78,7 +80,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         let slip = Chart { x: axis(false), y: ("slip (mm)", ordinate), ..Chart::default() };
         let slip_of: Series = ("", LineStyle::THIN, &|row| 1e3 * row.slip);
         // Before the regimes, which carry the time axis if there is no ground motion.
-        panels.insert(1, panel(history, HEIGHTS[3], slip, &[slip_of]));
+        panels.insert(1, panel(HEIGHTS[3], slip, &[slip_of]));
     }
     let names = link_names(block);
     if holds.has_links() {
@@ -91,11 +93,11 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
             .zip(LINKS)
             .map(|((value, name), style)| -> Series { (name, style, value) })
             .collect();
-        panels.insert(panels.len() - 1, panel(history, HEIGHTS[3], tensions, &series));
+        panels.insert(panels.len() - 1, panel(HEIGHTS[3], tensions, &series));
     }
     if has_ground {
         let ground = Chart { x: axis(true), y: ("ground acceleration (g)", 0.0..0.0), ..Chart::default() };
-        panels.push(panel(history, HEIGHTS[4], ground, of_ground));
+        panels.push(panel(HEIGHTS[4], ground, of_ground));
     }
     stacked(&heading, &[], &panels)
 }
@@ -108,13 +110,19 @@ fn beyond(history: &History, alpha: f64) -> Option<String> {
 }
 
 /// Adds series and their legend to a chart. An empty ordinate takes the range of the series.
-fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Series]) -> StackedChart<'a> {
+pub(crate) fn panel<'a, R>(
+    rows: &[R],
+    time: fn(&R) -> f64,
+    height: u32,
+    mut chart: Chart<'a>,
+    series: &[Series<R>],
+) -> StackedChart<'a> {
     let legend = series
         .iter()
         .filter(|(name, ..)| !name.is_empty())
         .map(|&(name, style, _)| (Symbol::Curve(style), name.into()))
         .collect();
-    let curve = |&(_, style, value): &Series| Curve::new(style, vec![thinned(&history.rows, |row| row.time, value)]);
+    let curve = |&(_, style, value): &Series<R>| Curve::new(style, vec![thinned(rows, time, value)]);
     chart.curves = series.iter().map(curve).collect();
     if chart.y.1.is_empty() {
         [_, chart.y.1] = extents(&chart.curves);
@@ -187,7 +195,7 @@ fn regimes<'a>(history: &History, x: (&'a str, Range<f64>)) -> Chart<'a> {
         (regime, since) = (event.after, event.time);
     }
     add(regime, since..x.1.end);
-    let names = (0..).zip(rows).map(|(i, (_, name))| (f64::from(i) + 0.5, *name)).collect();
+    let names = (0..).zip(rows).map(|(i, (_, name))| (f64::from(i) + 0.5, (*name).into())).collect();
     Chart { x, y: ("", 0.0..rows.len() as f64), names, tiles, ..Chart::default() }
 }
 

@@ -13,6 +13,7 @@
 //! | `page` | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
+//! | [`history_in_space`] | a history of a block in space → a page |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
 //! | [`rate`] | annual rates → pages |
@@ -42,6 +43,8 @@ pub use page::titled;
 pub mod sketch;
 
 pub mod history;
+
+pub mod history_in_space;
 
 pub mod loops;
 

@@ -48,6 +48,10 @@ impl LineStyle {
     pub const BLUE: LineStyle = LineStyle::solid(30, RGBColor(20, 60, 120));
     /// Thin orange line, lighter than [`LineStyle::BLUE`].
     pub const ORANGE: LineStyle = LineStyle::solid(30, RGBColor(235, 140, 40));
+    /// Thin blue line, lighter than [`LineStyle::BLUE`].
+    pub const LIGHT_BLUE: LineStyle = LineStyle::solid(30, RGBColor(105, 180, 235));
+    /// Thin brown line, darker than [`LineStyle::ORANGE`].
+    pub const BROWN: LineStyle = LineStyle::solid(30, RGBColor(130, 55, 0));
     /// Thin grey line, one of many.
     pub const FAINT: LineStyle = LineStyle::solid(30, grey(150));
     /// Black dashed line.

@@ -95,7 +95,7 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
         x: ("", x.clone()),
         y: ("annual rate of exceedance", y),
         curves: levels.chain(curves).collect(),
-        names: names.iter().rev().step_by(step.max(1)).copied().collect(),
+        names: names.iter().rev().step_by(step.max(1)).map(|(power, name)| (*power, (*name).into())).collect(),
         ..Chart::default()
     }
 }

@@ -70,7 +70,7 @@ pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<
         tiles,
         notes,
         // No numbers at the ordinate.
-        names: vec![(0.0, "")],
+        names: vec![(0.0, "".into())],
         ..Chart::default()
     };
     let legend = [

@@ -11,6 +11,7 @@
 //! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
 //! | [`spec`] | what a user says of a block → the block |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
+//! | [`space`] | a block in space, ground motion in three directions, settings → a history |
 //! | [`doubts`] | blocks and pulses → remarks on numbers beyond reason |
 //! | [`pushover`] | a block → its moment over a slow rotation, and the loop of a cycle |
 //! | [`frame`] | columns under a beam → the block that rocks like them, and the forces of the frame |
@@ -42,6 +43,8 @@ pub mod foundations;
 pub mod spec;
 
 pub mod run;
+
+pub mod space;
 
 pub mod doubts;
 

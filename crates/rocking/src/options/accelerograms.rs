@@ -8,6 +8,7 @@ use crate::options::block::in_options;
 use crate::options::input;
 use crate::output::files::NamedFile;
 use rocking_block::excitation::records::Ground;
+use rocking_records::Record;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::spec::RecordSpec;
 
@@ -71,6 +72,11 @@ impl Accelerograms {
 
     /// Reads the records of each ground motion, those in g with this gravity (m/s²).
     pub fn read(&self, gravity: f64) -> anyhow::Result<Vec<Ground>> {
+        Ok(self.read_with_y(gravity, None)?.0)
+    }
+
+    /// Reads the records of each ground motion, and one of a second horizontal component in the same way.
+    pub fn read_with_y(&self, gravity: f64, y: Option<&Path>) -> anyhow::Result<(Vec<Ground>, Option<Record>)> {
         let (horizontal, vertical) = (self.record.len(), self.vertical.len());
         anyhow::ensure!(
             horizontal == 0 || vertical == 0 || horizontal == vertical,
@@ -79,6 +85,7 @@ impl Accelerograms {
         let record_options = self.reading.options(gravity).map_err(in_options)?;
         let files = self.files();
         let named = files.iter().flat_map(|files| [("--record", files.horizontal), ("--vertical", files.vertical)]);
+        let named = named.chain([("--record-y", y)]);
         input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
         let read = |path: Option<&Path>, is_vertical| {
             let read =
@@ -89,8 +96,10 @@ impl Accelerograms {
             Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
         };
         let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
-        refuse_without_effect(&record_options, &grounds)?;
-        Ok(grounds)
+        let y = read(y, false)?;
+        let second = y.iter().map(|record| Ground { horizontal: Some(record.clone()), vertical: None });
+        refuse_without_effect(&record_options, &grounds.iter().cloned().chain(second).collect::<Vec<_>>())?;
+        Ok((grounds, y))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Options → the excitation: records and a pulse.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -9,8 +9,10 @@ use crate::options::block::in_options;
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::run::warn;
+use crate::output::files::NamedFile;
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::space::{DirectedPulse, SpaceGround};
 use rocking_charts::numerals::significant;
 use rocking_records::Record;
 use rocking_studies::doubts;
@@ -30,6 +32,27 @@ pub struct ExcitationOptions {
     pub scale: f64,
     #[command(flatten)]
     pulse: PulseSpec,
+}
+
+/// The second horizontal component, and the direction of both.
+#[derive(Args)]
+pub struct SecondComponentOptions {
+    /// Accelerogram of the horizontal ground motion along y, a quarter turn ahead of --record; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    record_y: Option<PathBuf>,
+    /// Direction of --record and of the pulse, from +x towards +y; it turns both horizontal components together [degrees]
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    azimuth: f64,
+}
+
+/// The excitation of a run in space.
+pub struct ExcitationInSpace {
+    /// Scaled records.
+    pub ground: SpaceGround,
+    /// Pulse with its direction.
+    pub pulse: DirectedPulse,
+    /// Both in words, for summaries and pictures.
+    pub description: String,
 }
 
 /// The excitations of runs.
@@ -88,6 +111,79 @@ impl ExcitationOptions {
     }
 }
 
+impl SecondComponentOptions {
+    /// Returns the file of the second component with its option.
+    pub fn named(&self) -> Option<NamedFile> {
+        self.record_y.as_ref().map(|path| NamedFile::new("--record-y", path))
+    }
+
+    /// Reads the records of all components. This gravity (m/s²) converts those in g, and `default` replaces a record along x.
+    pub fn read(
+        &self,
+        first: &ExcitationOptions,
+        explicit: &ExplicitOptions,
+        gravity: f64,
+        default: Option<Record>,
+    ) -> anyhow::Result<ExcitationInSpace> {
+        let has_record = default.is_some() || !first.accelerograms.is_empty();
+        check("azimuth", self.azimuth, |_| true, "a finite angle")?;
+        check_scale(explicit, first.scale, has_record)?;
+        let files = first.accelerograms.files()[0];
+        anyhow::ensure!(
+            self.record_y.is_none() || files.horizontal.is_some(),
+            "--record-y without --record; expected both horizontal components"
+        );
+        let (mut grounds, y) = first.accelerograms.read_with_y(gravity, self.record_y.as_deref())?;
+        let ground = grounds.swap_remove(0);
+        anyhow::ensure!(
+            !explicit.has("azimuth") || y.is_some() || ground.horizontal.is_none() && first.pulse.has_shape(),
+            "--azimuth without --record-y; expected both horizontal components of the motion that it turns, or a pulse alone"
+        );
+        let records = [ground.horizontal.or(default), y, ground.vertical];
+        let records = records.map(|record| record.map(|record| record.scaled(first.scale)));
+        let options = ["--record", "--record-y", "--vertical"];
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            if let (Some(first), Some(second)) = (&records[i], &records[j])
+                && first.acceleration == second.acceleration
+                && first.acceleration.iter().any(|acceleration| *acceleration != 0.0)
+            {
+                anyhow::bail!("{} has the samples of {}; expected each component once", options[j], options[i]);
+            }
+        }
+        let pulse = first.pulse.pulse().map_err(in_options)?;
+        warn(doubts::of_pulses([(pulse, gravity)], has_record));
+        let paths = [files.horizontal, self.record_y.as_deref(), files.vertical];
+        let mut parts: Vec<String> = Vec::new();
+        for ((record, path), direction) in records.iter().zip(paths).zip(["x ", "y ", "vertical "]) {
+            parts.extend(record.as_ref().map(|record| describe_record(direction, record, path, gravity)));
+        }
+        parts.extend(describe_pulse(&pulse));
+        if self.azimuth != 0.0 && !parts.is_empty() {
+            parts.push(format!("azimuth {}°", self.azimuth));
+        }
+        let azimuth = self.azimuth.to_radians();
+        let ground =
+            SpaceGround { records, azimuth }.checked().map_err(|error| anyhow::anyhow!(in_components(&error)))?;
+        Ok(ExcitationInSpace {
+            ground,
+            pulse: DirectedPulse::horizontal(pulse, azimuth),
+            description: parts.join(" + ").replacen(" + azimuth", ", azimuth", 1),
+        })
+    }
+}
+
+/// Returns an error of components with the names of options, and what to do.
+fn in_components(error: &str) -> String {
+    let named = [("record.x", "--record"), ("record.y", "--record-y"), ("record.z", "--vertical")];
+    let error = named.iter().fold(error.to_string(), |error, (name, option)| error.replace(name, option));
+    let advice = if error.contains(" time step of ") {
+        "--resample gives all components one step"
+    } else {
+        "cut the components to the samples that all have"
+    };
+    format!("{error}; {advice}")
+}
+
 fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyhow::Result<()> {
     check("scale", scale, |_| true, "a finite factor")?;
     explicit.refuse_unless(has_record, &["scale"], "without --record or --vertical")
@@ -96,12 +192,16 @@ fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyh
 /// Describes the records of a ground motion. Their PGA is in units of this gravity (m/s²).
 fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<String> {
     let parts = [("", &ground.horizontal, files.horizontal), ("vertical ", &ground.vertical, files.vertical)];
-    let parts = parts.into_iter().filter_map(|(direction, record, path)| {
-        let record = record.as_ref()?;
-        let processing = if record.processing.is_none() { String::new() } else { format!(", {}", record.processing) };
-        Some(format!("{direction}{}{processing}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
+    let described = parts.into_iter().filter_map(|(direction, record, path)| {
+        record.as_ref().map(|record| describe_record(direction, record, path, gravity))
     });
-    parts.collect()
+    described.collect()
+}
+
+/// Describes a record in a direction.
+fn describe_record(direction: &str, record: &Record, path: Option<&Path>, gravity: f64) -> String {
+    let processing = if record.processing.is_none() { String::new() } else { format!(", {}", record.processing) };
+    format!("{direction}{}{processing}, {} g", title(record, path), significant(pga(record) / gravity, 3))
 }
 
 /// Names ground motions. A single one is named by its directions, several by their files, with folders if names repeat.

@@ -6,6 +6,7 @@
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
 //! | `gradients` | derivatives of single runs |
+//! | `space` | single runs of blocks in space |
 //! | `sketch` | pictures of a block and its values |
 //! | `pushover` | slow rotations: landmarks, cycle, tables |
 //! | `frame` | columns under a beam: block, table, refusals |
@@ -30,4 +31,5 @@ mod simulate;
 mod sketch;
 #[path = "../../../../tests/common/skipped.rs"]
 mod skipped;
+mod space;
 mod studies;

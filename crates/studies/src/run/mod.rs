@@ -22,6 +22,8 @@ pub mod sliding;
 pub mod stopping_rule;
 pub mod table;
 
+use std::ops::Range;
+
 use crate::run::outcome::{End, Holds, Incidents, Lean, Occurrences, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
@@ -133,6 +135,35 @@ fn with_derivatives(parameters: usize) -> String {
     }
 }
 
+/// Checks that the rows of a history of this duration and step (s), with the derivatives with respect to some parameters, fit into memory. A
+/// row needs so many bytes.
+///
+/// # Errors
+/// Rows beyond [`MAX_ROWS`], or beyond the memory that the system provides now.
+pub(crate) fn check_rows(duration: f64, step: f64, parameters: usize, of_row: f64) -> Result<(), MemoryError> {
+    let rows = duration / step * (1 + parameters) as f64;
+    let found = || format!("{duration} s in steps of {step} s are {rows:.0} rows{}", with_derivatives(parameters));
+    if rows.is_nan() || rows > MAX_ROWS {
+        let (found, gigabytes) = (found(), 1e-9 * MAX_ROWS * of_row);
+        return Err(MemoryError::TooManyRows(format!(
+            "{found}; expected at most 1e7, which need about {gigabytes:.0} GB of memory"
+        )));
+    }
+    // A failed allocation later would abort the process.
+    Vec::<u8>::new().try_reserve_exact((rows * of_row) as usize).map_err(|_| {
+        let (found, gigabytes) = (found(), 1e-9 * rows * of_row);
+        MemoryError::Refused(format!(
+            "{found}, for which the system does not provide about {gigabytes:.1} GB of memory; expected longer steps or a shorter duration"
+        ))
+    })
+}
+
+/// Returns the time of a row by its number from 0. A row within rounding of the end is the last.
+pub(crate) fn time_of_row(Range { start, end }: Range<f64>, step: f64, number: u64) -> f64 {
+    let time = start + number as f64 * step;
+    if time < end - 1e-12 * (end - start) { time } else { end }
+}
+
 impl Run {
     /// A run from rest without ground motion, ended by [`stopping_rule`].
     pub fn at_rest(block: Block, settings: Settings) -> Run {
@@ -152,23 +183,7 @@ impl Run {
     /// # Errors
     /// Rows beyond [`MAX_ROWS`], or beyond the memory that the system provides now.
     pub fn check_memory(&self, parameters: usize) -> Result<(), MemoryError> {
-        let (duration, step) = (self.longest_duration(), self.output_step);
-        let rows = duration / step * (1 + parameters) as f64;
-        let found = || format!("{duration} s in steps of {step} s are {rows:.0} rows{}", with_derivatives(parameters));
-        if rows.is_nan() || rows > MAX_ROWS {
-            let (found, gigabytes) = (found(), 1e-9 * MAX_ROWS * MEMORY_OF_ROW);
-            return Err(MemoryError::TooManyRows(format!(
-                "{found}; expected at most 1e7, which need about {gigabytes:.0} GB of memory"
-            )));
-        }
-        // A failed allocation later would abort the process.
-        Vec::<u8>::new().try_reserve_exact((rows * MEMORY_OF_ROW) as usize).map_err(|_| {
-            let (found, gigabytes) = (found(), 1e-9 * rows * MEMORY_OF_ROW);
-            MemoryError::Refused(format!(
-                "{found}, for which the system does not provide about {gigabytes:.1} GB of memory; expected longer steps or a shorter \
-                 duration"
-            ))
-        })
+        check_rows(self.longest_duration(), self.output_step, parameters, MEMORY_OF_ROW)
     }
 
     /// Makes the run; `progress` receives the fraction done, 0 to 1.
@@ -403,11 +418,9 @@ impl Schedule {
         continues.then_some(self.stop)
     }
 
-    /// Finds the time of the next row. A row within rounding of the end is the last.
+    /// Finds the time of the next row.
     fn find_next_row(&mut self) {
-        let Schedule { start, end, output_step, rows, .. } = *self;
-        let time = start + (rows + 1) as f64 * output_step;
-        self.next_row = if time < end - 1e-12 * (end - start) { time } else { end };
+        self.next_row = time_of_row(self.start..self.end, self.output_step, self.rows + 1);
     }
 
     /// Records that the run has reached the stop, or ended before. Returns the fraction done if a row is due.

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`block`] | parameters, some of them given → a checked block |
+//! | [`space`] | parameters of a block in space beside those of the plane → its parameters |
 //! | [`pulse`] | parameters, some of them given → a checked pulse |
 //! | [`run`] | settings of the runs of a study, some of them given → the settings of the solver |
 //! | [`records`] | what is known of accelerogram files → the options of their reader |
@@ -28,6 +29,7 @@ pub mod pulse;
 pub mod records;
 pub mod run;
 pub mod schema;
+pub mod space;
 pub mod study;
 pub mod tie;
 pub mod values;
@@ -36,11 +38,13 @@ pub use block::{BlockSpec, HoldSpec};
 pub use pulse::{GaborSpec, PulseSpec};
 pub use records::{ReadingSpec, RecordSpec};
 pub use run::{RunSpec, SingleRunSpec};
+pub use space::SpaceSpec;
 pub use tie::{damper, tie};
 
 use std::borrow::Cow;
 
 use rocking_block::block::BlockError;
+use rocking_block::space::SpaceError;
 
 /// Returns a name as an option of the program, without its dashes. `foundation = rigid` has its value.
 pub fn option(name: &str) -> String {
@@ -72,6 +76,14 @@ pub enum SpecError {
         /// What is missing, and what is expected.
         missing: &'static str,
     },
+    /// A parameter of blocks in the plane, given for one in space.
+    #[error("`{parameter}` is for a block in the plane; {instead}")]
+    OfPlane {
+        /// Its name.
+        parameter: &'static str,
+        /// What is expected instead.
+        instead: &'static str,
+    },
     /// A number out of range.
     #[error("`{parameter}` = {value}; expected {expected}")]
     OutOfRange {
@@ -93,15 +105,20 @@ pub enum SpecError {
     /// A parameter of the block out of range.
     #[error(transparent)]
     Invalid(#[from] BlockError),
+    /// A block in space that cannot be.
+    #[error(transparent)]
+    InSpace(#[from] SpaceError),
 }
 
 impl SpecError {
     /// Returns the name of the parameter, if the error is that of one.
     pub fn parameter(&self) -> Option<&str> {
         match self {
-            SpecError::NoEffect { parameter, .. } | SpecError::Lacks { parameter, .. } => Some(parameter),
+            SpecError::NoEffect { parameter, .. }
+            | SpecError::Lacks { parameter, .. }
+            | SpecError::OfPlane { parameter, .. } => Some(parameter),
             SpecError::OutOfRange { parameter, .. } | SpecError::Unreadable { parameter, .. } => Some(parameter),
-            SpecError::Invalid(_) => None,
+            SpecError::Invalid(_) | SpecError::InSpace(_) => None,
         }
     }
 
@@ -118,13 +135,16 @@ impl SpecError {
     pub fn spelled(&self, spell: impl Fn(&str) -> String) -> String {
         let text = self.to_string();
         match self {
-            SpecError::NoEffect { .. } | SpecError::Lacks { .. } | SpecError::OutOfRange { .. } => text
+            SpecError::NoEffect { .. }
+            | SpecError::Lacks { .. }
+            | SpecError::OfPlane { .. }
+            | SpecError::OutOfRange { .. } => text
                 .split('`')
                 .enumerate()
                 .map(|(i, part)| if i % 2 == 1 { spell(part) } else { part.into() })
                 .collect(),
             SpecError::Unreadable { parameter, .. } => format!("{}: {text}", spell(parameter)),
-            SpecError::Invalid(_) => text,
+            SpecError::Invalid(_) | SpecError::InSpace(_) => text,
         }
     }
 }

@@ -88,7 +88,12 @@ impl SingleRunSpec {
 
     /// Returns the time between rows (s).
     pub fn output_step(&self, ground: &Ground) -> f64 {
-        self.step.or(ground.time_step()).unwrap_or(0.01)
+        self.step_of(ground.time_step())
+    }
+
+    /// Returns the time between rows (s) under records of this time step (s), if any.
+    pub fn step_of(&self, time_step: Option<f64>) -> f64 {
+        self.step.or(time_step).unwrap_or(0.01)
     }
 }
 

@@ -1,6 +1,13 @@
 //! `rocking simulate`: options → a run → a table, a picture and a summary.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`summary`] | a run → its summary |
+//! | `gradients` | derivatives of a run → entries of its summary |
+//! | `space` | options of a block in space → a run, and its outputs |
 
 mod gradients;
+mod space;
 
 pub mod summary;
 
@@ -29,8 +36,8 @@ use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::run::separations;
-use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, RunSpec, SingleRunSpec, limits};
+use space::SpaceOptions;
 
 /// Default record: U.S. Geological Survey, public domain.
 const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
@@ -49,11 +56,12 @@ pub struct SimulateCommand {
     #[command(flatten)]
     initial: InitialOptions,
     #[command(flatten)]
+    space: SpaceOptions,
+    #[command(flatten)]
     single_run: SingleRunSpec,
-    /// Action at complete separation
-    #[arg(long, value_parser = separations(), default_value = OnSeparation::Terminate.word(),
-          help_heading = "Run")]
-    on_separation: OnSeparation,
+    /// Action at complete separation [default: terminate; fly in space]
+    #[arg(long, value_parser = separations(), help_heading = "Run")]
+    on_separation: Option<OnSeparation>,
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
@@ -98,6 +106,9 @@ struct InitialOptions {
 
 /// Runs the command.
 pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    if options.space.make_space(explicit)? {
+        return space::run(options, explicit);
+    }
     options.refuse_without_effect(explicit)?;
     let format = options.picture.format()?;
     options.csv.as_deref().map_or(Ok(()), check_table)?;
@@ -129,13 +140,28 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
         return Ok(());
     }
     let demand = options.friction_demand.map(|demand| (demand, run.longest_above(demand)));
-    let warnings =
-        is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
+    let warnings = options.warnings(explicit);
     let summary = summary::of(&run, &history, &derivatives, &excitation, demand, options.events);
     options.report.print("simulate", &written, warnings.as_slice(), &(summary.text + &written.lines()), &summary.json)
 }
 
+impl InitialOptions {
+    /// Returns the height of the centre of mass above rest and its rate, if one of them is given.
+    fn vertical(&self) -> anyhow::Result<Option<(f64, f64)>> {
+        let InitialOptions { v, v_dot, .. } = *self;
+        for value in [v, v_dot].into_iter().flatten() {
+            check("v and v-dot", value, |_| true, "finite numbers")?;
+        }
+        Ok((v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default())))
+    }
+}
+
 impl SimulateCommand {
+    /// Returns the warning of a run under the embedded record.
+    fn warnings(&self, explicit: &ExplicitOptions) -> Option<String> {
+        is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0))
+    }
+
     /// Returns table and picture; by default `out/rocking.csv` and `out/rocking.png`.
     fn outputs(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
         if self.csv.is_some() || self.picture.plot.is_some() || self.plot_loops.is_some() {
@@ -181,15 +207,12 @@ impl SimulateCommand {
         if description.is_empty() {
             description = "free motion".into();
         }
-        let InitialOptions { theta, theta_dot, v, v_dot } = self.initial;
+        let InitialOptions { theta, theta_dot, .. } = self.initial;
         check("theta-dot", theta_dot, |_| true, "a finite rate")?;
         limits::check::<RunSpec>(&[("friction_demand", self.friction_demand)]).map_err(block::in_options)?;
-        let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
-        for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
-            check("v and v-dot", *value, |_| true, "finite numbers")?;
-        }
-        let initial = Initial { theta, theta_dot, vertical };
-        let run = single_run::run(&self.single_run, block, self.on_separation, initial, pulse, ground)?;
+        let initial = Initial { theta, theta_dot, vertical: self.initial.vertical()? };
+        let on_separation = self.on_separation.unwrap_or(OnSeparation::Terminate);
+        let run = single_run::run(&self.single_run, block, on_separation, initial, pulse, ground)?;
         Ok((run, description))
     }
 
@@ -207,6 +230,6 @@ impl SimulateCommand {
 
 /// Returns whether neither excitation nor initial state is given.
 fn is_embedded(explicit: &ExplicitOptions) -> bool {
-    const OPTIONS: [&str; 7] = ["record", "vertical", "pulse", "theta", "theta-dot", "v", "v-dot"];
-    !OPTIONS.iter().any(|option| explicit.has(option))
+    const OPTIONS: [&str; 8] = ["record", "record-y", "vertical", "pulse", "theta", "theta-dot", "v", "v-dot"];
+    !OPTIONS.iter().chain(&space::INITIAL).any(|option| explicit.has(option))
 }

@@ -43,12 +43,7 @@ pub fn of(
     gradients::add_entries(&mut summary, gradients);
     add_events(&mut summary, history, with_events);
     add_energy(&mut summary, block, history);
-    summary.item(
-        "steps",
-        Object::from([("accepted", counts.steps), ("rejected", counts.rejected), ("evaluations", counts.evaluations)]),
-        "steps",
-        format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations),
-    );
+    add_steps(&mut summary, [counts.steps, counts.rejected, counts.evaluations]);
     if with_events {
         history.events.iter().for_each(|event| summary.line("", event));
     }
@@ -89,6 +84,16 @@ pub fn parameters(block: &Block) -> Object {
         .with_some("friction", (block.friction > 0.0).then_some(block.friction))
         .with_some("ties", links(LinkKind::Tie))
         .with_some("dampers", links(LinkKind::Damper))
+}
+
+/// Adds the numbers of steps, of repeated ones and of evaluations.
+pub fn add_steps(summary: &mut Summary, [steps, rejected, evaluations]: [u64; 3]) {
+    summary.item(
+        "steps",
+        Object::from([("accepted", steps), ("rejected", rejected), ("evaluations", evaluations)]),
+        "steps",
+        format!("{steps} ({rejected} repeated), {evaluations} evaluations"),
+    );
 }
 
 /// Adds how the run ended.

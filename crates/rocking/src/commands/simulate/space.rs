@@ -1,0 +1,346 @@
+//! `rocking simulate` of a block in space: options → a run → a table, a picture and a summary.
+
+use anyhow::Context;
+use clap::Args;
+
+use super::{SimulateCommand, summary};
+use crate::options::block::in_options;
+use crate::options::checks::check;
+use crate::options::excitation::SecondComponentOptions;
+use crate::options::explicit::ExplicitOptions;
+use crate::options::input;
+use crate::output::files::Outputs;
+use crate::output::progress::Progress;
+use crate::output::summary::{Object, Summary};
+use rocking_block::simulation::{Ending, OnSeparation};
+use rocking_block::space::excitation::MAX_PULSES;
+use rocking_block::space::{
+    DirectedPulse, SpaceBody, SpaceEvent, SpaceEventKind, SpaceInitial, SpaceParameters, SpaceSetup,
+};
+use rocking_charts::history_in_space::{block_line, history as picture};
+use rocking_studies::run::outcome::End;
+use rocking_studies::space::{HistoryInSpace, RunInSpace, foot_names, table};
+use rocking_studies::spec::space::{MAKES_SPACE, feet_of_table};
+use rocking_studies::spec::{SpaceSpec, option};
+
+/// Options of a block in space.
+#[derive(Args)]
+pub struct SpaceOptions {
+    #[command(flatten)]
+    block: SpaceSpec,
+    #[command(flatten)]
+    second: SecondComponentOptions,
+    /// Initial component of the tilt towards +x [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    tilt_x: f64,
+    /// Initial component of the tilt towards +y [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    tilt_y: f64,
+    /// Initial twist about the vertical, before the tilt [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    twist: f64,
+    /// Initial angular velocity about x [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0)]
+    omega_x: f64,
+    /// Initial angular velocity about y [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0)]
+    omega_y: f64,
+    /// Initial angular velocity about the vertical [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0)]
+    omega_z: f64,
+}
+
+/// Options of an initial state in space.
+pub const INITIAL: [&str; 6] = ["tilt-x", "tilt-y", "twist", "omega-x", "omega-y", "omega-z"];
+
+/// Options that have an effect in space only.
+const OF_SPACE: [&str; 7] = ["record-y", "azimuth", "eccentricity-y", "inertia-tensor", "omega-v", "kappa", "xi-h"];
+
+/// Options of the plane only, beside those of the block, and what is expected instead.
+const OF_PLANE: [(&str, &str); 5] = [
+    ("theta", "expected --tilt-x"),
+    ("theta-dot", "expected --omega-y"),
+    ("friction-demand", "in space --csv has the column friction_demand"),
+    ("gradients", "expected it without --depth, --base and --feet"),
+    ("plot-loops", "expected it without --depth, --base and --feet"),
+];
+
+impl SpaceOptions {
+    /// Whether the block is one in space. Otherwise options without effect are refused.
+    pub fn make_space(&self, explicit: &ExplicitOptions) -> anyhow::Result<bool> {
+        let is_given = self.block.is_given();
+        let makes = MAKES_SPACE.map(|name| format!("--{}", option(name))).join(", ");
+        for options in [&OF_SPACE[..], &INITIAL] {
+            explicit.refuse_unless(
+                is_given,
+                options,
+                &format!("without one of {makes}, which make a block in space"),
+            )?;
+        }
+        Ok(is_given)
+    }
+}
+
+/// Runs the command.
+pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    for (option, instead) in OF_PLANE {
+        anyhow::ensure!(!explicit.has(option), "--{option} is for a block in the plane; {instead}");
+    }
+    explicit.refuse_unless(!options.quiet, &["events"], "with --quiet")?;
+    let format = options.picture.format()?;
+    options.csv.as_deref().map_or(Ok(()), crate::output::formats::check_table)?;
+    let (run, excitation) = options.run_in_space(explicit)?;
+    run.check_memory()?;
+    let (csv, plot) = options.outputs()?;
+    let inputs =
+        [options.excitation.accelerograms.named(), options.space.second.named().into_iter().collect()].concat();
+    let mut outputs = Outputs::checked(&inputs, [("csv", csv.as_deref()), ("plot", plot.as_deref())])?;
+
+    const PARTS: u64 = 1000;
+    let bar = Progress::new(PARTS, 0);
+    let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
+    bar.clear();
+
+    outputs.fill("csv", || table::csv(&run.parameters, &history).context("the table cannot be written"))?;
+    outputs.fill("plot", || Ok(format.encode(&picture(&run, &history, &excitation)?)?))?;
+    let written = outputs.write()?;
+    if options.quiet {
+        return Ok(());
+    }
+    let summary = summary_of(&run, &history, &excitation, options.events);
+    let text = summary.text + &written.lines();
+    options.report.print("simulate", &written, options.warnings(explicit).as_slice(), &text, &summary.json)
+}
+
+impl SimulateCommand {
+    /// Returns the run in space and a description of its excitation.
+    fn run_in_space(&self, explicit: &ExplicitOptions) -> anyhow::Result<(RunInSpace, String)> {
+        let space = &self.space;
+        let read_feet = |path: &std::path::Path| {
+            let (name, text) = input::text(path).map_err(|error| format!("{error:#}"))?;
+            feet_of_table(&name, &text)
+        };
+        let parameters = space.block.parameters(&self.block, read_feet).map_err(in_options)?;
+        let body = SpaceBody::new(&parameters)?;
+        let initial = self.initial_in_space()?;
+        let embedded = self.embedded(explicit)?;
+        let excitation = space.second.read(&self.excitation, explicit, parameters.gravity, embedded)?;
+        let settings = self.single_run.settings(self.on_separation.unwrap_or(OnSeparation::Fly)).map_err(in_options)?;
+        let pulses: [DirectedPulse; MAX_PULSES] =
+            std::array::from_fn(|i| if i == 0 { excitation.pulse } else { DirectedPulse::NONE });
+        let time_step = excitation.ground.records.iter().flatten().map(|record| record.time_step).reduce(f64::min);
+        let description = match excitation.description.as_str() {
+            "" => "free motion".into(),
+            text => text.into(),
+        };
+        let run = RunInSpace {
+            parameters,
+            setup: SpaceSetup { body, settings, pulses },
+            initial,
+            ground: excitation.ground,
+            duration: self.single_run.duration,
+            output_step: self.single_run.step_of(time_step),
+        };
+        Ok((run, description))
+    }
+
+    fn initial_in_space(&self) -> anyhow::Result<SpaceInitial> {
+        let &SpaceOptions { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, .. } = &self.space;
+        let is_valid = tilt_x * tilt_x + tilt_y * tilt_y < 1.57 * 1.57;
+        check("tilt-x", tilt_x, |_| is_valid, "a tilt, with --tilt-y, within 1.57 rad")?;
+        check("tilt-y", tilt_y, |_| is_valid, "a tilt, with --tilt-x, within 1.57 rad")?;
+        check("twist", twist, |_| true, "a finite angle")?;
+        for (option, rate) in [("omega-x", omega_x), ("omega-y", omega_y), ("omega-z", omega_z)] {
+            check(option, rate, |_| true, "a finite rate")?;
+        }
+        let vertical = self.initial.vertical()?.map(|(v, v_dot)| [v, v_dot]);
+        Ok(SpaceInitial { tilt: [tilt_x, tilt_y], twist, omega: [omega_x, omega_y, omega_z], vertical })
+    }
+}
+
+/// Summarizes a run; names are those of the tables.
+fn summary_of(run: &RunInSpace, history: &HistoryInSpace, excitation: &str, with_events: bool) -> Summary {
+    let (body, counts) = (&run.setup.body, &history.counts);
+    let mut summary = Summary::default();
+    summary.entry("model", "block in space");
+    summary.item("excitation", excitation, "excitation", excitation);
+    let line = format!("in space, {}, M = {} kg", block_line(&run.parameters, body), body.mass);
+    summary.item("block", parameters(&run.parameters, body), "block", line);
+    add_end(&mut summary, run, history);
+    add_peaks(&mut summary, body, history);
+    add_events(&mut summary, run, history, with_events);
+    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
+    let (total, residual) = (history.greatest_energy(), history.greatest_residual());
+    let relative = if total > 0.0 { residual / total } else { 0.0 };
+    let of_energy = [
+        ("total", energies.stored.total()),
+        ("kinetic", energies.stored.kinetic),
+        ("input", energies.input),
+        ("dashpots", energies.dashpots),
+        ("slip", energies.slip),
+        ("lift_off", energies.lift_off),
+        ("residual", energies.residual),
+        ("greatest_total", total),
+        ("greatest_residual", residual),
+    ];
+    summary.item(
+        "energy",
+        of_energy.into_iter().collect::<Object>(),
+        "energy",
+        format!(
+            "input {:.1} J, dashpots {:.1} J, slip {:.1} J, lift-offs {:.1} J; residual {relative:.1e} of the largest",
+            energies.input, energies.dashpots, energies.slip, energies.lift_off
+        ),
+    );
+    summary::add_steps(&mut summary, [counts.steps, counts.rejected, counts.evaluations]);
+    if with_events {
+        let names = foot_names(&run.parameters);
+        for event in &history.events {
+            let (word, foot) = word(event.kind);
+            let foot = foot.map(|foot| format!(" of foot {}", names[foot])).unwrap_or_default();
+            summary.line("", format!("{:.9} s  {word}{foot}", event.time));
+        }
+    }
+    summary
+}
+
+/// The parameters of a block.
+fn parameters(parameters: &SpaceParameters, body: &SpaceBody) -> Object {
+    let feet: Vec<[f64; 3]> =
+        body.feet.iter().map(|foot| [foot.place.x, foot.place.y, foot.place.z + body.center_height]).collect();
+    let inertia = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| body.inertia[place]);
+    Object::default()
+        .with("alpha", body.alpha)
+        .with("alpha_edge", body.edge_angle())
+        .with("p", body.p)
+        .with("omega_v", body.omega_v)
+        .with("xi_v", body.xi_v)
+        .with("kappa", parameters.kappa)
+        .with("xi_h", parameters.xi_h.unwrap_or(body.xi_v))
+        .with("friction", body.friction)
+        .with("R0", body.r0)
+        .with("width", 2.0 * body.half_width)
+        .with("center_height", body.center_height)
+        .with("mass", body.mass)
+        .with("g", body.gravity)
+        .with("inertia", inertia)
+        .with("K", body.stiffness)
+        .with("C", body.damping)
+        .with("K_h", body.horizontal_stiffness)
+        .with("C_h", body.horizontal_damping)
+        .with("feet", feet)
+}
+
+/// Adds how the run ended.
+fn add_end(summary: &mut Summary, run: &RunInSpace, history: &HistoryInSpace) {
+    let last = history.rows.last().map_or(0.0, |row| row.observation.time);
+    let end = history.end;
+    let text = match history.ending {
+        Some((ending @ Ending::Separated, time)) => {
+            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
+        }
+        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
+        None => format!("{end} at t = {last:.4} s: {}", prospect(run, history)),
+    };
+    summary.item("outcome", end.word(), "end", text);
+    summary.entry("end_time", history.ending.map_or(last, |(_, time)| time));
+    summary.entry("has_come_down", end == End::Completed);
+    summary.entry("is_at_rest", history.is_at_rest);
+    summary.entry("separated", history.separated);
+}
+
+/// Predicts the future of a block that did not end its run.
+fn prospect(run: &RunInSpace, history: &HistoryInSpace) -> &'static str {
+    match (history.end, run.duration) {
+        (End::Completed, _) if history.is_at_rest => "the block is at rest",
+        (End::Completed, _) => "the block will come to rest",
+        (_, Some(_)) => "the duration is too short to tell whether the block overturns",
+        (_, None) => "the block may still overturn",
+    }
+}
+
+/// Adds the greatest values, and where the block stands at the end.
+fn add_peaks(summary: &mut Summary, body: &SpaceBody, history: &HistoryInSpace) {
+    let (peaks, weight) = (&history.peaks, body.mass * body.gravity);
+    let edge = body.edge_angle();
+    summary.item(
+        "peak",
+        Object::from([
+            ("tilt", peaks.tilt()),
+            ("tilt/alpha", peaks.tilt() / body.alpha),
+            ("tilt/alpha_edge", peaks.tilt() / edge),
+            ("twist", peaks.twist()),
+            ("uplift", peaks.uplift),
+            ("N", peaks.normal),
+            ("slip", peaks.slip),
+            ("drift", peaks.drift()),
+        ]),
+        "peak",
+        format!(
+            "θ/α = {:.4} ({:.4} of the balance over the nearest edge), twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
+            peaks.tilt() / body.alpha,
+            peaks.tilt() / edge,
+            peaks.twist().to_degrees(),
+            1e3 * peaks.uplift,
+            peaks.normal / weight
+        ),
+    );
+    let Some(last) = history.rows.last().map(|row| &row.observation) else { return };
+    let ([x, y], attitude) = (last.drift, last.attitude);
+    summary.item(
+        "end",
+        Object::from([
+            ("tilt/alpha", attitude.tilt / body.alpha),
+            ("twist", attitude.twist),
+            ("drift_x", x),
+            ("drift_y", y),
+        ]),
+        "slip",
+        format!(
+            "{:.1} mm of a foot in all; the middle of the base is at ({:.1}, {:.1}) mm, twisted by {:.2}°, at the end",
+            1e3 * peaks.slip,
+            1e3 * x,
+            1e3 * y,
+            attitude.twist.to_degrees()
+        ),
+    );
+}
+
+/// Adds the number of events, and their list in JSON.
+fn add_events(summary: &mut Summary, run: &RunInSpace, history: &HistoryInSpace, with_list: bool) {
+    let HistoryInSpace { events, counts, .. } = history;
+    let last = events.last().map(|event| event.time);
+    let names = foot_names(&run.parameters);
+    let event = |event: &SpaceEvent| {
+        let (word, foot) = word(event.kind);
+        Object::default().with("t", event.time).with("event", word).with("foot", foot.map(|foot| names[foot].as_str()))
+    };
+    let at = last.map(|time| format!(", the last at t = {time:.4} s")).unwrap_or_default();
+    summary.item(
+        "events",
+        Object::from([
+            ("lift_offs", counts.lift_offs),
+            ("landings", counts.landings),
+            ("slides", counts.slides),
+            ("sticks", counts.sticks),
+        ])
+        .with("last_time", last)
+        .with_some("list", with_list.then(|| events.iter().map(event).collect::<Vec<_>>())),
+        "events",
+        format!(
+            "{} lift-offs, {} landings, {} slides, {} sticks{at}",
+            counts.lift_offs, counts.landings, counts.slides, counts.sticks
+        ),
+    );
+}
+
+/// The word of an event, and its foot.
+fn word(kind: SpaceEventKind) -> (&'static str, Option<usize>) {
+    match kind {
+        SpaceEventKind::LiftOff(foot) => ("lift-off", Some(foot)),
+        SpaceEventKind::Landing(foot) => ("landing", Some(foot)),
+        SpaceEventKind::Slides(foot) => ("slides", Some(foot)),
+        SpaceEventKind::Sticks(foot) => ("sticks", Some(foot)),
+        SpaceEventKind::Overturning => ("overturning", None),
+    }
+}

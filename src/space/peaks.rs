@@ -1,0 +1,97 @@
+//! The samples of a step at both ends → the greatest values since the start, also between the ends.
+
+use serde::{Deserialize, Serialize};
+
+use crate::numerics::dual::Dual;
+use crate::space::body::SpaceBody;
+use crate::space::events::SpaceFunction;
+use crate::space::motion::{BodyMotion, of_foot};
+use crate::space::outputs::{Attitude, drift};
+
+/// The greatest values since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpacePeaks {
+    /// Square of the sine of half the tilt.
+    pub half_tilt_square: f64,
+    /// Square of the twist about the vertical (rad²).
+    pub twist_square: f64,
+    /// Square of the distance of the base's middle from its place at rest (m²).
+    pub drift_square: f64,
+    /// N of any foot (N).
+    pub normal: f64,
+    /// Height of any foot over its support (m).
+    pub uplift: f64,
+    /// Length of the slip of any foot (m).
+    pub slip: f64,
+}
+
+/// Quantities of the body's motion with a peak. Squares have the same bits in a mirrored motion.
+pub(super) const OF_MOTION: usize = 3;
+
+/// Returns the quantities of [`OF_MOTION`], with their rates.
+pub(super) fn of_motion(body: &SpaceBody, motion: &BodyMotion<Dual>) -> [Dual; OF_MOTION] {
+    let twist = Attitude::twist_of(&motion.turn);
+    let [x, y] = drift(body, motion);
+    [motion.turn.half_tilt_square(), twist * twist, x * x + y * y]
+}
+
+impl SpacePeaks {
+    /// The values at the start of a run.
+    pub(super) fn at_start(body: &SpaceBody, state: &[f64]) -> SpacePeaks {
+        let still: [Dual; crate::space::motion::FEET_FROM] = std::array::from_fn(|i| Dual::from(state[i]));
+        let mut peaks = SpacePeaks::default();
+        for (i, quantity) in of_motion(body, &BodyMotion::of(&still)).into_iter().enumerate() {
+            let peak = peaks.of_motion_mut(i);
+            *peak = peak.max(quantity.re);
+        }
+        peaks
+    }
+
+    /// Returns the peak of a quantity of the motion.
+    pub(super) fn of_motion_mut(&mut self, quantity: usize) -> &mut f64 {
+        match quantity {
+            0 => &mut self.half_tilt_square,
+            1 => &mut self.twist_square,
+            _ => &mut self.drift_square,
+        }
+    }
+
+    /// Returns the peak of a watched function, if it has one.
+    pub(super) fn of_function_mut(&mut self, function: SpaceFunction) -> Option<&mut f64> {
+        match function {
+            SpaceFunction::LiftOff(_) => Some(&mut self.normal),
+            SpaceFunction::Landing(_) => Some(&mut self.uplift),
+            SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) | SpaceFunction::Overturning => None,
+        }
+    }
+
+    /// Includes the slips of all feet, which never become shorter.
+    pub(super) fn include_slips(&mut self, state: &[f64], feet: usize) {
+        for foot in 0..feet {
+            self.slip = self.slip.max(state[of_foot(foot) + 2]);
+        }
+    }
+
+    /// Returns the greatest tilt (rad).
+    pub fn tilt(&self) -> f64 {
+        2.0 * libm::asin(self.half_tilt_square.sqrt().min(1.0))
+    }
+
+    /// Returns the greatest twist about the vertical, of either sign (rad).
+    pub fn twist(&self) -> f64 {
+        self.twist_square.sqrt()
+    }
+
+    /// Returns the greatest distance of the base's middle from its place at rest (m).
+    pub fn drift(&self) -> f64 {
+        self.drift_square.sqrt()
+    }
+
+    /// Whether all are finite and none is negative.
+    pub fn is_valid(&self) -> bool {
+        let SpacePeaks { half_tilt_square, twist_square, drift_square, normal, uplift, slip } = *self;
+        [half_tilt_square, twist_square, drift_square, normal, uplift, slip]
+            .iter()
+            .all(|peak| peak.is_finite() && *peak >= 0.0)
+    }
+}
