@@ -84,7 +84,7 @@ fn texts_do_not_overlap() {
 #[test]
 fn sketches_are_to_scale() {
     for sketch in sketches() {
-        let Layout { left, right, top, base, centre, ties, end, .. } = Layout::new(&sketch);
+        let Layout { left, right, top, base, centre, ties, ends: [_, end], .. } = Layout::new(&sketch);
         let Body { b, h, .. } = sketch.block.body;
         let scale = (right - left) / (2.0 * b);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
@@ -114,7 +114,7 @@ fn sketches_are_to_scale() {
 fn the_size_of_the_block_does_not_matter() {
     let of = |factor: f64| Layout::new(&Sketch::of(&block(0.8 * factor, 3.2 * factor, 0.0, Foundation::Rigid)));
     let (metres, others) = (of(1.0), of(1e-3));
-    for (a, b) in [(metres.left, others.left), (metres.top, others.top), (metres.end, others.end)] {
+    for (a, b) in [(metres.left, others.left), (metres.top, others.top), (metres.ends[1], others.ends[1])] {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
 }
