@@ -111,20 +111,15 @@ impl RunState {
             if steady && here.rests() {
                 // Loads may begin at this instant.
                 self.peaks.include(&here.channels_called());
-                self.settle_at_rest(stop);
-                input.report(|| StepKind::Rested);
+                self.settle_at_rest(input);
                 return Ok(StepsOutcome::Lasts);
             }
             input.spend(budget, self.pose.time, limits.longest)?;
             let motion = Motion::<_, N>::under(mode, block, &self.pose, excitation);
             let tries_short = std::mem::replace(&mut may_be_short, true);
             let short = if tries_short { self.short_step_to(stop, mode, &limits) } else { ShortStepTo::TooFar };
-            if short == ShortStepTo::Stop {
-                if self.short_step(stop, &motion, &here, &limits) {
-                    input.report(|| StepKind::ShortStep);
-                    return Ok(StepsOutcome::Lasts);
-                }
-                self.counts.evaluations += EVALUATIONS_OF_SHORT_STEP;
+            if short == ShortStepTo::Stop && self.short_step(input, &motion, &here, &limits) {
+                return Ok(StepsOutcome::Lasts);
             }
             let own;
             let step = match made.take() {
@@ -139,8 +134,8 @@ impl RunState {
             if !(step.end.is_finite() && end_rate.state.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let evaluations = EVALUATIONS_PER_STEP;
-            let end = StepEnd { evaluations, state: step.end, work: step.work, longest: limits.longest };
+            let DenseStep { end: state, work, .. } = *step;
+            let end = StepEnd { evaluations: EVALUATIONS_PER_STEP, state, work, longest: limits.longest };
             input.report(|| StepKind::Step);
             let inside = StepInterior { motion, between: Between::Within(step, end_rate), evaluations: 0 };
             match self.finish(&mut here, there, &end, inside) {
@@ -167,9 +162,26 @@ impl RunState {
         self.control.short_step(stop - self.pose.time, limits.longest)
     }
 
-    /// Takes a short step to `stop`, unless something happens on the way. Returns whether it did.
+    /// Takes a short step to the stop, unless something happens on the way. Returns whether it did.
     #[inline(always)]
     fn short_step<'a, L: MotionMode, const N: usize>(
+        &mut self,
+        input: &StepsInput,
+        motion: &Motion<'a, L, N>,
+        here: &Evaluation<'a>,
+        limits: &Limits<N>,
+    ) -> bool {
+        let is_taken = self.try_short_step(input.stop, motion, here, limits);
+        if is_taken {
+            input.report(|| StepKind::ShortStep);
+        } else {
+            self.counts.evaluations += EVALUATIONS_OF_SHORT_STEP;
+        }
+        is_taken
+    }
+
+    #[inline(always)]
+    fn try_short_step<'a, L: MotionMode, const N: usize>(
         &mut self,
         stop: f64,
         motion: &Motion<'a, L, N>,
@@ -340,8 +352,9 @@ impl RunState {
     }
 
     /// Ends the motion of a block at rest under a constant excitation. Motion below round-off is dropped.
-    fn settle_at_rest(&mut self, stop: f64) {
-        self.pose.time = stop;
+    fn settle_at_rest(&mut self, input: &StepsInput) {
+        input.report(|| StepKind::Rested);
+        self.pose.time = input.stop;
         self.pose.state[1] = 0.0;
         self.pose.state[3] = 0.0;
         self.events_in_this_instant = 0;

@@ -14,7 +14,7 @@ use rocking_block::space::{Base, SpaceBody, SpaceEventKind, SpaceParameters};
 use rocking_studies::space::{HistoryInSpace, RowInSpace, RunInSpace, foot_names};
 
 /// Heights of the panels: tilt, direction, twist, forces, slip, ground.
-const HEIGHTS: [u32; 6] = [5600, 3500, 2900, 4400, 3200, 3800];
+const HEIGHTS: [u32; 6] = [5600, 3500, 2900, 4400, 3200, 4600];
 /// Heights of the contacts: of a row of few feet, and of all rows of many.
 const OF_CONTACTS: [u32; 2] = [520, 4400];
 /// Feet that have a curve each.

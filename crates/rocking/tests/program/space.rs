@@ -156,6 +156,76 @@ fn a_block_in_space_without_excitation_has_the_embedded_record() {
     assert!(table.column("tilt_x").iter().any(|tilt| tilt.abs() > 1e-3));
 }
 
+/// A block whose feet are in a table.
+const LIST: &str = "--center-height 2 --mass 1000 --inertia-tensor 1e3,1e3,5e2 --omega-v 60 --feet";
+
+const WITHOUT_SPACE: &str = "without one of --depth, --depth-ratio, --base, --feet, which make a block in space";
+
+/// Mistakes, and the beginnings of their messages.
+const MISTAKES: &[(&str, &str)] = &[
+    ("--depth 0", "--depth = 0; expected a length > 0 m"),
+    ("--depth -1", "--depth = -1; expected a length > 0 m"),
+    ("--base circle --feet 2", "feet = 2 is not valid; expected 3 to 64"),
+    ("--base circle --feet 65", "feet = 65 is not valid; expected 3 to 64"),
+    ("{list} two.csv", "feet = 2 is not valid; expected 3 to 64"),
+    ("{list} line.csv", "feet: the 3 feet without a gap stand on a line; expected a base with an area"),
+    ("{list} gaps.csv", "foot_gap leaves 2 feet without a gap; expected at least 3"),
+    (
+        "{list} aside.csv",
+        "feet: foot 2 at (2 m, -1 m) from the centre of mass carries -4905 N at rest; expected a centre of mass so far inside the base \
+             that all feet without a gap carry",
+    ),
+    ("--depth 1 --eccentricity 0.9 --width 1 --height 4 --eta 50", "eccentricity"),
+    ("--depth 1 --mass 1000 --inertia-tensor 100,100,300", "inertia has the principal moments ["),
+    ("--depth 1 --xi-h 0", "--xi-h = 0; expected a number > 0"),
+    ("--depth 1 --xi-v 0", "xi_v = 0 is not valid; expected"),
+    ("--depth 1 --kappa 0", "--kappa = 0; expected a number > 0"),
+    (
+        "--depth 1 --foundation rigid",
+        "--foundation rigid is for a block in the plane; in space a block stands on feet; expected --eta of 100 to 300 for a hard base",
+    ),
+    ("--depth 1 --epsilon 0.5", "--epsilon is for a block in the plane; in space feet land on"),
+    ("--depth 1 --restitution-factor 0.9", "--restitution-factor is for a block in the plane"),
+    (
+        "--depth 1 --tie block_z=2,ground_x=3,stiffness=1e5 --mass 1000",
+        "--tie is for a block in the plane; expected it without --depth, --base and --feet",
+    ),
+    ("--depth 1 --damper block_z=2,ground_x=3,stiffness=1e5 --mass 1000", "--damper is for a block in the plane"),
+    ("--depth 1 --theta 0.1", "--theta is for a block in the plane; expected --tilt-x"),
+    ("--depth 1 --theta-dot 0.1", "--theta-dot is for a block in the plane; expected --omega-y"),
+    ("--depth 1 --gradients alpha", "--gradients is for a block in the plane"),
+    ("--depth 1 --friction-demand 0.5", "--friction-demand is for a block in the plane"),
+    ("--depth 1 --plot-loops loops.svg", "--plot-loops is for a block in the plane"),
+    (
+        "--depth 1 --inertia 1000 --width 1 --height 4 --mass 1000 --eta 50",
+        "--inertia is for a block in the plane; in space it has six numbers; expected --inertia-tensor",
+    ),
+    ("--depth 1 --tilt-x 2", "--tilt-x = 2; expected a tilt, with --tilt-y, within 1.57 rad"),
+    ("--depth 1 --record-y y.csv", "--record-y without --record; expected both horizontal components"),
+    (
+        "--depth 1 --record x.csv --record-y x.csv",
+        "--record-y has the samples of --record; expected each component once",
+    ),
+    (
+        "--depth 1 --record x.csv --record-y coarse.csv",
+        "--record-y has a time step of 0.02 s; expected that of --record, 0.01 s; --resample gives all components one step",
+    ),
+    (
+        "--depth 1 --record x.csv --record-y short.csv",
+        "--record-y has a duration of 1.49 s; expected that of --record, 1.99 s; cut the components to the samples that all have",
+    ),
+    (
+        "--depth 1 --record x.csv --azimuth 30",
+        "--azimuth without --record-y; expected both horizontal components of the motion that it turns, or a pulse alone",
+    ),
+    ("--record x.csv --record-y y.csv", "--record-y has no effect {space}"),
+    ("--pulse one-sine --amplitude 3 --azimuth 30", "--azimuth has no effect {space}"),
+    ("--kappa 2 --theta 0.1", "--kappa has no effect {space}"),
+    ("--tilt-x 0.1", "--tilt-x has no effect {space}"),
+    ("{list} feet.csv --alpha 0.2", "--alpha has no effect with a table of --feet"),
+    ("{list} missing.csv", "--feet: missing.csv: cannot be read"),
+];
+
 /// Each mistake is named with the variable, the value and the expected one, and leaves no file.
 #[test]
 fn mistakes_are_refused() {
@@ -175,95 +245,19 @@ fn mistakes_are_refused() {
     write("gaps.csv", "-1,-1,0\n1,-1,0\n1,1,0.1\n-1,1,0.1\n");
     write("feet.csv", "-1,-1\n1,-1\n1,1\n-1,1\n");
     let before = files(folder.path());
-    let list = "--center-height 2 --mass 1000 --inertia-tensor 1e3,1e3,5e2 --omega-v 60 --feet";
-    let space = "without one of --depth, --depth-ratio, --base, --feet, which make a block in space";
-    let no_effect = |option: &str| format!("--{option} has no effect {space}");
-    for (line, message) in [
-        ("--depth 0".into(), "--depth = 0; expected a length > 0 m".into()),
-        ("--depth -1".into(), "--depth = -1; expected a length > 0 m".into()),
-        ("--base circle --feet 2".into(), "feet = 2 is not valid; expected 3 to 64".into()),
-        ("--base circle --feet 65".into(), "feet = 65 is not valid; expected 3 to 64".into()),
-        (format!("{list} two.csv"), "feet = 2 is not valid; expected 3 to 64".into()),
-        (
-            format!("{list} line.csv"),
-            "feet: the 3 feet without a gap stand on a line; expected a base with an area".into(),
-        ),
-        (format!("{list} gaps.csv"), "foot_gap leaves 2 feet without a gap; expected at least 3".into()),
-        (
-            format!("{list} aside.csv"),
-            "feet: foot 2 at (2 m, -1 m) from the centre of mass carries -4905 N at rest; expected a centre of mass so far inside the base \
-             that all feet without a gap carry"
-                .into(),
-        ),
-        (
-            "--depth 1 --eccentricity 0.9 --width 1 --height 4 --eta 50".into(),
-            "eccentricity".into(),
-        ),
-        (
-            "--depth 1 --mass 1000 --inertia-tensor 100,100,300".into(),
-            "inertia has the principal moments [".into(),
-        ),
-        ("--depth 1 --xi-h 0".into(), "--xi-h = 0; expected a number > 0".into()),
-        ("--depth 1 --xi-v 0".into(), "xi_v = 0 is not valid; expected".into()),
-        ("--depth 1 --kappa 0".into(), "--kappa = 0; expected a number > 0".into()),
-        (
-            "--depth 1 --foundation rigid".into(),
-            "--foundation rigid is for a block in the plane; in space a block stands on feet; expected --eta of 100 to 300 for a hard base"
-                .into(),
-        ),
-        ("--depth 1 --epsilon 0.5".into(), "--epsilon is for a block in the plane; in space feet land on".into()),
-        ("--depth 1 --restitution-factor 0.9".into(), "--restitution-factor is for a block in the plane".into()),
-        (
-            "--depth 1 --tie block_z=2,ground_x=3,stiffness=1e5 --mass 1000".into(),
-            "--tie is for a block in the plane; expected it without --depth, --base and --feet".into(),
-        ),
-        (
-            "--depth 1 --damper block_z=2,ground_x=3,stiffness=1e5 --mass 1000".into(),
-            "--damper is for a block in the plane".into(),
-        ),
-        ("--depth 1 --theta 0.1".into(), "--theta is for a block in the plane; expected --tilt-x".into()),
-        ("--depth 1 --theta-dot 0.1".into(), "--theta-dot is for a block in the plane; expected --omega-y".into()),
-        ("--depth 1 --gradients alpha".into(), "--gradients is for a block in the plane".into()),
-        ("--depth 1 --friction-demand 0.5".into(), "--friction-demand is for a block in the plane".into()),
-        ("--depth 1 --plot-loops loops.svg".into(), "--plot-loops is for a block in the plane".into()),
-        (
-            "--depth 1 --inertia 1000 --width 1 --height 4 --mass 1000 --eta 50".into(),
-            "--inertia is for a block in the plane; in space it has six numbers; expected --inertia-tensor".into(),
-        ),
-        ("--depth 1 --tilt-x 2".into(), "--tilt-x = 2; expected a tilt, with --tilt-y, within 1.57 rad".into()),
-        (
-            "--depth 1 --record-y y.csv".into(),
-            "--record-y without --record; expected both horizontal components".into(),
-        ),
-        (
-            "--depth 1 --record x.csv --record-y x.csv".into(),
-            "--record-y has the samples of --record; expected each component once".into(),
-        ),
-        (
-            "--depth 1 --record x.csv --record-y coarse.csv".into(),
-            "--record-y has a time step of 0.02 s; expected that of --record, 0.01 s; --resample gives all components one step".into(),
-        ),
-        (
-            "--depth 1 --record x.csv --record-y short.csv".into(),
-            "--record-y has a duration of 1.49 s; expected that of --record, 1.99 s; cut the components to the samples that all have".into(),
-        ),
-        (
-            "--depth 1 --record x.csv --azimuth 30".into(),
-            "--azimuth without --record-y; expected both horizontal components of the motion that it turns, or a pulse alone".into(),
-        ),
-        ("--record x.csv --record-y y.csv".into(), no_effect("record-y")),
-        ("--pulse one-sine --amplitude 3 --azimuth 30".into(), no_effect("azimuth")),
-        ("--kappa 2 --theta 0.1".into(), no_effect("kappa")),
-        ("--tilt-x 0.1".into(), no_effect("tilt-x")),
-        (format!("{list} feet.csv --alpha 0.2"), "--alpha has no effect with a table of --feet".into()),
-        (format!("{list} missing.csv"), "--feet: missing.csv: cannot be read".into()),
-    ] {
+    for (line, message) in MISTAKES {
+        let (line, message) = (line.replace("{list}", LIST), message.replace("{space}", WITHOUT_SPACE));
         let arguments: Vec<&str> = "simulate --csv run.csv --plot run.png".split(' ').chain(line.split(' ')).collect();
         let found = refusal(folder.path(), &arguments);
         assert!(found.starts_with(&message), "{line}: {found}, not {message}");
         assert_eq!(files(folder.path()), before, "{line} left a file");
     }
-    // The same feet as a table and as a rectangle.
+}
+
+#[test]
+fn feet_of_a_table_are_those_of_a_rectangle() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("feet.csv"), "-1,-1\n1,-1\n1,1\n-1,1\n").unwrap();
     let run = |line: &str| {
         let arguments: Vec<&str> =
             "simulate --csv run.csv --duration 1 --tilt-x 0.05".split(' ').chain(line.split(' ')).collect();
@@ -271,13 +265,17 @@ fn mistakes_are_refused() {
         Table::read(&folder.path().join("run.csv")).column("tilt")
     };
     let (of_list, of_rectangle) = (
-        run(&format!("{list} feet.csv")),
+        run(&format!("{LIST} feet.csv")),
         run("--depth 2 --width 2 --center-height 2 --mass 1000 --inertia-tensor 1e3,1e3,5e2 --omega-v 60"),
     );
     for (a, b) in of_list.iter().zip(&of_rectangle) {
         assert!((a - b).abs() < 1e-9, "{a}, {b}");
     }
-    // A record alone acts along x.
+}
+
+#[test]
+fn a_record_alone_acts_along_x() {
+    let folder = tempfile::tempdir().unwrap();
     let line = ["simulate", "--depth", "1", "--record", RECORD, "--duration", "1", "--csv", "run.csv"];
     assert!(stdout(folder.path(), &line).contains("excitation    x np01002p_4225a_a.smc"));
 }
