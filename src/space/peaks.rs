@@ -6,7 +6,7 @@ use crate::numerics::dual::Dual;
 use crate::space::body::SpaceBody;
 use crate::space::events::SpaceFunction;
 use crate::space::motion::{BodyMotion, of_foot};
-use crate::space::outputs::{Attitude, drift};
+use crate::space::outputs::{Attitude, FootObservation, drift};
 
 /// The greatest values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,6 +62,14 @@ impl SpacePeaks {
             SpaceFunction::LiftOff(_) => Some(&mut self.normal),
             SpaceFunction::Landing(_) => Some(&mut self.uplift),
             SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) | SpaceFunction::Overturning => None,
+        }
+    }
+
+    /// Includes N and the uplift of all feet.
+    pub(super) fn include_feet(&mut self, feet: &[FootObservation]) {
+        for foot in feet {
+            self.normal = self.normal.max(foot.normal);
+            self.uplift = self.uplift.max(foot.uplift);
         }
     }
 

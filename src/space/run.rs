@@ -145,7 +145,11 @@ impl SpaceRun {
             contacts,
         };
         state.note_separation(&setup);
-        SpaceRun { memory: Memory::new(&setup.body), setup, state }
+        let mut run = SpaceRun { memory: Memory::new(&setup.body), setup, state };
+        // Forces and heights of feet do not depend on the excitation.
+        let at_start = run.observe(&SpaceInputs::default());
+        run.state.peaks.include_feet(&at_start.feet);
+        run
     }
 
     /// Continues a saved state of a run with the same setup.

@@ -21,6 +21,7 @@ from test_fmi3 import instance as instance3
 REFERENCE = ROOT / "tests/reference_space"
 CASES = {case["name"]: case for case in json.loads((REFERENCE / "cases.json").read_text())}
 RECTANGLE = ["N_SW", "N_NW", "N_SE", "N_NE"]
+PEAKS = [f"peak.{quantity}" for quantity in ("tilt", "twist", "drift", "N", "uplift", "slip")]
 
 
 @pytest.fixture(params=[2, 3])
@@ -96,7 +97,7 @@ def follows(in_space, name, start, bound):
     case, expected = CASES[name], trajectory(name)
     result = simulate_fmu(in_space, start_values=start | {"on_overturning": 2}, stop_time=float(expected["t"][-1]),
                           output_interval=case["dt"], relative_tolerance=1e-10,
-                          output=["tilt_x", "tilt_y", "twist", "touching", "tilt", "peak.tilt"])
+                          output=["tilt_x", "tilt_y", "twist", "touching", "tilt", "drift_x", "drift_y", *PEAKS])
     # The last row of a block that overturns is that event.
     count = len(expected) - (case["end"] == "overturned")
     assert len(result) >= count
@@ -105,6 +106,13 @@ def follows(in_space, name, start, bound):
         assert error < bound * case["numbers"]["alpha"], f"{column}: {error}"
     assert (result["touching"][:count] == expected["touching"][:count]).mean() > 0.995
     assert result["peak.tilt"][-1] >= result["tilt"].max() - 1e-15
+    assert result["peak.twist"][-1] >= np.abs(result["twist"]).max() - 1e-15
+    assert result["peak.drift"][-1] >= np.hypot(result["drift_x"], result["drift_y"]).max() - 1e-15
+    weight = case["numbers"]["M"] * case["numbers"]["g"]
+    rows = max(expected[name][:count].max() for name in expected.dtype.names if name.startswith("N_"))
+    assert result["peak.N"][-1] >= rows - 1e-6 * weight
+    for peak in PEAKS:
+        assert (np.diff(result[peak]) >= 0).all(), peak
 
 
 def test_fmpy_finds_no_problem(in_space):
