@@ -138,7 +138,13 @@ fn run(integers: &[(&str, c_int)], reals: &[(&str, f64)], logging: bool) -> Outc
     }
 }
 
-const PULSE: [(&str, f64); 2] = [("pulse.amplitude", 6.2622), ("pulse.period", 1.2566370614359172)];
+/// The paper's block, and a pulse that rocks it.
+const PULSE: [(&str, f64); 4] = [
+    ("dimensionless.alpha", 0.25),
+    ("dimensionless.p", 1.0),
+    ("pulse.amplitude", 6.2622),
+    ("pulse.period", 1.2566370614359172),
+];
 
 #[test]
 fn the_allocator_counts() {
@@ -299,6 +305,9 @@ fn steps_of_the_unit_in_space_allocate_nothing() {
     unit.set(Kind::Integer, &[reference(SpaceVariable::PulseShape)], &[2.0], real).unwrap();
     let pulse = [SpaceVariable::PulseAmplitude, SpaceVariable::PulsePeriod, SpaceVariable::PulseAzimuth];
     unit.set(Kind::Real, &pulse.map(reference), &[6.2622, 1.2566, 0.4], real).unwrap();
+    let of_block =
+        [SpaceVariable::DimensionlessAlpha, SpaceVariable::DimensionlessP, SpaceVariable::DimensionlessDepthRatio];
+    unit.set(Kind::Real, &of_block.map(reference), &[0.25, 1.0, 1.0], real).unwrap();
     unit.enter_initialization_mode();
     unit.exit_initialization_mode().unwrap();
     let [tilt, energy, landings] =

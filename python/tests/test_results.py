@@ -104,7 +104,7 @@ def test_runs_are_drawn_on_the_current_figure_and_share_it(record, figure, tmp_p
 def test_a_run_is_drawn_on_the_given_axes(figure):
     """Free motion has no ground to draw; far rotations are cut, and the picture says so."""
     axes = figure.add_subplot()
-    run = rb.Block(foundation="rigid").run(pulse=rb.Pulse("one-sine", 30.0, 1.0))
+    run = rb.Block(alpha=0.25, p=1, foundation="rigid").run(pulse=rb.Pulse("one-sine", 30.0, 1.0))
     assert run.plot(axes) is axes and len(figure.axes) == 1
     assert axes.get_ylim()[1] == 1.5 and "up to 6.28" in axes.texts[0].get_text()
     plt.figure()
@@ -122,7 +122,7 @@ def test_a_block_is_drawn_to_scale_with_its_dimensions(figure):
     texts = [text.get_text() for text in axes.texts]
     assert {"2b = 0.8 m", "2h = 3.2 m", "h = 1.6 m", "$α$ = 14.04°", "K", "C"} <= set(texts)
     assert "K = 1e+07 N/m" in texts[-1] and f"η = {block.eta:.4g}" in texts[-1]
-    other = rb.Block(foundation="rigid").plot()
+    other = rb.Block(alpha=0.25, p=1, foundation="rigid").plot()
     assert other.figure is not figure and not {"K", "C"} & {text.get_text() for text in other.texts}
     assert "rigid base, e = 0.9082" in other.texts[-1].get_text()
     there = plt.figure().add_subplot()
