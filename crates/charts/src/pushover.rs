@@ -41,6 +41,8 @@ pub fn pushover(block: &Block, pushover: &Pushover) -> Result<String, PictureErr
         legend.push((Symbol::Curve(LineStyle::of(2)), format!("cycle of ±{} rad", significant(cycle.amplitude, 4))));
     }
     let [x, y] = extents(&curves);
+    // A block that slides before it lifts has a curve upwards.
+    let x = if pushover.rows.iter().all(|row| row.theta == 0.0) { 0.0..block.alpha } else { x };
     let aside = [0.008 * (x.end - x.start), 0.035 * (y.end - y.start)];
     let (mut marks, mut notes, mut explained) = (Vec::new(), Vec::new(), Vec::new());
     for (number, group) in groups(&pushover.landmarks).into_iter().enumerate() {

@@ -40,6 +40,8 @@ pub(super) struct Walk<'a> {
     ends_at_balance: bool,
     /// Whether the lateral force grew at the end of the last step.
     grew: bool,
+    /// Whether the foot of an upright block on a rigid base slides, so that the block turns no further.
+    slides: bool,
     /// The rows so far.
     pub rows: &'a mut Vec<Equilibrium>,
     landmarks: &'a mut Vec<Landmark>,
@@ -77,7 +79,8 @@ impl<'a> Walk<'a> {
             return Err(PushoverError::no_equilibrium(0.0));
         }
         let lost = [0.0; restraints::MAX];
-        let mut walk = Walk { block, stretch, direction, at, lost, ends_at_balance, grew: true, rows, landmarks };
+        let mut walk =
+            Walk { block, stretch, direction, at, lost, ends_at_balance, grew: true, slides: false, rows, landmarks };
         walk.record(LandmarkKind::AtRest);
         walk.rows.push(at);
         if block.foundation == Foundation::Rigid {
@@ -127,7 +130,7 @@ impl<'a> Walk<'a> {
             self.at = self.solve(self.at.theta)?;
         }
         let mut events_here = 0;
-        loop {
+        while !self.slides {
             let (from, left) = (self.at.theta, (target - self.at.theta) * direction);
             let Some((watched, next)) = self.first_fall(step.min(left))? else {
                 if left <= step {
@@ -148,6 +151,7 @@ impl<'a> Walk<'a> {
                 return Ok(false);
             }
         }
+        Ok(false)
     }
 
     fn solve(&self, theta: f64) -> Result<Equilibrium, PushoverError> {
@@ -271,7 +275,10 @@ impl<'a> Walk<'a> {
                     self.stand(Regime::FullContact);
                     self.record(LandmarkKind::Landing(corner));
                 }
-                Foundation::Rigid => return self.pivot().map(|()| true),
+                Foundation::Rigid => {
+                    self.pivot()?;
+                    return Ok(!self.slides);
+                }
             },
             Watched::Restraint(function) => {
                 let kinematics = self.at.kinematics;
@@ -302,11 +309,32 @@ impl<'a> Walk<'a> {
         self.stretch.place = self.at.u - self.stretch.lean(&self.block, self.at.kinematics.sin_cos);
     }
 
-    /// Turns about the other corner of a rigid base, at θ = 0.
+    /// Turns about the other corner of a rigid base, at θ = 0, unless the foot slides before the lateral force lifts a corner.
     fn pivot(&mut self) -> Result<(), PushoverError> {
         let pivot = if self.direction > 0.0 { Corner::Right } else { Corner::Left };
+        let upright = self.at;
         self.stand(Regime::on(pivot));
         self.resume()?;
+        if self.block.friction > 0.0 && self.value(Watched::Grip, &self.at) < -ROUNDING * self.size(Watched::Grip) {
+            // While the force grows, H is linear in it, and the sum of both reactions stays.
+            let lifts = self.at;
+            let limit = self.block.friction * (lifts.reaction[0] + lifts.reaction[1]) * lifts.horizontal.signum();
+            let part = ((limit - upright.horizontal) / (lifts.horizontal - upright.horizontal)).clamp(0.0, 1.0);
+            let at = |from: f64, to: f64| from + part * (to - from);
+            self.at = Equilibrium {
+                regime: Regime::FullContact,
+                reaction: [0, 1].map(|i| at(upright.reaction[i], lifts.reaction[i])),
+                horizontal: at(upright.horizontal, lifts.horizontal),
+                force: at(upright.force, lifts.force),
+                moment: at(upright.moment, lifts.moment),
+                ..upright
+            };
+            self.rows.pop();
+            self.rows.push(self.at);
+            self.slides = true;
+            self.record(LandmarkKind::Slides);
+            return Ok(());
+        }
         self.record(LandmarkKind::LiftOff(pivot.other()));
         Ok(())
     }

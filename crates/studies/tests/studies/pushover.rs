@@ -265,16 +265,32 @@ fn slow_runs_follow_the_curve() {
 }
 
 #[test]
-fn friction_and_strength_end_or_break_the_curve() {
+fn friction_ends_the_curve() {
+    for supports in [SUPPORTS, Supports::HOUSNER] {
+        for over in Corner::BOTH {
+            let slippery = Block::from_dimensionless(
+                &Dimensionless { alpha: 0.25, p: 1.0, supports },
+                &Common { friction: 0.2, ..Common::default() },
+            )
+            .unwrap();
+            let curve = Pushover::of(&slippery, &push(over, None, None)).unwrap();
+            assert_eq!(words(&curve), ["at rest", "slides"]);
+            let (last, weight) = (curve.rows.last().unwrap(), slippery.mass * slippery.gravity);
+            close(last.force, -0.2 * weight * over.sign(), weight, "sliding");
+            close(last.horizontal, -last.force, weight, "H");
+            close(last.reaction[0] + last.reaction[1], weight, weight, "N");
+            close(last.moment, last.force * slippery.h * libm::cos(last.theta), weight * slippery.h, "moment");
+        }
+    }
+}
+
+#[test]
+fn friction_and_strength_end_or_break_cycles() {
     let slippery = Block::from_dimensionless(
         &Dimensionless { alpha: 0.25, p: 1.0, supports: SUPPORTS },
         &Common { friction: 0.2, ..Common::default() },
     )
     .unwrap();
-    let curve = Pushover::of(&slippery, &push(Corner::Right, None, None)).unwrap();
-    assert_eq!(words(&curve), ["at rest", "slides"]);
-    let last = curve.rows.last().unwrap();
-    close(last.force, 0.2 * slippery.mass * slippery.gravity, last.force, "sliding");
     let error = Pushover::of(&slippery, &push(Corner::Right, None, Some(0.1))).unwrap_err();
     assert!(error.to_string().starts_with("cycles of 0.1 rad end at theta = "), "{error}");
     assert!(error.to_string().ends_with(", where the block slides; expected a smaller amplitude"), "{error}");
