@@ -44,9 +44,16 @@ pub struct HazardOptions {
 /// Another format, several curves without a choice, or the errors of [`HazardCurve::new`].
 pub fn read_hazard(file: &str, text: &str, options: &HazardOptions) -> Result<HazardCurve, Mismatch> {
     let text = text.trim_start_matches('\u{feff}');
-    let raw = match text.trim_start().starts_with(['{', '[']) {
-        true => json(text, options)?,
-        false => csv(file, text, options)?,
+    let raw = match text.trim_start().chars().next() {
+        Some('{' | '[') => json(text, options)?,
+        Some('<') => {
+            let content = if text.contains("uniformHazardSpectra") { "uniform hazard spectra" } else { "hazard" };
+            return Err(Mismatch::new(
+                format!("XML, as NRML with {content} of OpenQuake"),
+                "its export of hazard curves as CSV",
+            ));
+        }
+        _ => csv(file, text, options)?,
     };
     raw.curve(options)
 }
@@ -152,7 +159,8 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Mism
     let comment: String = text.lines().take_while(|line| line.starts_with('#')).collect();
     let value_in_comment = |key: &str| {
         let rest = comment.split_once(&format!("{key}="))?.1;
-        Some(rest.split([',', '"']).next()?.trim_matches(['\'', ' ']).to_string())
+        // The comment may stand in quotes itself, and its values in single or double ones.
+        Some(rest.trim_start_matches(['"', '\'', ' ']).split([',', '"', '\'']).next()?.trim().to_string())
     };
     let years_of_file =
         value_in_comment("investigation_time").map(|text| number(&text, "investigation_time")).transpose()?;
@@ -160,6 +168,9 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Mism
     if let Some(columns) = positions(&header, ["imt", "iml", "poe"]) {
         let site = ["lon", "lat"].map(value_in_comment);
         return rows_of_measures(columns, &rows, site, years(options, years_of_file)?, options);
+    }
+    if let Some(name) = header.iter().find(|name| name.contains('~')) {
+        return Err(Mismatch::new(format!("uniform hazard spectra, by the column `{name}`"), "hazard curves"));
     }
     // A file of all measures has a column for each level of each.
     let mut measures: Vec<String> = header.iter().filter_map(|name| Some(measure_and_level(name)?.0)).collect();

@@ -85,6 +85,19 @@ fn an_investigation_time_is_above_zero() {
 }
 
 #[test]
+fn other_exports_of_openquake_are_named() {
+    let of = |text: &str| read_hazard("h", text, &options()).unwrap_err().to_string();
+    let nrml =
+        "<?xml version=\"1.0\"?>\n<nrml xmlns=\"http://openquake.org/xmlns/nrml/0.4\"><uniformHazardSpectra/></nrml>";
+    assert_eq!(
+        of(nrml),
+        "found XML, as NRML with uniform hazard spectra of OpenQuake; expected its export of hazard curves as CSV"
+    );
+    let spectra = "# investigation_time=50.0\nlon,lat,0.1~PGA,0.1~SA(0.2)\n0,0,0.3,0.7\n";
+    assert_eq!(of(spectra), "found uniform hazard spectra, by the column `0.1~PGA`; expected hazard curves");
+}
+
+#[test]
 fn levels_of_probability_1_are_left_out_where_they_are() {
     let text = "PGA [g],POE\n0.4,0.1\n0.3,0.2\n0.2,1\n";
     let refused = read_hazard("h.csv", text, &HazardOptions { years: Some(1.0), ..options() }).unwrap_err();
@@ -96,7 +109,13 @@ fn levels_of_probability_1_are_left_out_where_they_are() {
 fn openquake_exports_have_probabilities_in_an_investigation_time() {
     let comment =
         "#,,,,,\"generated_by='OpenQuake engine 3.20.0', kind='mean', investigation_time=50.0, imt='SA(1.0)'\"";
-    for comment in [comment, "# kind='mean', investigation_time=50.0, imt='SA(1.0)'"] {
+    let doubled = "#,,,,,\"generated_by='OpenQuake engine 3.20.0', investigation_time=50.0, imt=\"\"SA(1.0)\"\"\"";
+    for comment in [
+        comment,
+        doubled,
+        "# kind='mean', investigation_time=50.0, imt='SA(1.0)'",
+        "# kind=\"mean\", investigation_time=50.0, imt=\"SA(1.0)\"",
+    ] {
         let rows = "0.00000,0.00000,0.0,1.000000E+00,5.000000E-01,1.000000E-01,0.000000E+00\n\
                     1.00000,2.50000,0.0,9.000000E-01,2.000000E-01,1.000000E-01,5.000000E-02\n";
         let text = format!("{comment}\nlon,lat,depth,poe-0.0050000,poe-0.1000000,poe-0.4000000,poe-0.6000000\n{rows}");
