@@ -69,9 +69,10 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
         listed(&changes.collect::<Vec<_>>())
     };
     match (is_determined, &terms[..]) {
-        (true, _) if logarithmic => format!("the data determine {product} to {:.2} %", 100.0 * deviation),
+        // Along the direction the logarithm of the product changes by 1 over the largest weight.
+        (true, _) if logarithmic => format!("the data determine {product} to {:.2} %", 100.0 * deviation / largest),
         (true, [(name, _, unknown)]) => {
-            format!("the data determine {name} to {}", change(unknown, deviation).trim_start_matches('+'))
+            format!("the data determine {name} to {}", change(unknown, deviation / largest).trim_start_matches('+'))
         }
         (true, _) => {
             format!("one standard deviation of the data is a joint change of {}", changes(deviation * largest))
@@ -144,7 +145,7 @@ mod tests {
         let triangle = Triangle { r, projected: DVector::zeros(2) };
         let found = combinations(&triangle, &[logarithmic("eta"), logarithmic("xi_v")], 1.0);
         assert!((found[0].standard_deviation - 1.0 / (100.0 * 2.0_f64.sqrt())).abs() < 1e-9);
-        assert_eq!(found[0].meaning, "the data determine eta·xi_v to 0.71 %");
+        assert_eq!(found[0].meaning, "the data determine eta·xi_v to 1.00 %");
         assert!(found[0].is_determined && !found[1].is_determined);
         let expected = ["eta·xi_v", "xi_v·eta"]
             .map(|product| format!("the data determine {product} at best, but neither eta nor xi_v alone"));

@@ -9,6 +9,7 @@ use crate::fit::least_squares::{Linearization, Minimum, minimize};
 use crate::fit::model::{TimeSeries, course};
 use crate::fit::problem::{FitError, Problem, Test};
 use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
+use crate::statistics::{normal, student};
 
 /// A problem with its unknowns.
 pub struct Evaluator<'a> {
@@ -160,7 +161,21 @@ impl Evaluator<'_> {
     pub fn variance(&self, cost: f64, counts: &[usize]) -> f64 {
         match self.problem.tests[0].noise {
             Some(_) => 1.0,
-            None => cost / (counts.iter().sum::<usize>().saturating_sub(self.unknowns.len())).max(1) as f64,
+            None => cost / self.freedom(counts),
+        }
+    }
+
+    /// Degrees of freedom of the residuals, at least 1.
+    fn freedom(&self, counts: &[usize]) -> f64 {
+        (counts.iter().sum::<usize>().saturating_sub(self.unknowns.len())).max(1) as f64
+    }
+
+    /// Returns the deviate of the level of intervals. It is a normal one if the noise is given, else Student's of the degrees of freedom.
+    pub fn deviate(&self, counts: &[usize]) -> f64 {
+        let level = self.problem.options.level;
+        match self.problem.tests[0].noise {
+            Some(_) => normal::quantile(0.5 + 0.5 * level),
+            None => student::quantile(1.0 - level, self.freedom(counts)),
         }
     }
 

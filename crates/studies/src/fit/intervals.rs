@@ -23,7 +23,7 @@ pub struct Lower(pub DVector<f64>);
 /// The profile of the sum of squares: one coordinate fixed, the others minimized.
 ///
 /// An interval holds the values whose sum of squares exceeds the least by at most `deviate²` variances of a residual: for given noise
-/// the likelihood ratio, with χ² of one degree of freedom (D. M. Bates, D. G. Watts, Nonlinear regression analysis and its
+/// the likelihood ratio, with χ² of one degree of freedom, and otherwise F with that of the residuals, whose root is Student's t (D. M. Bates, D. G. Watts, Nonlinear regression analysis and its
 /// applications, Wiley 1988, section 6.1).
 pub struct Profile<'a> {
     /// The problem.
@@ -36,7 +36,7 @@ pub struct Profile<'a> {
     pub covariance: &'a DMatrix<f64>,
     /// Variance of a residual.
     pub variance: f64,
-    /// Normal deviate of the level.
+    /// Deviate of the level, normal or of Student's t.
     pub deviate: f64,
     /// Maximum number of evaluations for an end.
     pub evaluations: usize,

@@ -39,7 +39,6 @@ use crate::fit::evaluation::Evaluator;
 use crate::fit::intervals::{EVALUATIONS, IntervalEnd, Lower, Profile};
 use crate::fit::least_squares::Minimum;
 use crate::fit::unknowns::{set, unknowns};
-use crate::statistics::normal;
 
 pub use problem::{FitError, Free, Options, Problem, Test};
 
@@ -158,7 +157,7 @@ fn with_intervals(
 ) -> (Minimum, Vec<Minimum>, Option<Ends>) {
     let counts = evaluator.problem.counts();
     let shared = evaluator.problem.free.len();
-    let deviate = normal::quantile(0.5 + 0.5 * evaluator.problem.options.level);
+    let deviate = evaluator.deviate(&counts);
     let mut best = minima.remove(0);
     let mut lower = 0;
     loop {
@@ -212,8 +211,7 @@ fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: Optio
     let values = evaluator.values(&best.point);
     let variance = evaluator.variance(best.at.cost(), &counts);
     let covariance = best.at.triangle().covariance() * variance;
-    let level = problem.options.level;
-    let deviate = normal::quantile(0.5 + 0.5 * level);
+    let (level, deviate) = (problem.options.level, evaluator.deviate(&counts));
     let estimate = |i: usize| {
         let unknown = &unknowns[i];
         let at = |end: &IntervalEnd| match end {

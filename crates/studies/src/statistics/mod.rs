@@ -1,12 +1,14 @@
-//! The normal distribution, random samples, ranges, and quantiles.
+//! The normal distribution and Student's, random samples, ranges, and quantiles.
 //!
 //! | module | in → out |
 //! | --- | --- |
 //! | [`normal`] | deviate ↔ probability |
 //! | [`sampling`] | a seed and a number of samples → a Latin hypercube |
+//! | [`student`] | exceedance of Student's t → deviate |
 
 pub mod normal;
 pub mod sampling;
+pub mod student;
 
 /// Returns the least and the greatest value, or `None` without values.
 pub fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
