@@ -1,6 +1,6 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
-//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
+//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls an `Instance`.
 //! The crates `crates/fmu2` and `crates/fmu2-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
 //! unit.
 //!

@@ -29,7 +29,7 @@ impl<U: Fmu> Instance<U> {
     /// `fmi2DoStep`. Allocates no memory unless it fails.
     ///
     /// # Errors
-    /// Those of [`Fmu::advance`](crate::unit::fmu::Fmu::advance).
+    /// Those of [`Fmu::advance`].
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
         let log = &self.log;
@@ -94,7 +94,7 @@ impl<U: Fmu> Instance<U> {
     /// `fmi2SetRealInputDerivatives`, order 1 only.
     ///
     /// # Errors
-    /// Those of [`Fmu::set_input_derivatives`](crate::unit::fmu::Fmu::set_input_derivatives).
+    /// Those of [`Fmu::set_input_derivatives`].
     #[inline]
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         self.unit.set_input_derivatives(references, orders, values)?;

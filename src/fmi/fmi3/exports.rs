@@ -1,6 +1,6 @@
 //! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
 //!
-//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
+//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls an `Instance`.
 //! The crates `crates/fmu3` and `crates/fmu3-in-space` compile this file as libraries of FMUs and export the names; `super` says over which
 //! unit.
 //!
