@@ -150,6 +150,12 @@ impl SpaceExcitation {
         SpaceForcing { acceleration, moment: all(&self.moment) }
     }
 
+    /// Whether the excitation is constant.
+    pub fn is_constant(&self) -> bool {
+        let no_waves = self.waves.iter().all(|(wave, _)| wave.is_none());
+        no_waves && self.acceleration.iter().chain(&self.moment).all(|ramp| ramp.rate == 0.0)
+    }
+
     /// Returns the greatest circular frequency of the acting pulses (rad/s).
     pub fn frequency(&self) -> f64 {
         self.frequency

@@ -9,13 +9,16 @@ use crate::simulation::{Ending, MAX_STEPS, SimulationError};
 use crate::space::equations::SpaceEquations;
 use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
-use crate::space::limits::fastest_number;
+use crate::space::limits::{SpaceLimits, fastest_number};
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
 use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
 use crate::space::run::SpaceRun;
 
 /// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
 const SMALL_TURN: f64 = 0.1;
+
+/// Change of the state in a step, over the size of its terms, that is round-off.
+const ROUND_OFF: f64 = 1e-13;
 
 /// Maximum number of times that a foot may change within an instant.
 const CHANGES_IN_AN_INSTANT: usize = 8;
@@ -168,10 +171,22 @@ impl SpaceRun {
     ) -> Result<(), SimulationError> {
         let excitation = self.excitation(inputs);
         self.begin(&excitation);
+        let is_steady = excitation.is_constant();
         while self.state.time < stop && self.state.ending.is_none() && self.state.last_event <= after {
+            if is_steady && self.rests() {
+                self.state.move_clock(stop);
+                break;
+            }
             self.step(stop, &excitation, budget, observer)?;
         }
         Ok(())
+    }
+
+    /// Whether the block is at rest: no rate changes the state by more than round-off in a step.
+    fn rests(&self) -> bool {
+        let SpaceLimits { weights, longest } = &self.memory.limits;
+        let scale = longest * self.setup.settings.tolerance;
+        weights.iter().zip(&self.memory.rates).all(|(weight, rate)| (weight * rate * scale).abs() <= ROUND_OFF)
     }
 
     /// Evaluates the present state, under new contacts or a new excitation.

@@ -1,5 +1,6 @@
 //! Blocks come to rest in finite work; the lengths of calls have no effect on events.
 
+use rocking_block::excitation::Ramp;
 use rocking_block::space::{
     Base, BaseSize, SpaceBody, SpaceEvent, SpaceInitial, SpaceInputs, SpaceParameters, SpaceSupports,
 };
@@ -31,6 +32,33 @@ fn a_released_block_comes_to_rest() {
         }
         assert!(run.energies().residual.abs() < 1e-7 * run.body().energy_scale(), "{:?}", run.energies());
     }
+}
+
+/// A block at rest waits for any time in few steps, and then moves as one that has not waited.
+#[test]
+fn a_block_at_rest_waits_in_few_steps() {
+    let (parameters, pulses) = two_axis(0.3);
+    let body = SpaceBody::new(&parameters).unwrap();
+    let initial = SpaceInitial { tilt: [0.05, 0.03], vertical: None, ..crate::AT_REST };
+    let mut waits = run(body.clone(), 1e-8, STILL, &initial);
+    advance(&mut waits, 200.0, &SpaceInputs::default());
+    let (steps, tilt) = (waits.state().counts.steps, waits.observe(&SpaceInputs::default()).attitude.tilt);
+    let events = advance(&mut waits, 1e6, &SpaceInputs::default());
+    assert!(events.is_empty() && waits.time() == 1e6 && waits.state().counts.steps < steps + 2, "{events:?}");
+    assert!((waits.observe(&SpaceInputs::default()).attitude.tilt - tilt).abs() < 1e-12);
+    // A push still moves it, and a constant one leaves it at another rest.
+    let push = SpaceInputs {
+        ground: [Ramp { value: 0.5, rate: 0.0 }, Ramp::default(), Ramp::default()],
+        ..SpaceInputs::default()
+    };
+    advance(&mut waits, 1e6 + 200.0, &push);
+    let leans = waits.observe(&push).attitude.tilt_x;
+    let steps = waits.state().counts.steps;
+    advance(&mut waits, 2e6, &push);
+    assert!(leans.abs() > 1e-5 && (waits.observe(&push).attitude.tilt_x - leans).abs() < 1e-12, "{leans}");
+    assert!(waits.state().counts.steps < steps + 2);
+    let mut pulsed = run(body, 1e-8, pulses, &crate::AT_REST);
+    assert!(!advance(&mut pulsed, 3.0, &SpaceInputs::default()).is_empty());
 }
 
 /// A block thrown straight up has no horizontal force when its feet lift: N and |F| vanish together, and each foot is decided once.

@@ -32,8 +32,9 @@ fn runs_a_reference_case() {
     assert_eq!((Common::get_version(&block), block.get_types_platform()), ("2.0", "default"));
     block.setup_experiment(Some(1e-10), 0.0, Some(10.0)).unwrap();
     block.set_integer(&[of("pulse.shape")], &[2]).unwrap();
-    let pulse = [of("pulse.amplitude"), of("pulse.period"), of("mass")];
-    block.set_real(&pulse, &[6.2622, std::f64::consts::TAU / 5.0, 1e5]).unwrap();
+    let paper = [of("dimensionless.alpha"), of("dimensionless.p"), of("mass")];
+    block.set_real(&paper, &[0.25, 1.0, 1e5]).unwrap();
+    block.set_real(&[of("pulse.amplitude"), of("pulse.period")], &[6.2622, std::f64::consts::TAU / 5.0]).unwrap();
     Common::enter_initialization_mode(&mut block).unwrap();
     Common::exit_initialization_mode(&mut block).unwrap();
     let mut trajectory = csv::Reader::from_path("../reference/sine_eta40.csv").unwrap();
