@@ -60,7 +60,8 @@ def by_shape(case):
     start = {"base": {"Rectangle": 1, "Circle": 2}[parameters["base"]], "mass": case["numbers"]["M"],
              "friction": parameters["friction"], "kappa": parameters["kappa"]}
     start |= {f"dimensionless.{name}": parameters[name] for name in ("alpha", "p", "eta", "xi_v")}
-    start |= {"dimensionless.depth_ratio": parameters["depth_ratio"]} if "depth_ratio" in parameters else {}
+    if parameters["base"] == "Rectangle":
+        start["dimensionless.depth_ratio"] = parameters.get("depth_ratio", 1.0)
     start |= {"feet": parameters["feet"]} if "feet" in parameters else {}
     return start | beginning(case)
 
