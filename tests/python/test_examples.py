@@ -217,7 +217,7 @@ def test_fmi_sim_takes_a_record(fmu, loma_prieta, tmp_path):
     assert np.abs(theta - expected).max() < 1e-10
 
 
-SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
+SEPARATING = {"dimensionless.alpha": 0.25, "dimensionless.p": 1.0, "initial.theta": 0.2, "initial.theta_dot": 1.0}
 
 
 @pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
@@ -333,7 +333,7 @@ def test_a_spectrum_takes_records_of_other_formats(fmu, tmp_path):
     motion = spectrum.Motion(file.name, file.read_bytes(), times[0], unit="cm/s2")
     peaks, ends = spectrum.spectrum(Path(fmu).read_bytes(), motion, 20.0, True, [0.25], ps)
     expected = rocking_spectrum(tmp_path / "s.csv", "--record", file, "--unit=cm/s2", "--foundation=40,0.1,0.4",
-                                "--p-min=1", "--p-max=3", "--points=3", "--duration=20")
+                                "--alpha=0.25", "--p-min=1", "--p-max=3", "--points=3", "--duration=20")
     assert [float(block["peak.theta/alpha"]) for block in expected] == list(peaks[0] / 0.25)
     assert peaks[0, 0] > 0.01
     with pytest.raises(ValueError, match="no unit in the file and none given; expected --unit g, m/s2 or cm/s2"):

@@ -23,7 +23,8 @@ pytestmark = pytest.mark.check
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {case["name"]: case for case in json.loads((ROOT / "tests/reference/cases.json").read_text())}
-ROCKING = {"pulse.shape": 2, "pulse.amplitude": 6.2622, "pulse.period": 1.2566370614359172, "on_separation": 3, "epsilon": 0.3}
+ROCKING = {"dimensionless.alpha": 0.25, "dimensionless.p": 1.0, "pulse.shape": 2, "pulse.amplitude": 6.2622,
+           "pulse.period": 1.2566370614359172, "on_separation": 3, "epsilon": 0.3}
 RELEASED = {"foundation": 2, "initial.theta": 0.1}
 STATES = 11
 INDICATORS = 22

@@ -5,7 +5,6 @@
 //! `k (s − s_p) − h s_p = σ F_y` with the kinematic hardening `h = k r/(1 − r)`, so that s_p follows from s and the force of the spring is
 //! `r k s + (1 − r) σ F_y`.
 
-use super::switching::size_of_stretch;
 use super::{Link, LinkKind, MAX_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection, links};
 use crate::block::restraints::ObservedRestraint;
 use crate::block::{Body, Kinematics};
@@ -45,6 +44,13 @@ pub fn stretch<P: Scalar, T: CombinesWith<P>>(body: &Body<P>, tie: &Tie<P>, kine
         rate: along[0] * d_dot[0] + along[1] * d_dot[1],
         along: [along[0], along[1], z * along[0] - x * along[1]],
     }
+}
+
+/// Size of the terms of a stretch (m). That by the pretension of a soft tie may be far above its length.
+pub(super) fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
+    let [stiffness, pretension] = [tie.stiffness, tie.pretension].map(|number| number.value());
+    let by_pretension = if stiffness > 0.0 { pretension / stiffness } else { 0.0 };
+    tie.length().value().max(body.r0.value()).max(by_pretension)
 }
 
 /// Returns the plastic elongation s_p (m) of a tie stretched by `length` (m).

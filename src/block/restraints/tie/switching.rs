@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pull::{self, elastic, plastic, stretch, taut_tension, yielding_at_rest};
+use super::pull::{self, elastic, plastic, size_of_stretch, stretch, taut_tension, yielding_at_rest};
 use super::{Link, LinkKind, MAX_TIES, NO_TIES, Plastic, Tie, TieState, TieStates, Ties, YieldDirection};
 use crate::block::{Body, Kinematics};
 use crate::numerics::dual::Dual;
@@ -237,13 +237,6 @@ impl TieFunction {
             }
         }
     }
-}
-
-/// Size of the terms of a stretch (m). That by the pretension of a soft tie may be far above its length.
-pub(super) fn size_of_stretch<T: Elementary>(body: &Body<T>, tie: &Tie<T>) -> f64 {
-    let [stiffness, pretension] = [tie.stiffness, tie.pretension].map(|number| number.value());
-    let by_pretension = if stiffness > 0.0 { pretension / stiffness } else { 0.0 };
-    tie.length().value().max(body.r0.value()).max(by_pretension)
 }
 
 /// Size of the terms of a tension (N).
