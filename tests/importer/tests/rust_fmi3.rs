@@ -35,7 +35,8 @@ fn reference(name: &str) -> u32 {
 fn runs_a_reference_case() {
     let (_folder, fmu) = library();
     let token = CString::new(TOKEN).unwrap();
-    let (shape, pulse) = (reference("pulse.shape"), ["pulse.amplitude", "pulse.period", "mass"].map(reference));
+    let shape = reference("pulse.shape");
+    let reals = ["pulse.amplitude", "pulse.period", "mass", "dimensionless.alpha", "dimensionless.p"].map(reference);
     let counters = ["events.impacts", "events.liftoffs"].map(reference);
     let mut trajectory = csv::Reader::from_path("../reference/sine_eta40.csv").unwrap();
     // SAFETY: the instance lives until it is freed at the end; texts end with 0, and arrays are as long as their counts.
@@ -56,8 +57,8 @@ fn runs_a_reference_case() {
         );
         assert!(!block.is_null());
         assert_eq!(fmu.fmi3SetInt64(block, &shape, 1, &2, 1), OK);
-        let values = [6.2622, std::f64::consts::TAU / 5.0, 1e5];
-        assert_eq!(fmu.fmi3SetFloat64(block, pulse.as_ptr(), 3, values.as_ptr(), 3), OK);
+        let values = [6.2622, std::f64::consts::TAU / 5.0, 1e5, 0.25, 1.0];
+        assert_eq!(fmu.fmi3SetFloat64(block, reals.as_ptr(), reals.len(), values.as_ptr(), values.len()), OK);
         assert_eq!(fmu.fmi3EnterInitializationMode(block, true, 1e-10, 0.0, true, 10.0), OK);
         assert_eq!(fmu.fmi3ExitInitializationMode(block), OK);
         let handle_events = || {
