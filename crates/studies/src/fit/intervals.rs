@@ -22,9 +22,9 @@ pub struct Lower(pub DVector<f64>);
 
 /// The profile of the sum of squares: one coordinate fixed, the others minimized.
 ///
-/// An interval holds the values whose sum of squares exceeds the least by at most `deviate²` variances of a residual: for given noise
-/// the likelihood ratio, with χ² of one degree of freedom, and otherwise F with that of the residuals, whose root is Student's t (D. M. Bates, D. G. Watts, Nonlinear regression analysis and its
-/// applications, Wiley 1988, section 6.1).
+/// An interval holds the values whose sum of squares exceeds the least by at most `deviate²` variances of a residual. For given noise that
+/// is the likelihood ratio, with χ² of one degree of freedom, and otherwise F, whose root is Student's t (D. M. Bates, D. G. Watts,
+/// Nonlinear regression analysis and its applications, Wiley 1988, section 6.1).
 pub struct Profile<'a> {
     /// The problem.
     pub evaluator: &'a Evaluator<'a>,

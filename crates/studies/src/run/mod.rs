@@ -135,8 +135,8 @@ fn with_derivatives(parameters: usize) -> String {
     }
 }
 
-/// Checks that the rows of a history of this duration and step (s), with the derivatives with respect to some parameters, fit into memory. A
-/// row needs so many bytes.
+/// Checks that the rows of a history of this duration and step (s), with the derivatives with respect to some parameters, fit into memory.
+/// `of_row` is the size of a row (bytes).
 ///
 /// # Errors
 /// Rows beyond [`MAX_ROWS`], or beyond the memory that the system provides now.

@@ -47,7 +47,7 @@ pub fn stands(run: &SpaceRun) -> bool {
     is_at_rest(run) || fraction_of_barrier(run).is_some()
 }
 
-/// Whether a block is at rest: on all feet without gaps, none of which slides, with neither velocity nor acceleration.
+/// Whether a block is at rest: it stands on all feet without gaps, none of them slides, and it has no velocity or acceleration.
 pub fn is_at_rest(run: &SpaceRun) -> bool {
     let body = run.body();
     let seen = run.observe(&still(run));

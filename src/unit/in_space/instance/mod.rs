@@ -1,0 +1,267 @@
+//! Calls of an importer, of any version of FMI → a block in space in motion.
+
+mod fmu;
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::simulation::Progress;
+use crate::space::energies::SpaceEnergies;
+use crate::space::outputs::{FootObservation, SpaceObservation};
+use crate::space::{SpaceBody, SpaceEvent, SpaceGround, SpaceInputs, SpaceRun, SpaceState};
+use crate::unit::attributes::{Kind, find};
+use crate::unit::fault::Fault;
+use crate::unit::fmu::Fmu;
+use crate::unit::in_space::outputs::{SpaceDerived, SpaceSource};
+use crate::unit::in_space::values::SpaceValues;
+use crate::unit::in_space::variables::{FMI3_VARIABLES, Fmi3Variable, Input, Metadata, Role, VARIABLES};
+use crate::unit::life_cycle::{LifeCycle, Phase};
+
+/// An instance as a safe state machine, without pointers and messages. A copy of it is a saved state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(into = "SavedUnit", try_from = "SavedUnit")]
+pub struct SpaceUnit {
+    life: LifeCycle,
+    values: SpaceValues,
+    /// The importer's inputs, linear in time.
+    inputs: SpaceInputs,
+    /// Whether rates were set since the last step. Otherwise the next step holds the inputs constant.
+    rates_are_new: bool,
+    /// The inputs at the end of the present substep, if known in advance.
+    at_end: Option<SpaceInputs>,
+    /// The FMU's own records, once they are read. Saved states share them; serialized states contain them.
+    ground: Option<Arc<SpaceGround>>,
+    /// The block in motion; before initialization ends, a preview from the present values.
+    run: Option<SpaceRun>,
+    observed: Cache,
+}
+
+/// The content of a serialized state: the setup of a run follows from the values.
+#[derive(Serialize, Deserialize)]
+struct SavedUnit {
+    life: LifeCycle,
+    values: SpaceValues,
+    inputs: SpaceInputs,
+    rates_are_new: bool,
+    at_end: Option<SpaceInputs>,
+    ground: Option<Arc<SpaceGround>>,
+    state: Option<SpaceState>,
+}
+
+impl From<SpaceUnit> for SavedUnit {
+    fn from(unit: SpaceUnit) -> SavedUnit {
+        let SpaceUnit { life, values, inputs, rates_are_new, at_end, ground, run, observed: _ } = unit;
+        let state = run.map(|run| run.state().clone());
+        SavedUnit { life, values, inputs, rates_are_new, at_end, ground, state }
+    }
+}
+
+impl TryFrom<SavedUnit> for SpaceUnit {
+    type Error = String;
+
+    fn try_from(saved: SavedUnit) -> Result<SpaceUnit, String> {
+        let SavedUnit { life, values, inputs, rates_are_new, at_end, ground, state } = saved;
+        if !values.are_valid() {
+            return Err("the values are not within their limits".into());
+        }
+        let setup = |_| values.setup(life.experiment.tolerance);
+        let run = state.map(|state| SpaceRun::resume(setup(())?, state)).transpose()?;
+        Ok(SpaceUnit { life, values, inputs, rates_are_new, at_end, ground, run, observed: Cache::default() })
+    }
+}
+
+/// Observation and energies of the present time, computed when an output needs them.
+#[derive(Clone, Debug, Default)]
+struct Cache {
+    observation: OnceCell<SpaceObservation>,
+    energies: OnceCell<SpaceEnergies>,
+    /// Whether inputs changed or a step was taken since. These leave the memory to the next reader.
+    is_stale: bool,
+}
+
+impl Cache {
+    /// Drops what is stale.
+    fn refresh(&mut self) {
+        if self.is_stale {
+            *self = Cache::default();
+        }
+    }
+}
+
+fn no_block() -> Fault {
+    Fault::new("found no block; expected the call after initialization")
+}
+
+/// Returns the variable with this value reference if only FMI 3.0 has it.
+fn fmi3_variable(reference: u32) -> Option<Fmi3Variable> {
+    let index = (reference as usize).checked_sub(VARIABLES.len() + 1)?;
+    FMI3_VARIABLES.get(index).map(|metadata| metadata.variable)
+}
+
+/// Returns the input with this value reference.
+fn input(reference: u32, wanted: &str) -> Result<Input, Fault> {
+    let Metadata { name, causality, role, .. } = find(&VARIABLES, reference, Kind::Real)?;
+    match role {
+        Role::Input(input) => Ok(*input),
+        Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => {
+            Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
+        }
+    }
+}
+
+/// Refuses what the description does not declare.
+fn not_declared(what: &str) -> Fault {
+    Fault::new(format!("{what} are not offered by this FMU; expected a call that its description declares"))
+}
+
+impl SpaceUnit {
+    /// Drops the preview after a change of values.
+    fn forget(&mut self) {
+        self.run = None;
+        self.observed = Cache::default();
+    }
+
+    /// Applies changed values: before initialization ends to the whole block, later to the observation.
+    fn take_up_values(&mut self) {
+        if self.life.phase.is_initialized() {
+            self.observed.is_stale = true;
+        } else {
+            self.forget();
+        }
+    }
+
+    /// Makes the present time the reference of the inputs, before they change.
+    fn begin_inputs(&mut self) {
+        self.inputs = self.inputs.moved_to(self.time());
+        if self.at_end.take().is_some() {
+            self.inputs = self.inputs.held();
+        }
+    }
+
+    fn ground(&mut self) -> Result<Arc<SpaceGround>, Fault> {
+        let ground = match self.ground.take() {
+            Some(ground) => ground,
+            None => Arc::new(self.values.ground().map_err(Fault)?),
+        };
+        Ok(self.ground.insert(ground).clone())
+    }
+
+    /// Makes the block in motion, unless it is there.
+    fn preview(&mut self) -> Result<&SpaceRun, Fault> {
+        if self.run.is_none() {
+            self.ground()?;
+            let setup = self.values.setup(self.life.experiment.tolerance).map_err(Fault)?;
+            let run = SpaceRun::new(setup, &self.values.initial(), self.life.experiment.start);
+            return Ok(self.run.insert(run));
+        }
+        self.run.as_ref().ok_or_else(no_block)
+    }
+
+    /// Returns the inputs and the FMU's own records at the present time.
+    fn acting(&self) -> SpaceInputs {
+        let inputs = self.inputs.moved_to(self.time());
+        with_ground(&inputs, self.ground.as_deref(), self.time()).0
+    }
+
+    /// Returns the observation of the present time. A block that is held shows no motion and no forces.
+    fn observation(&mut self) -> Result<&SpaceObservation, Fault> {
+        self.preview()?;
+        self.observed.refresh();
+        let acting = self.acting();
+        let run = self.run.as_ref().ok_or_else(no_block)?;
+        Ok(self.observed.observation.get_or_init(|| {
+            let observed = run.observe(&acting);
+            if !run.is_frozen() {
+                return observed;
+            }
+            let held =
+                |foot: &FootObservation| FootObservation { slip: foot.slip, uplift: foot.uplift, ..Default::default() };
+            SpaceObservation {
+                time: observed.time,
+                attitude: observed.attitude,
+                displacement: observed.displacement,
+                drift: observed.drift,
+                feet: observed.feet.iter().map(held).collect(),
+                ..SpaceObservation::default()
+            }
+        }))
+    }
+
+    fn output(&mut self, source: &SpaceSource) -> Result<f64, Fault> {
+        match source {
+            SpaceSource::Observed(of) => Ok(of(self.observation()?)),
+            SpaceSource::Foot(number, of) => {
+                let is_rectangle = self.values.is_rectangle();
+                Ok(self.observation()?.feet.get(*number).filter(|_| is_rectangle).map_or(0.0, of))
+            }
+            SpaceSource::Energy(of) => {
+                self.preview()?;
+                self.observed.refresh();
+                let run = self.run.as_ref().ok_or_else(no_block)?;
+                Ok(of(self.observed.energies.get_or_init(|| run.energies())))
+            }
+            SpaceSource::Run(of) => Ok(of(self.preview()?)),
+        }
+    }
+
+    fn calculated(&mut self, source: &SpaceDerived) -> Result<f64, Fault> {
+        match (source, &self.run) {
+            (SpaceDerived::Body(of), Some(run)) => Ok(of(run.body())),
+            (SpaceDerived::Body(of), None) => {
+                let body: SpaceBody = self.values.body().map_err(Fault)?;
+                Ok(of(&body))
+            }
+            (SpaceDerived::Peak(_) | SpaceDerived::End, _) => Ok(source.of_ground(&*self.ground()?)),
+        }
+    }
+
+    /// Advances to `until` (s), at most to the first event later than `after` (s). Returns `None` if that stops it.
+    fn advance_by_intervals(
+        &mut self,
+        until: f64,
+        after: f64,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<Option<Progress>, Fault> {
+        let SpaceUnit { life, inputs, ground, run, observed, .. } = self;
+        let run = run.as_mut().ok_or_else(no_block)?;
+        observed.is_stale = true;
+        loop {
+            let (acting, end) = with_ground(inputs, ground.as_deref(), run.time());
+            let end = end.min(until);
+            match run.advance_to_event(end, after, &acting, observer) {
+                Ok(Some(Progress::Reached)) if end < until => {}
+                Ok(progress) => {
+                    if let Some(Progress::Ended(..)) = progress {
+                        life.phase = Phase::StepFailed;
+                    }
+                    return Ok(progress);
+                }
+                Err(error) => {
+                    life.phase = Phase::Error;
+                    return Err(Fault::new(error.to_string()));
+                }
+            }
+        }
+    }
+
+    /// Begins a communication step and returns its end (s).
+    fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
+        let run = self.run.as_mut().ok_or_else(no_block)?;
+        let until = self.life.begin_step(run.time(), time, step)?;
+        run.set_time(time);
+        Ok(until)
+    }
+}
+
+/// Returns the inputs plus the records' lines from `time` (s) on, and their end (s).
+fn with_ground(inputs: &SpaceInputs, ground: Option<&SpaceGround>, time: f64) -> (SpaceInputs, f64) {
+    match ground.filter(|ground| ground.end().is_some()) {
+        None => (*inputs, f64::INFINITY),
+        Some(ground) => {
+            let (motion, end) = ground.inputs_from(time);
+            (motion.plus(inputs), end)
+        }
+    }
+}
