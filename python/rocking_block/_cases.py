@@ -22,16 +22,14 @@ are -1 for rows that have their own."""
 class Cases:
     """The decided rows of a table with their counts; `limit` is the word or the rotation of the limit after the first batch."""
 
-    def __init__(self, im: str, limit: str | float | None) -> None:
+    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None) -> None:
         self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
         self.all = self.failed = self.separated = self.undecided = self.partly = self.missing = 0
         self.least = self.most = 0.0
         self.store = _engine.CaseStore()
         self.batches: list[Rows] = []
         """The rows of each batch, if they are kept."""
-        self._motions: dict[tuple[str, ...], int] = {}
-        self.first: list[int] = []
-        """Place of the first row of each motion."""
+        self.motions = _engine.Motions(None if cluster is None else split_heading(cluster)[0])
         self._is_begun = False
 
     def take(self, table: Table, is_part: bool = False, keep: bool = False) -> None:
@@ -108,28 +106,24 @@ class Cases:
         self._is_begun = True
 
     def _numbered(self, table: Table, places: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-        """Returns the numbers of the ground motions, and takes note of their first rows."""
-        codes = np.zeros(table.rows, dtype=np.int64)
-        words: list[npt.NDArray[Any]] = []
-        for name in ("record", "vertical"):
-            if name in table:
-                known, code = np.unique(np.asarray(table[name]).astype(str), return_inverse=True)
-                codes = codes * len(known) + code
-                words.append(known)
+        """Returns the numbers that the engine gives the ground motions, and has it take note of their first rows."""
+        names = self.motions.columns(list(table))
+        codes, words = np.zeros(table.rows, dtype=np.int64), []
+        for name in names:
+            known, code = np.unique(_column(table, name).astype(str), return_inverse=True)
+            codes = codes * len(known) + code
+            words.append(known)
         if not words:
             return np.full(table.rows, -1, dtype=np.int64)
         found, index, inverse = np.unique(codes, return_index=True, return_inverse=True)
         first = np.full(len(found), np.iinfo(np.int64).max)
         np.minimum.at(first, inverse, places)
-        of_found = np.full(len(found), -1, dtype=np.int64)
         # In the order of the rows, for the numbers of a table that is one batch.
-        for number in np.argsort(index, kind="stable").tolist():
-            key = tuple(_record_name(known[code]) for known, code in zip(words, _digits(int(found[number]), words), strict=True))
-            if any(key):
-                motion = of_found[number] = self._motions.setdefault(key, len(self._motions))
-                if motion == len(self.first):
-                    self.first.append(int(first[number]))
-                self.first[motion] = min(self.first[motion], int(first[number]))
+        order = np.argsort(index, kind="stable")
+        keys = [[_text(known[code]) for known, code in zip(words, _digits(int(of), words), strict=True)] for of in found[order]]
+        of_found = np.empty(len(found), dtype=np.int64)
+        of_found[order] = self.motions.number(names, keys)
+        self.motions.see(of_found.tolist(), first.tolist())
         return np.asarray(of_found[inverse])
 
 
@@ -141,17 +135,19 @@ class Files:
     im: str
     limit: str | float | None
     partial: bool
+    cluster: str | None = None
 
     def cases(self, keep: bool = False) -> Cases:
         """Reads the cases; with `keep` their rows are arrays, in the order of the files."""
-        cases = Cases(self.im, self.limit)
-        for_each_batch(self.path, [self.im], self.partial, lambda table, is_part: cases.take(table, is_part, keep))
+        cases = Cases(self.im, self.limit, self.cluster)
+        named = [self.im] if self.cluster is None else [self.im, self.cluster]
+        for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
         return cases
 
 
-def cases_of(table: Any, im: str, limit: str | float | None) -> Cases:
+def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None) -> Cases:
     """Returns the cases of a table in memory, whose rows are kept."""
-    cases = Cases(im, limit)
+    cases = Cases(im, limit, cluster)
     cases.take(by_name(table), keep=True)
     return cases
 
@@ -200,8 +196,8 @@ def limit_word(limit: str | float) -> str:
     return limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
 
 
-def _record_name(name: Any) -> str:
-    """Returns the name of a record; empty where it is missing, for which pandas has nan, None or NA."""
+def _text(name: Any) -> str:
+    """Returns a word of a column; empty where it is missing, for which pandas has nan, None or NA."""
     return "" if str(name) in ("nan", "<NA>", "None") else str(name)
 
 

@@ -150,12 +150,23 @@ class CaseStore:
         motions: npt.NDArray[np.int64],
     ) -> None: ...
 
+@final
+class Motions:
+    def __new__(cls, cluster: str | None) -> Self: ...
+    @staticmethod
+    def in_order(cluster: str | None, count: int) -> Motions: ...
+    @property
+    def cluster(self) -> str | None: ...
+    def columns(self, known: list[str]) -> list[str]: ...
+    def number(self, columns: list[str], words: list[list[str]]) -> list[int]: ...
+    def see(self, numbers: list[int], places: list[int]) -> None: ...
+
 @disjoint_base
 class Fragility:
     def __new__(
         cls,
         store: CaseStore,
-        first: list[int],
+        motions: Motions,
         link: str,
         ci: float,
         samples: int | None,

@@ -109,6 +109,7 @@ class Fragility(_engine.Fragility):
     """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
     _source: Rows | Files
     _arguments: tuple[Any, ...]
+    _cluster: str | None
 
     def __new__(
         cls,
@@ -117,23 +118,24 @@ class Fragility(_engine.Fragility):
         labels: tuple[str, str, str | float, int, int, int, int, tuple[float, float]],
         tick: Any = lambda done, total: None,
         cases: Cases | None = None,
+        cluster: str | None = None,
     ) -> Self:
         if isinstance(source, Files):
             cases = cases or source.cases()
-            store, first = cases.store, cases.first
+            store, motions = cases.store, cases.motions
         else:
-            store, (measures, _, _, motions) = _engine.CaseStore(), source
+            store, (measures, _, _, numbers) = _engine.CaseStore(), source
             store.push(np.arange(len(measures), dtype=np.int64), *source)
             # Motions are numbered in the order of their first rows.
-            first = list(range(int(motions.max(initial=-1)) + 1))
-        fit = super().__new__(cls, store, first, *options, tick)
+            motions = _engine.Motions.in_order(cluster, int(numbers.max(initial=-1)) + 1)
+        fit = super().__new__(cls, store, motions, *options, tick)
         fit._source, fit.ci = source, options[1]
         fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.without_response, fit.exceeded = labels
-        fit._arguments = (source, options, labels)
+        fit._arguments, fit._cluster = (source, options, labels), motions.cluster
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), self._arguments)
+        return (_fragility_of, (*self._arguments, self._cluster))
 
     @property
     def measures(self) -> Floats:
@@ -236,6 +238,11 @@ class Fragility(_engine.Fragility):
         return f"{self.exceeding:.10g} of {self.rows} runs"
 
 
+def _fragility_of(source: Rows | Files, options: Any, labels: Any, cluster: str | None) -> Fragility:
+    """Restores a pickled curve."""
+    return Fragility(source, options, labels, cluster=cluster)
+
+
 def fragility(
     table: Table | pandas.DataFrame | Mapping[str, npt.ArrayLike] | str | os.PathLike[str],
     im: str,
@@ -246,6 +253,7 @@ def fragility(
     intervals: Literal["profile", "bootstrap"] = "profile",
     samples: int = 1000,
     seed: int = 1,
+    cluster: str | None = None,
     partial: bool = False,
     progress: bool | None = None,
 ) -> Fragility:
@@ -275,10 +283,13 @@ def fragility(
     link : {"probit", "logit"}
         Normal or logistic distribution: a lognormal curve, or logistic regression.
     intervals : {"profile", "bootstrap"}
-        Profile-likelihood intervals, clustered by record if several runs share one, or intervals from a bootstrap of
-        whole records, which needs ten or more. `Fragility.independence` names the rule. Runs without records are independent.
+        Profile-likelihood intervals, clustered by ground motion if several runs share one, or intervals from a bootstrap of
+        whole motions, which needs ten or more. `Fragility.independence` names the rule. Runs without records are independent.
     samples, seed : int
         Number of bootstrap samples, and their random seed.
+    cluster : str, optional
+        Column whose values cluster the rows, instead of the ground motions: event and station, as far as `motion`, or the names in
+        `record` and `vertical`, tell them.
     partial : bool
         Fit the parts of a folder although some are missing.
     progress : bool, optional
@@ -313,7 +324,7 @@ def fragility(
     source: Rows | Files
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
     if isinstance(table, str | os.PathLike):
-        source = Files(os.fspath(table), im, limit, partial)
+        source = Files(os.fspath(table), im, limit, partial, cluster)
         cases = source.cases()
         source = dataclasses.replace(source, limit=cases.limit)
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
@@ -321,7 +332,7 @@ def fragility(
     elif partial:
         raise ValueError("partial has no effect without a folder of parts")
     else:
-        cases = cases_of(table, im, limit)
+        cases = cases_of(table, im, limit, cluster)
         (source,) = cases.batches
         for column in source:
             column.setflags(write=False)
@@ -330,7 +341,7 @@ def fragility(
     labels = (im, unit, cases.limit, cases.failed, cases.separated, cases.undecided, cases.missing, shares)
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        fit = Fragility(source, options, labels, tick, cases)
+        fit = Fragility(source, options, labels, tick, cases, cases.motions.cluster)
     doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
     if cases.partly:
         doubts.append(f"in {cases.partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")

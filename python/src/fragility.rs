@@ -3,8 +3,8 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::{
-    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Motions, Uncertainty,
-    openquake, pelicun,
+    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, openquake,
+    pelicun,
 };
 use rocking_studies::intensity::Measure;
 use rocking_studies::run::outcome::End;
@@ -56,6 +56,53 @@ impl CaseStore {
     }
 }
 
+/// The ground motions of a table, numbered from its columns batch by batch.
+#[pyclass(module = "rocking_block._engine")]
+pub struct Motions(engine::Motions);
+
+#[pymethods]
+impl Motions {
+    #[new]
+    fn new(cluster: Option<String>) -> Motions {
+        Motions(engine::Motions::clustered(cluster))
+    }
+
+    /// Motions with these numbers in the order of their first rows.
+    #[staticmethod]
+    fn in_order(cluster: Option<String>, count: usize) -> Motions {
+        Motions(engine::Motions::in_order(cluster, count))
+    }
+
+    #[getter]
+    fn cluster(&self) -> Option<String> {
+        self.0.cluster.clone()
+    }
+
+    /// Returns the columns that tell the motions, among these of a table.
+    fn columns(&self, known: Vec<String>) -> Vec<String> {
+        self.0.columns(|name| known.iter().any(|known| known == name)).into_iter().map(String::from).collect()
+    }
+
+    /// Returns the number of the motion with each list of words in these columns, and -1 without a word.
+    fn number(&mut self, columns: Vec<String>, words: Vec<Vec<String>>) -> Vec<i64> {
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let mut number = |words: &Vec<String>| {
+            let number = self.0.number(&columns, &words.iter().map(String::as_str).collect::<Vec<_>>());
+            number.map_or(-1, |number| number as i64)
+        };
+        words.iter().map(&mut number).collect()
+    }
+
+    /// Takes note of rows of motions at these places of the table.
+    fn see(&mut self, numbers: Vec<i64>, places: Vec<u64>) {
+        for (number, place) in numbers.into_iter().zip(places) {
+            if let Ok(number) = usize::try_from(number) {
+                self.0.see(number, place);
+            }
+        }
+    }
+}
+
 /// Returns for each row whether its run exceeds a limit: 1 or 0, and nan if that is unknown. `codes` are the positions of the outcomes of
 /// the rows among words, and `responses` the greatest values of the quantity of the limit, nan where they are missing.
 #[pyfunction]
@@ -82,14 +129,14 @@ pub struct Fragility(pub Assessment);
 
 #[pymethods]
 impl Fragility {
-    /// Fits the rows of a store, which is empty then; `first` has the place of the first row of each motion. With `samples` the intervals come
+    /// Fits the rows of a store, which is empty then, with their motions. With `samples` the intervals come
     /// from a bootstrap, otherwise from the profile likelihood.
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
         store: &mut CaseStore,
-        first: Vec<u64>,
+        motions: &Motions,
         link: &str,
         ci: f64,
         samples: Option<i64>,
@@ -101,7 +148,7 @@ impl Fragility {
         let seed = whole("seed", seed, 0..=i64::MAX)?;
         let samples = samples.map(|samples| whole("samples", samples, 2..=1_000_000)).transpose()?;
         let uncertainty = samples.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples as u32, seed));
-        let (store, motions) = (std::mem::take(&mut store.0), Motions::of_first(first));
+        let (store, motions) = (std::mem::take(&mut store.0), motions.0.clone());
         let pool = pool(None)?;
         let fit = move || Assessment::of(store, &motions, link, ci, uncertainty);
         let found = wait(py, tick, move |_| pool.install(fit))?;
@@ -198,7 +245,7 @@ impl CurveNumbers {
                 .map(|Goodness { deviance, degrees_of_freedom, p }| (deviance, degrees_of_freedom, p)),
             efficiency: found.efficiency.unwrap_or(f64::NAN),
             rocking: found.rocking,
-            independence: found.independence.to_string(),
+            independence: found.units(),
         }
     }
 }

@@ -36,8 +36,12 @@ pub struct FitOptions {
     /// Confidence level of the intervals and of the band
     #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
     pub ci: f64,
-    /// Compute intervals from this many bootstrap samples of the records, not from the profile likelihood (clustered by record
-    /// if rows share records)
+    /// Cluster rows by the values of this column, not by the ground motions that they share (event and station, as far as the names
+    /// and titles of the records tell)
+    #[arg(long, value_name = "COLUMN")]
+    pub cluster: Option<String>,
+    /// Compute intervals from this many bootstrap samples of the motions, not from the profile likelihood (clustered by motion
+    /// if rows share motions)
     #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
     /// Seed of the bootstrap samples
@@ -66,7 +70,8 @@ impl FitOptions {
         each: &mut dyn FnMut(&SweepTable, bool) -> anyhow::Result<()>,
     ) -> anyhow::Result<String> {
         let conditions = self.conditions()?;
-        let named: Vec<&str> = named.iter().copied().chain(conditions.iter().map(|(column, _)| *column)).collect();
+        let more = conditions.iter().map(|(column, _)| *column).chain(self.cluster.as_deref());
+        let named: Vec<&str> = named.iter().copied().chain(more).collect();
         let is_wanted = |column: &str| is_needed(column, &named);
         let mut kept = vec![0; conditions.len()];
         let mut take = |mut batch: SweepTable, is_part| -> anyhow::Result<()> {

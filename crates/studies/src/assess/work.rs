@@ -10,7 +10,7 @@ use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Kept, Step, Work};
 use crate::assess::{pulses, spectrum};
-use crate::fragility::{Limit, SweepTable, Uncertainty};
+use crate::fragility::{Assessment, Limit, SweepTable};
 use crate::output::runner::Study;
 use crate::spec::words::{Words, friction};
 use crate::spectrum::statistics::{BlockOutcome, Statistics};
@@ -115,7 +115,7 @@ pub fn assess(
         sizes_strength: sizes.strength.clone(),
         states: results,
         confidence: CONFIDENCE,
-        intervals: intervals.map(|found| Uncertainty::Profile.words(found.independence)),
+        intervals: intervals.map(Assessment::intervals),
         hazard: plan.hazard.as_ref().map(hazard_result),
         years: *years,
         compared_state: compared,

@@ -19,18 +19,18 @@ use crate::output::runner::in_parallel;
 /// The method for intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// Profile likelihood, with rows clustered by record where records repeat.
+    /// Profile likelihood, with rows clustered by motion where motions repeat.
     Profile,
-    /// Bootstrap of whole records: number of samples and seed.
+    /// Bootstrap of whole motions: number of samples and seed.
     Bootstrap(u32, u64),
 }
 
 impl Uncertainty {
-    /// The method in words.
-    pub fn words(self, independence: Independence) -> String {
+    /// The method in words, with the independent units.
+    fn words(self, units: &str) -> String {
         match self {
-            Uncertainty::Profile => format!("profile likelihood, {independence}"),
-            Uncertainty::Bootstrap(samples, _) => format!("{samples} bootstrap samples, {independence}"),
+            Uncertainty::Profile => format!("profile likelihood, {units}"),
+            Uncertainty::Bootstrap(samples, _) => format!("{samples} bootstrap samples, {units}"),
         }
     }
 
@@ -70,9 +70,13 @@ pub struct Assessment {
     pub rocking: usize,
     /// The independent units behind the intervals.
     pub independence: Independence,
+    /// The column of the clusters, if it is not the motions.
+    cluster: Option<String>,
+    /// The method of the intervals.
+    uncertainty: Uncertainty,
     /// Confidence level of the intervals.
     confidence: f64,
-    /// Covariance of the coefficients, clustered by record where records repeat.
+    /// Covariance of the coefficients, clustered by motion where motions repeat.
     covariance: Option<DMatrix<f64>>,
     bootstrap: Option<Bootstrap>,
     /// Some of many rows.
@@ -91,10 +95,11 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
-        match store.rows(motions)? {
+        let found = match store.rows(motions)? {
             StoredRows::Few(rows, records) => Assessment::of_list(&rows, &records, link, confidence, uncertainty),
             StoredRows::Many(rows) => Assessment::of_many(&rows, link, confidence, uncertainty),
-        }
+        }?;
+        Ok(Assessment { cluster: motions.cluster.clone(), ..found })
     }
 
     fn of_list(
@@ -124,6 +129,8 @@ impl Assessment {
             efficiency: efficiency(&rocking, &peaks),
             rocking: rocking.len(),
             independence,
+            cluster: None,
+            uncertainty,
             confidence,
             covariance,
             bootstrap,
@@ -156,6 +163,8 @@ impl Assessment {
             efficiency: rows.scatter.efficiency(),
             rocking: rows.scatter.rows,
             independence,
+            cluster: None,
+            uncertainty,
             confidence,
             covariance,
             bootstrap,
@@ -165,9 +174,19 @@ impl Assessment {
         })
     }
 
-    /// Standard errors of the coefficients, clustered by record where records repeat.
+    /// The independent units in words.
+    pub fn units(&self) -> String {
+        self.independence.words(self.cluster.as_deref())
+    }
+
+    /// The method of the intervals and their independent units in words.
+    pub fn intervals(&self) -> String {
+        self.uncertainty.words(&self.units())
+    }
+
+    /// Standard errors of the coefficients, clustered by motion where motions repeat.
     ///
-    /// Infinite if one record alone determines a coefficient.
+    /// Infinite if one motion alone determines a coefficient.
     pub fn standard_errors(&self) -> Vec<f64> {
         standard_errors(self.covariance.as_ref(), &self.fit)
     }
@@ -205,7 +224,7 @@ impl Assessment {
     /// Returns warnings of missing intervals, and of a falling curve. `heading` is the name and unit of the measure.
     pub fn warnings(&self, heading: &str) -> Vec<String> {
         let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
-            let units = if self.independence == Independence::Rows { "rows" } else { "records" };
+            let units = if self.independence == Independence::Rows { "rows" } else { "motions" };
             format!(
                 "no intervals: a bootstrap of {} {units} understates the scatter; expected at least {MIN_GROUPS} {units}, or intervals \
                  of the profile likelihood",
@@ -216,8 +235,8 @@ impl Assessment {
         let profile = LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone());
         let alike = (self.bootstrap.is_none() && profile.is_too_alike()).then(|| {
             format!(
-                "{heading}: the records agree too well for intervals {}; the intervals are those of independent rows",
-                self.independence
+                "{heading}: the motions agree too well for intervals {}; the intervals are those of independent rows",
+                self.units()
             )
         });
         let beta = self.fit.dispersion();
@@ -251,7 +270,7 @@ fn data(rows: &[(Case, [f64; 2])], measures: usize) -> Result<Data, CurveFitErro
     Data::new(rows.iter().map(observation).collect())
 }
 
-/// Standard errors of the coefficients of a fit from their covariance, clustered by record.
+/// Standard errors of the coefficients of a fit from their covariance, clustered by motion.
 fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &CurveFit) -> Vec<f64> {
     match covariance {
         Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::fragility::table::{SweepTable, SweepTableError};
+use crate::input::motion::Motion;
 use crate::output::table::{Series, Values};
 use crate::run::limit::Limit;
 use crate::run::outcome::End;
@@ -18,7 +19,7 @@ pub struct Case {
     pub unknown: f64,
     /// Peak |θ|/α, if the block lifted off and stands.
     pub peak: Option<f64>,
-    /// Number of its ground motion; `None` for a row without records, which has its own.
+    /// Number of its ground motion; `None` for a row without one, which has its own.
     pub motion: Option<usize>,
 }
 
@@ -56,30 +57,60 @@ pub struct RowCounts {
     pub without_response: usize,
 }
 
-/// The ground motions of a table, by the names of their records.
-#[derive(Debug, Default)]
+/// The ground motions of a table, or the values of another column by which its rows are clustered.
+#[derive(Clone, Debug, Default)]
 pub struct Motions {
-    numbers: HashMap<[String; 2], usize>,
+    /// The column of the clusters, instead of those of the motions.
+    pub cluster: Option<String>,
+    numbers: HashMap<String, usize>,
     /// Place of the first row of each.
     first: Vec<u64>,
 }
 
+/// The column of a table with the motion of each row, where the names of its records do not tell it.
+pub const MOTION: &str = "motion";
+/// The columns with the names of records.
+const RECORDS: [&str; 2] = ["record", "vertical"];
+
 impl Motions {
-    fn number(&mut self, names: [String; 2]) -> Option<usize> {
-        if names.iter().all(String::is_empty) {
-            return None;
+    /// Begins with the column of the clusters, if it is not the motions that rows share.
+    pub fn clustered(cluster: Option<String>) -> Motions {
+        Motions { cluster, ..Motions::default() }
+    }
+
+    /// This number of motions, in the order of their first rows.
+    pub fn in_order(cluster: Option<String>, count: usize) -> Motions {
+        Motions { cluster, numbers: HashMap::new(), first: (0..count as u64).collect() }
+    }
+
+    /// The columns that tell the motions, among these of a table.
+    pub fn columns<'a>(&'a self, is_known: impl Fn(&str) -> bool) -> Vec<&'a str> {
+        match &self.cluster {
+            Some(column) => vec![column],
+            None if is_known(MOTION) => vec![MOTION],
+            None => RECORDS.into_iter().filter(|name| is_known(name)).collect(),
         }
+    }
+
+    /// The number of the motion with these words in the columns named `columns`. `None` without a word.
+    pub fn number(&mut self, columns: &[&str], words: &[&str]) -> Option<usize> {
+        let word = |name: &str| columns.iter().position(|column| *column == name).map_or("", |i| words[i]);
+        let is_named = self.cluster.is_none() && columns.first() != Some(&MOTION);
+        let key = match is_named {
+            true => Motion::of_names(RECORDS.map(word))?.to_string(),
+            false => words.first().filter(|word| !word.is_empty())?.to_string(),
+        };
         let next = self.first.len();
-        let number = *self.numbers.entry(names).or_insert(next);
+        let number = *self.numbers.entry(key).or_insert(next);
         if number == next {
             self.first.push(u64::MAX);
         }
         Some(number)
     }
 
-    /// Motions with these places of their first rows.
-    pub fn of_first(first: Vec<u64>) -> Motions {
-        Motions { numbers: HashMap::new(), first }
+    /// Takes note of a row of a motion at this place of the table.
+    pub fn see(&mut self, number: usize, place: u64) {
+        self.first[number] = self.first[number].min(place);
     }
 
     /// The place of each motion in the order of their first rows.
@@ -138,30 +169,9 @@ impl SweepTable {
         let samples = known("ensemble.samples");
         let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
         let mut found = Vec::new();
-        let [record, vertical] = ["record", "vertical"].map(|name| self.column(name).ok());
-        // Words are looked up once for all rows of a batch.
-        let is_numbered =
-            [record, vertical].into_iter().flatten().all(|column| matches!(column.values, Values::Choice(_)));
-        let position = |column: Option<&Series>, row: usize| match column.map(|column| &column.values) {
-            Some(Values::Choice(positions)) => Some(positions[row]),
-            _ => None,
-        };
-        let text = |column: Option<&Series>, row: usize| column.map_or_else(String::new, |column| column.text(row));
-        let mut seen: HashMap<[Option<u32>; 2], Option<usize>> = HashMap::new();
-        let mut last = None;
+        let motion_of = self.motions(motions, place)?;
         for (row, end) in ends.into_iter().enumerate() {
-            let peak = number(peaks, row)?;
-            let mut by_names = || motions.number([text(record, row), text(vertical, row)]);
-            let positions = [position(record, row), position(vertical, row)];
-            let motion = match last {
-                Some((same, motion)) if is_numbered && same == positions => motion,
-                _ if is_numbered => *seen.entry(positions).or_insert_with(by_names),
-                _ => by_names(),
-            };
-            last = Some((positions, motion));
-            if let Some(number) = motion {
-                motions.first[number] = motions.first[number].min(place(row));
-            }
+            let (peak, motion) = (number(peaks, row)?, motion_of[row]);
             let mut response = None;
             for column in &limited {
                 response = self.number(column, row)?.into_iter().chain(response).reduce(f64::max);
@@ -193,6 +203,40 @@ impl SweepTable {
         counts.exceeded_at_most += exceeded + unknown + (self.rows() - found.len()) as f64;
         counts.partly_known += found.iter().filter(|case| case.unknown > 0.0).count();
         Ok(found)
+    }
+
+    /// The number of each row's ground motion.
+    fn motions(
+        &self,
+        motions: &mut Motions,
+        place: impl Fn(usize) -> u64,
+    ) -> Result<Vec<Option<usize>>, SweepTableError> {
+        let names: Vec<String> =
+            motions.columns(|name| self.column(name).is_ok()).into_iter().map(String::from).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let columns = names.iter().map(|name| self.column(name)).collect::<Result<Vec<&Series>, _>>()?;
+        // Words are looked up once for all rows of a batch.
+        let position = |column: &Series, row: usize| match &column.values {
+            Values::Choice(positions) => Some(positions[row]),
+            _ => None,
+        };
+        let mut seen: HashMap<Vec<u32>, Option<usize>> = HashMap::new();
+        let number = |row: usize| {
+            let mut by_words = || {
+                let words: Vec<String> = columns.iter().map(|column| column.text(row)).collect();
+                motions.number(&names, &words.iter().map(String::as_str).collect::<Vec<_>>())
+            };
+            let positions: Option<Vec<u32>> = columns.iter().map(|column| position(column, row)).collect();
+            let motion = match positions {
+                Some(positions) => *seen.entry(positions).or_insert_with(by_words),
+                None => by_words(),
+            };
+            if let Some(number) = motion {
+                motions.see(number, place(row));
+            }
+            motion
+        };
+        Ok((0..self.rows()).map(number).collect())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Rows that share records → covariance of the coefficients, clustered by record.
+//! Rows that share ground motions → covariance of the coefficients, clustered by motion.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,16 +9,16 @@ use crate::statistics::{normal, student};
 /// The independent units of intervals and tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Independence {
-    /// Rows: no record occurs twice.
+    /// Rows: no motion occurs twice.
     Rows,
-    /// This number of records, each with its rows as a cluster.
-    Records(usize),
-    /// Rows of the only record: intervals hold for this record alone.
-    OneRecord,
+    /// This number of motions, each with its rows as a cluster.
+    Motions(usize),
+    /// Rows of the only motion: intervals hold for this motion alone.
+    OneMotion,
 }
 
 impl Independence {
-    /// Determines the independent units from the record of each row.
+    /// Determines the independent units from the motion of each row.
     pub fn of(records: &[usize]) -> Independence {
         let mut distinct = records.to_vec();
         distinct.sort_unstable();
@@ -26,40 +26,42 @@ impl Independence {
         Independence::of_counts(distinct.len(), records.len())
     }
 
-    /// Determines the independent units from the numbers of records and rows.
+    /// Determines the independent units from the numbers of motions and rows.
     pub(super) fn of_counts(records: usize, rows: usize) -> Independence {
         match records {
             count if count == rows => Independence::Rows,
-            1 => Independence::OneRecord,
-            count => Independence::Records(count),
+            1 => Independence::OneMotion,
+            count => Independence::Motions(count),
         }
     }
 
     /// The two-sided deviate of a confidence. It is normal for independent rows, else Student's t with one degree of freedom less than the
-    /// number of records.
+    /// number of motions.
     pub(super) fn deviate(self, confidence: f64) -> f64 {
         match self {
-            Independence::Rows | Independence::OneRecord => normal::quantile(0.5 + 0.5 * confidence),
-            Independence::Records(count) => student::quantile(1.0 - confidence, (count - 1) as f64),
+            Independence::Rows | Independence::OneMotion => normal::quantile(0.5 + 0.5 * confidence),
+            Independence::Motions(count) => student::quantile(1.0 - confidence, (count - 1) as f64),
         }
     }
 
     /// The two-sided p-value of a deviate.
     pub(super) fn exceedance(self, deviate: f64) -> f64 {
         match self {
-            Independence::Rows | Independence::OneRecord => libm::erfc(deviate / std::f64::consts::SQRT_2),
-            Independence::Records(count) => student::exceedance(deviate, (count - 1) as f64),
+            Independence::Rows | Independence::OneMotion => libm::erfc(deviate / std::f64::consts::SQRT_2),
+            Independence::Motions(count) => student::exceedance(deviate, (count - 1) as f64),
         }
     }
 }
 
-/// The words in reports.
-impl std::fmt::Display for Independence {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Independence::Rows => f.write_str("rows independent"),
-            Independence::Records(count) => write!(f, "clustered by {count} records"),
-            Independence::OneRecord => f.write_str("for the only record"),
+impl Independence {
+    /// The words in reports. `cluster` is the column of the clusters instead of the ground motions.
+    pub fn words(self, cluster: Option<&str>) -> String {
+        match (self, cluster) {
+            (Independence::Rows, _) => "rows independent".into(),
+            (Independence::Motions(count), None) => format!("clustered by {count} motions"),
+            (Independence::Motions(count), Some(column)) => format!("clustered by {count} values of {column}"),
+            (Independence::OneMotion, None) => "for the only motion".into(),
+            (Independence::OneMotion, Some(column)) => format!("for the only value of {column}"),
         }
     }
 }
@@ -82,7 +84,7 @@ fn without(data: &Data, fit: &CurveFit, records: &[usize], record: usize) -> Opt
 /// alone determines a coefficient.
 pub(super) fn covariance(data: &Data, fit: &CurveFit, records: &[usize]) -> Option<DMatrix<f64>> {
     let size = fit.coefficients.len();
-    let Independence::Records(count) = Independence::of(records) else {
+    let Independence::Motions(count) = Independence::of(records) else {
         return Some(fit.covariance.clone());
     };
     let design = Predictor::full(data.observations());
@@ -130,10 +132,10 @@ mod tests {
     use crate::fragility::{Link, Observation};
 
     #[test]
-    fn independent_units_are_rows_or_records() {
+    fn independent_units_are_rows_or_motions() {
         assert_eq!(Independence::of(&[4, 2, 9]), Independence::Rows);
-        assert_eq!(Independence::of(&[4, 2, 4]), Independence::Records(2));
-        assert_eq!(Independence::of(&[4, 4, 4]), Independence::OneRecord);
+        assert_eq!(Independence::of(&[4, 2, 4]), Independence::Motions(2));
+        assert_eq!(Independence::of(&[4, 4, 4]), Independence::OneMotion);
     }
 
     /// Ten copies of each row carry no more information than one. The covariance is the jackknife of the single rows.

@@ -65,7 +65,7 @@ pub(super) fn groups(observations: &[Observation], probabilities: &[f64], record
     let measure = |row: usize| observations[row].measures[0];
     let mut rows: Vec<usize> = (0..observations.len()).collect();
     rows.sort_by(|&a, &b| measure(a).total_cmp(&measure(b)));
-    let mut groups = Grouping::new(rows.len(), matches!(Independence::of(records), Independence::Records(_)));
+    let mut groups = Grouping::new(rows.len(), matches!(Independence::of(records), Independence::Motions(_)));
     for row in rows {
         let Observation { fraction, weight, .. } = observations[row];
         let fitted = Fitted { measure: measure(row), fraction, probability: probabilities[row] };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::fragility::cases::MOTION;
 use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::intensity::Measure;
 use crate::mismatch::Mismatch;
@@ -197,9 +198,10 @@ fn is_same(one: f64, other: f64) -> bool {
 /// Whether a column describes the block or the ground motion of a row, rather than the strength of the motion or the response. `im` is the
 /// measure of the levels. Columns of unknown names describe, such as the keys of folders.
 pub fn describes_curve(column: &str, im: &str) -> bool {
-    /// The number of a row, factors on its motion, and results.
-    const OTHERS: [&str; 10] = [
+    /// The number of a row, the motion of its record, factors on it, and results.
+    const OTHERS: [&str; 11] = [
         "row",
+        MOTION,
         "scale",
         "PGA.vertical",
         "outcome",

@@ -4,8 +4,8 @@
 //! normal distribution for F (probit) it is the lognormal fragility curve of median `exp(−a/b)` and dispersion `β = 1/b`; with the
 //! logistic one (logit) it is logistic regression. Coefficients maximize the likelihood (J. W. Baker, Efficient analytical
 //! fragility function fitting using dynamic structural analysis, Earthquake Spectra 31 (2015) 579–599, without his grouping of
-//! levels); intervals and bands are those of the profile likelihood, with rows clustered by record, or of a bootstrap of whole
-//! records.
+//! levels); intervals and bands are those of the profile likelihood, with rows clustered by motion, or of a bootstrap of whole
+//! motions.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -16,7 +16,7 @@
 //! | `data` | observations → data with a unique best curve |
 //! | `likelihood` | a linear predictor, an outcome → the log-likelihood and its derivatives |
 //! | `regression` | data → the curve of maximum likelihood |
-//! | `clusters` | rows that share records → covariance of the coefficients |
+//! | `clusters` | rows that share motions → covariance of the coefficients |
 //! | `profile` | a curve → intervals and bands of the profile likelihood |
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
@@ -63,7 +63,7 @@ pub use crate::output::table::split_heading;
 pub use crate::run::limit::Limit;
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of};
 pub use bootstrap::{Bootstrap, bootstrap};
-pub use cases::{Case, Motions, RowCounts};
+pub use cases::{Case, MOTION, Motions, RowCounts};
 pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, LossProgram, openquake, pelicun};

@@ -100,10 +100,11 @@ pub struct Collected {
 }
 
 impl Collected {
-    /// Begins with a limit, or the usual one of the table, and each store's columns: one measure or two.
-    pub fn new(limit: Option<Limit>, columns: Vec<(String, Option<String>)>) -> Collected {
+    /// Begins with a limit, or the usual one of the table, the column of the clusters, if it is not the motions, and each store's
+    /// columns: one measure or two.
+    pub fn new(limit: Option<Limit>, cluster: Option<String>, columns: Vec<(String, Option<String>)>) -> Collected {
         let stores = columns.iter().map(|_| CaseStore::default()).collect();
-        Collected { limit, columns, stores, motions: Motions::default(), counts: RowCounts::default() }
+        Collected { limit, columns, stores, motions: Motions::clustered(cluster), counts: RowCounts::default() }
     }
 
     /// Takes a batch of rows. `is_part` says that the rows of the whole table are in the order of their column `row`, otherwise in that of

@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use crate::fragility::cases::MOTION;
 use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
 use crate::output::reading::{TableReadError, TableReader};
@@ -52,7 +53,7 @@ pub struct SweepTable {
 pub const DESCRIBED: [&str; 3] = ["alpha", "eta", "xi_v"];
 
 /// Other columns that fits read whatever their measure.
-const OF_FITS: [&str; 11] = [
+const OF_FITS: [&str; 12] = [
     "row",
     "outcome",
     "peak.theta/alpha",
@@ -62,6 +63,7 @@ const OF_FITS: [&str; 11] = [
     "ensemble.samples",
     "record",
     "vertical",
+    MOTION,
     "eccentricity",
     "foundation",
 ];

@@ -5,7 +5,9 @@
 //! | [`study_file`] | a TOML file → its tables, with the line of each key and value |
 //! | [`parameters`] | names and values of a study file → the variables of modelDescription.xml |
 //! | [`ground_files`] | accelerogram files and their options → records |
+//! | [`motion`] | names and titles of records → the ground motions to which they belong |
 
 pub mod ground_files;
+pub mod motion;
 pub mod parameters;
 pub mod study_file;

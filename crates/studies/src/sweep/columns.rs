@@ -1,5 +1,7 @@
 //! A row of a sweep → the columns of its table.
 
+use crate::fragility::MOTION;
+use crate::input::motion::{self, Motion};
 use crate::intensity::Measure;
 use crate::output::table::TableColumn;
 use crate::run::outcome::{self, End};
@@ -37,6 +39,11 @@ impl Sweep {
         columns.extend(
             records.map(|(component, name)| Of::choice(name, names(component), move |row| of(row).motion_number)),
         );
+        let motions: Vec<Motion> = self.motions.iter().filter_map(|motion| motion.motion.clone()).collect();
+        let names = self.motions.iter().map(|motion| motion.names.each_ref().map(String::as_str));
+        if let Some(words) = motion::column(&motions, names) {
+            columns.push(Of::choice(MOTION, words, move |row| of(row).motion_number));
+        }
         if self.has_building() {
             columns.push(Of::count("floor", move |row| of(row).motion.floor.unwrap_or_default()));
         }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::input::ground_files::{RecordOption, RecordOptions};
+use crate::input::motion::Motion;
 use crate::input::study_file::{Section, StudyFileError};
 use crate::intensity::Measure;
 use crate::spec::study::{RecordsTable, StudyFile};
@@ -34,9 +35,10 @@ pub(super) fn read(
     }
     remarks.extend(repeated(&found));
     let names = distinct_names(&found);
-    let motions = names.into_iter().zip(found).map(|(names, RecordFiles { files, ground, .. })| {
-        let mut motion = GroundMotion::new(names, ground, measures, gravity);
-        motion.files = files;
+    let of_events = Motion::of_grounds(found.iter().zip(&names).map(|(of, names)| (&of.ground, names, &of.files)));
+    let motions = names.into_iter().zip(found).zip(of_events).map(|((names, of), of_event)| {
+        let mut motion = GroundMotion::new(names, of.ground, measures, gravity);
+        (motion.files, motion.motion) = (of.files, Some(of_event));
         motion
     });
     Ok((motions.collect(), remarks))
@@ -94,7 +96,7 @@ fn repeated(motions: &[RecordFiles]) -> Vec<String> {
         let (content, file) = (files.ground.fingerprint(), files.files[0].as_str());
         match seen.iter().find(|(known, _)| *known == content) {
             Some((_, first)) if *first != file => remarks.push(format!(
-                "{first} and {file} hold the same samples ({}): intervals count them as two records",
+                "{first} and {file} hold the same samples ({}): intervals count them as one motion",
                 checksum(record)
             )),
             Some(_) => {}

@@ -155,8 +155,9 @@ impl FragilityCommand {
         let others: Vec<&String> = beside.iter().chain(surface).collect();
         let columns =
             im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
-        let mut found = Collected::new(fit.limit, columns.collect());
-        let further = self.export_limit.iter().map(|&limit| (limit, Collected::new(Some(limit), vec![one(&im[0])])));
+        let mut found = Collected::new(fit.limit, fit.cluster.clone(), columns.collect());
+        let collected = |limit| Collected::new(Some(limit), fit.cluster.clone(), vec![one(&im[0])]);
+        let further = self.export_limit.iter().map(|&limit| (limit, collected(limit)));
         let mut further: Vec<(Limit, Collected)> = further.collect();
         let (mut blocks, mut headings) = (charts::Blocks::default(), None);
         let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();
@@ -222,7 +223,7 @@ impl FragilityCommand {
                 LossProgram::OpenQuake => vec![openquake(&[component], self.block.g)?],
             };
         }
-        let intervals = fit.uncertainty().words(found.independence);
+        let intervals = found.intervals();
         let report = MeasureReport::of(heading, &found, &sufficiency);
         Ok(MeasureCurve { report, intervals, warnings, surface, svg, exported })
     }

@@ -200,7 +200,7 @@ impl FragilityOptions {
     fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let FitOptions { link, ci, .. } = self.fit;
-        let mut found = Collected::new(self.fit.limit, vec![(im.into(), None)]);
+        let mut found = Collected::new(self.fit.limit, self.fit.cluster.clone(), vec![(im.into(), None)]);
         let mut heading = None;
         let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
             if heading.is_none() {
@@ -231,14 +231,13 @@ impl FragilityOptions {
             let json = json("empirical").with("levels", levels.len());
             return Ok(Fragility { curve, over, assessment: None, ordinate, rows, text, json });
         }
-        let uncertainty = self.fit.uncertainty();
-        let assessment = Assessment::of(store, &motions, link, ci, uncertainty).with_context(at)?;
+        let assessment = Assessment::of(store, &motions, link, ci, self.fit.uncertainty()).with_context(at)?;
         let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
         let (median, beta) = (assessment.fit.median(), assessment.fit.dispersion());
         let text = format!("{link} over {over}, median {median:.4}, beta {beta:.4}; {limit} in {name}");
-        let intervals = uncertainty.words(assessment.independence);
-        let json = json(link.word()).with("median", median).with("beta", beta).with("intervals", intervals);
+        let json =
+            json(link.word()).with("median", median).with("beta", beta).with("intervals", assessment.intervals());
         Ok(Fragility { curve, over, assessment: Some(assessment), ordinate, rows, text, json })
     }
 }

@@ -314,7 +314,7 @@ fn a_bootstrap_of_few_records_has_no_intervals() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("hazard.csv"), "PGV [m/s],rate [1/year]\n0.1,1e-2\n1,1e-4\n").unwrap();
     let warning = |count: usize| {
-        format!("no intervals: a bootstrap of {count} records understates the scatter; expected at least 10 records")
+        format!("no intervals: a bootstrap of {count} motions understates the scatter; expected at least 10 motions")
     };
     for (count, few) in [(2, true), (9, true), (10, false)] {
         let mut text = String::from("row,record,PGV [m/s],PGA [m/s2],outcome\n");
@@ -359,16 +359,16 @@ fn the_report_names_the_method_of_the_intervals() {
         stdout(folder.path(), &[&["fragility", name, "--im", "PGV"], more].concat())
     };
     let by_record = printed("records.csv", &|row| format!("r{}", row % 7), &[]);
-    assert!(by_record.contains("intervals of 95 %: profile likelihood, clustered by 7 records\n"), "{by_record}");
+    assert!(by_record.contains("intervals of 95 %: profile likelihood, clustered by 7 motions\n"), "{by_record}");
     let bootstrap = printed("records.csv", &|row| format!("r{}", row % 7), &["--bootstrap", "9"]);
-    assert!(bootstrap.contains("95 %: 9 bootstrap samples, clustered by 7 records\n"), "{bootstrap}");
+    assert!(bootstrap.contains("95 %: 9 bootstrap samples, clustered by 7 motions\n"), "{bootstrap}");
     let independent = printed("rows.csv", &|row| format!("r{row}"), &[]);
     assert!(independent.contains("95 %: profile likelihood, rows independent\n"), "{independent}");
     // Rows without records do not share any.
     let none = printed("none.csv", &|_| String::new(), &[]);
     assert!(none.contains("rows independent"), "{none}");
     let one = printed("one.csv", &|_| "r".into(), &[]);
-    assert!(one.contains("for the only record"), "{one}");
+    assert!(one.contains("for the only motion"), "{one}");
 }
 
 #[test]

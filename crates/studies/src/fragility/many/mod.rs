@@ -150,7 +150,7 @@ impl ManyRows {
     /// # Errors
     /// Rows that cannot be read back.
     pub fn quality(&self, fit: &CurveFit) -> Result<Quality, CurveFitError> {
-        let is_clustered = matches!(self.independence(), Independence::Records(_));
+        let is_clustered = matches!(self.independence(), Independence::Motions(_));
         // Rows are in the order of their scores.
         let sign = if fit.coefficients[1] < 0.0 { -1.0 } else { 1.0 };
         let (mut area, mut squares) = (AreaUnderCurve::default(), Vec::new());
@@ -191,7 +191,7 @@ impl ManyRows {
     /// # Errors
     /// Rows that cannot be read back.
     pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
-        let Independence::Records(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
+        let Independence::Motions(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
         let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
         let sums_of = |row: &EqualRows| Sums::of_row(row, coefficients, term, |term| term.information);
