@@ -47,7 +47,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 #[test]
 fn many_rows_have_the_curve_of_a_list() {
     let mut rows = cases(140_000, 30);
-    let motions = Motions::of_first((0..30).collect());
+    let motions = Motions::in_order(None, 30);
     let assess = |rows: &[(Case, [f64; 2])], uncertainty: Uncertainty| {
         Assessment::of(store(rows, false), &motions, Link::Probit, 0.95, uncertainty).unwrap()
     };
@@ -82,7 +82,7 @@ fn many_rows_have_the_curve_of_a_list() {
 fn many_rows_have_the_surface_of_a_list() {
     // More than 100 records, which have no full refits.
     let rows = cases(140_000, 150);
-    let motions = Motions::of_first((0..150).collect());
+    let motions = Motions::in_order(None, 150);
     let found = Surface::of(store(&rows, true), &motions, Link::Logit).unwrap();
     let (data, fit, records) = listed(&rows, 2, Link::Logit, 150);
     let covariance = clusters::covariance(&data, &fit, &records).unwrap();
@@ -103,7 +103,7 @@ fn many_rows_have_the_surface_of_a_list() {
 fn rows_without_records_are_clusters_of_their_own() {
     let mut rows = cases(132_000, 120);
     rows.iter_mut().filter(|(case, _)| case.row.is_multiple_of(5)).for_each(|(case, _)| case.motion = None);
-    let motions = Motions::of_first((0..120).collect());
+    let motions = Motions::in_order(None, 120);
     let found = Assessment::of(store(&rows, false), &motions, Link::Probit, 0.95, Uncertainty::Profile).unwrap();
     let (data, fit, records) = listed(&rows, 1, Link::Probit, 120);
     assert_eq!(found.independence, Independence::of(&records));
@@ -119,7 +119,7 @@ fn many_rows_without_a_best_curve_are_refused() {
     let assess = |change: fn(&mut Case, &mut [f64; 2])| {
         let mut rows = cases(132_000, 7);
         rows.iter_mut().for_each(|(case, measures)| change(case, measures));
-        let motions = Motions::of_first((0..7).collect());
+        let motions = Motions::in_order(None, 7);
         let found = Assessment::of(store(&rows, false), &motions, Link::Probit, 0.95, Uncertainty::Profile);
         found.err().map(|error| error.to_string()).unwrap_or_default()
     };
