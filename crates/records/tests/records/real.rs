@@ -324,7 +324,7 @@ fn every_file_is_read_or_refused_in_one_line() {
 /// The seeds of the fuzz target are valid files of every format, so that fuzzing passes the headers.
 #[test]
 fn the_seeds_of_the_fuzz_target_are_records() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/fuzz/seeds"));
     let expected = [
         ("bhrc.v1", Format::Bhrc),
         ("block.txt", Format::Peer),
