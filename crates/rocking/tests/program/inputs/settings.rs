@@ -204,7 +204,7 @@ fn study_files_have_the_same_settings() {
         (
             "horizontal = \"a.txt\"\nformat = \"wav\"",
             "study.toml:5: found format \"wav\", expected one of peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, \
-             unam, renadic, bhrc, usc, jma, cwb, fixed",
+             unam, renadic, bhrc, usc, jma, cwb, csmnc, esd, npts, fixed",
         ),
         (
             "horizontal = \"a.txt\"\nchannel = 0",
