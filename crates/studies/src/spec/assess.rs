@@ -15,6 +15,10 @@ use crate::spec::values::{Positive, Word};
 pub struct AssessTable {
     /// Name of the object.
     pub title: String,
+    /// Who answers for the study, on the first page.
+    pub author: Option<String>,
+    /// Date of the study, on the first page, as 2026-11-29 in quotes.
+    pub date: Option<String>,
     /// Measure of the curves; by default that of the levels, else PGV.
     pub im: Option<String>,
     /// Years of the probabilities; by default 50.
