@@ -536,7 +536,13 @@ fn rows_are_kept_between_calls() {
     fs::write(&all[0], &text[..text.len() / 2]).unwrap();
     let text = fs::read_to_string(&all[1]).unwrap();
     fs::write(&all[1], text.replace("\n3,", "\n7,")).unwrap();
-    let second = steps(&json(folder, &["assess", "study.toml", "--out", "report"]));
+    // The page is another one.
+    refused(
+        folder,
+        &["assess", "study.toml", "--out", "report"],
+        &["report.html: exists already; expected --force to replace it"],
+    );
+    let second = steps(&json(folder, &["assess", "study.toml", "--out", "report", "--force"]));
     let part = second.iter().filter(|(_, runs, kept)| *kept > 0 && kept < runs).count();
     let whole = second.iter().filter(|(_, runs, kept)| kept == runs).count();
     assert_eq!((part, whole), (1, first.len() - 3), "{second:?}");
@@ -559,8 +565,11 @@ fn rows_of_another_program_are_made_again() {
     // Bytes after the end of a program do not change it.
     let kept = |bytes: &[u8]| -> Vec<u64> {
         fs::write(&program, [&built, bytes].concat()).unwrap();
-        let made =
-            Command::new(&program).args(["assess", "study.toml", "--json"]).current_dir(folder).output().unwrap();
+        let made = Command::new(&program)
+            .args(["assess", "study.toml", "--json", "--force"])
+            .current_dir(folder)
+            .output()
+            .unwrap();
         let report: Value = serde_json::from_slice(&made.stdout).unwrap();
         let steps = report["result"]["steps"].as_array().or(report["steps"].as_array()).unwrap();
         steps.iter().map(|step| step["kept"].as_u64().unwrap()).collect()
@@ -568,4 +577,18 @@ fn rows_of_another_program_are_made_again() {
     assert!(kept(b"").iter().all(|&kept| kept == 0));
     assert!(kept(b"").iter().any(|&kept| kept > 0));
     assert!(kept(b"another").iter().all(|&kept| kept == 0));
+}
+
+/// A comment behind a value changes no row: the table is continued.
+#[test]
+fn a_comment_behind_a_value_is_no_other_study() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv"]);
+    let study = fs::read_to_string(folder.join("study.toml")).unwrap();
+    fs::write(folder.join("study.toml"), study.replace("p = 2.2", "p = 2.2 # [rad/s], measured")).unwrap();
+    let printed = stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv", "--resume"]);
+    assert!(printed.contains("40, 40 resumed"), "{printed}");
+    let help = stdout(folder, &["fragility", "--help"]);
+    assert!(help.contains("half_cycles:20"), "{help}");
 }
