@@ -27,7 +27,7 @@ fn corners(tie: &Tie, before: &ObservedRestraint, after: &ObservedRestraint) -> 
     let change = after.plastic - before.plastic;
     [before.plastic, after.plastic].map(|plastic| {
         let elongation = plastic / (1.0 - hardening) + change.signum() * yield_force / stiffness;
-        (change != 0.0 && damping == 0.0).then(|| [elongation, stiffness * (elongation - plastic)])
+        (change != 0.0 && damping == 0.0).then_some([elongation, stiffness * (elongation - plastic)])
     })
 }
 

@@ -268,3 +268,39 @@ fn join(items: &[String]) -> String {
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    const TABLE: &str = include_str!("../../../docs/report.md");
+    const RESULTS: &str = include_str!("../../studies/src/assess/results.rs");
+    /// Shorter texts are parts of sentences.
+    const FEWEST_WORDS: usize = 4;
+
+    /// Returns the sentences among the texts in quotes of a source, without its tests.
+    fn sentences(source: &str) -> BTreeSet<String> {
+        let code = source.split("#[cfg(test)]").next().unwrap();
+        let lines = code.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+        let code = lines.collect::<Vec<_>>().join("\n").replace("\\\n", "");
+        let texts = code.split('"').skip(1).step_by(2).map(|text| text.trim().to_owned());
+        texts.filter(|text| text.split_whitespace().count() >= FEWEST_WORDS).collect()
+    }
+
+    /// Every sentence has a row with its numbers, every row is a sentence, and every key is one of the results.
+    #[test]
+    fn each_sentence_has_its_numbers_in_the_table() {
+        let code = [include_str!("sentences.rs"), include_str!("../../studies/src/assess/work.rs")];
+        let found: BTreeSet<String> = code.into_iter().flat_map(sentences).collect();
+        let rows = || TABLE.lines().filter_map(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
+        let listed: BTreeSet<String> = rows().map(|(sentence, _)| sentence.to_owned()).collect();
+        assert_eq!(found.difference(&listed).collect::<Vec<_>>(), Vec::<&String>::new(), "not in the table");
+        assert_eq!(listed.difference(&found).collect::<Vec<_>>(), Vec::<&String>::new(), "not in the code");
+        for (sentence, numbers) in rows() {
+            for key in numbers.split('`').skip(1).step_by(2).filter(|key| !key.contains(' ')) {
+                let field = key.rsplit('.').next().unwrap();
+                assert!(RESULTS.contains(&format!("pub {field}: ")) || field == "values", "{key} of {sentence}");
+            }
+        }
+    }
+}
