@@ -7,9 +7,27 @@
 
 use super::error::RecordError;
 use super::options::{ReadOptions, Setting};
-use super::raw::StatedStep;
 use super::text::{FileText, number, quoted};
 use super::unit::{Quantity, Unit, other_quantity};
+
+/// Relative difference below which two time steps are equal; no header prints more digits.
+pub(super) const SAME_STEP: f64 = 1e-6;
+
+/// Time step of a file.
+pub(super) struct StatedStep {
+    pub(super) line: usize,
+    /// (s)
+    pub(super) value: f64,
+    /// Tolerance for the caller's time step [s].
+    pub(super) tolerance: f64,
+}
+
+impl StatedStep {
+    /// A time step printed in the header.
+    pub(super) fn exact(line: usize, value: f64) -> StatedStep {
+        StatedStep { line, value, tolerance: SAME_STEP * value.abs() }
+    }
+}
 
 /// Statement of a header.
 pub(super) struct Claim {

@@ -1,8 +1,9 @@
 //! Files of the China Strong Motion Networks Centre: lines of text with unit, count, interval and peak, then eight values a line.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::text::{FileText, HEAD_LINES, Values, number, quoted, squeezed};
 
 /// Returns whether a line is the one common to all headers.

@@ -1,9 +1,10 @@
 //! Files of the European Strong-Motion Database and of ISESD (".cor", ".raw"): lines `key: value` and comments, then blocks of
 //! accelerations, velocities and displacements, each below a line such as `-> corrected acceleration time histories`.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::raw::{Raw, StatedCount};
 use super::text::{FileText, Values, squeezed};
 
 /// Beginning of the line above a block.

@@ -14,8 +14,8 @@
 //! | `record` | samples → accelerations at any time, peak |
 //! | `filter` | a record → without its trend, filtered, with another time step |
 //! | `text` | bytes → lines and numbers |
-//! | `raw` | content of a file in its own unit, options → a record |
 //! | `claims` | text of a header, options → unit and time step |
+//! | `raw` | content of a file in its own unit, options → a record |
 //! | `time_axis` | column of times → start and time step |
 //! | `clock` | date and time of day → seconds |
 //! | `channels` | file of several channels → the lines of one |
@@ -44,9 +44,9 @@ mod filter;
 
 mod text;
 
-mod raw;
-
 mod claims;
+
+mod raw;
 
 mod time_axis;
 

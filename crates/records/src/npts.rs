@@ -3,10 +3,10 @@
 //! eqsig, RspMatch, SIV and others write `4000 0.01`, DEEPSOIL adds a column of times, and EMOD3D follows with six numbers of place and
 //! time. No unit is stated, except in the text.
 
-use super::claims;
+use super::claims::{self, StatedStep};
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::raw::{Raw, StatedCount};
 use super::text::{FileText, Values, is_end_mark, number, print_quantum, squeezed};
 use super::time_axis::TimeAxis;
 

@@ -3,10 +3,10 @@
 //! Four variants of that line exist, `NPTS=  4000, DT= .01000 SEC`, `NPTS=   7999, DT=   .0050 SEC,`,
 //! `NPTS=   1451, dt=  .02000` and `1991    0.0100    NPTS, DT`, on line 4 or later. Some files have no header.
 
-use super::claims;
+use super::claims::{self, StatedStep};
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::raw::{Raw, StatedCount};
 use super::text::{FileText, HEAD_LINES, Values, is_end_mark, number, squeezed};
 
 /// Reads the file; without a header the caller must give time step and unit.

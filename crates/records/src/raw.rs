@@ -1,6 +1,6 @@
 //! Content of a file in its own unit, caller's options → a record.
 
-use super::claims::{self, Claim};
+use super::claims::{self, Claim, SAME_STEP, StatedStep};
 use super::error::RecordError;
 use super::format::Format;
 use super::options::{ReadOptions, Setting};
@@ -12,9 +12,6 @@ use super::unit::Unit;
 /// Largest accepted peak (g). The largest ever recorded are near 4 g, so a larger one means a wrong unit.
 const LARGEST_PEAK: f64 = 20.0;
 
-/// Relative difference below which two time steps are equal; no header prints more digits.
-const SAME_STEP: f64 = 1e-6;
-
 /// Relative difference below which two peaks are equal.
 const SAME_PEAK: f64 = 1e-4;
 
@@ -23,21 +20,6 @@ pub(super) struct StatedCount {
     /// Name of the count in the header.
     pub(super) key: &'static str,
     pub(super) value: usize,
-}
-
-pub(super) struct StatedStep {
-    pub(super) line: usize,
-    /// (s)
-    pub(super) value: f64,
-    /// Tolerance for the caller's time step [s].
-    pub(super) tolerance: f64,
-}
-
-impl StatedStep {
-    /// A time step printed in the header.
-    pub(super) fn exact(line: usize, value: f64) -> StatedStep {
-        StatedStep { line, value, tolerance: SAME_STEP * value.abs() }
-    }
 }
 
 pub(super) struct StatedPeak {
