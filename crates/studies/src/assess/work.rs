@@ -232,9 +232,9 @@ fn remarks_on_curves(plan: &Plan, curves: &[StateCurve]) -> Vec<String> {
         );
         if let Some(goodness) = found.goodness().filter(|goodness| goodness.p < POOR_FIT) {
             remarks.push(format!(
-                "The curve of the state “{}” fits its runs poorly: a true curve deviates as far in {:.1} % of samples only.",
+                "The curve of the state “{}” fits its runs poorly: of samples of a true curve, less than {:.1} % deviate as far.",
                 state.name,
-                100.0 * goodness.p
+                (1000.0 * goodness.p).ceil().max(1.0) / 10.0
             ));
         }
     }
@@ -258,8 +258,8 @@ fn remarks_on_motions(report: &Report) -> Vec<String> {
     if let Some(motion) = strongest.filter(|motion| motion.scales[1] > USUAL_SCALE) {
         let scaled = report.motions.iter().filter(|motion| motion.scales[1] > USUAL_SCALE).count();
         remarks.push(format!(
-            "{scaled} of {} ground motions are made more than {USUAL_SCALE} times stronger, {} up to {:.1} times: a strong earthquake lasts longer and \
-             shakes more slowly than a weak one made stronger. Records of stronger earthquakes avoid this.",
+            "Scaling makes {scaled} of {} ground motions more than {USUAL_SCALE} times stronger, {} up to {:.1} times: a strong earthquake lasts \
+             longer and shakes more slowly than a weak one made stronger. Records of stronger earthquakes avoid this.",
             report.motions.len(),
             motion.name,
             motion.scales[1]
