@@ -93,7 +93,7 @@ fn hazard(found: &AnnualRate, at: &[f64], x: &Range<f64>) -> Chart<'static> {
     let step = names.len().div_ceil(7);
     Chart {
         x: ("", x.clone()),
-        y: ("annual rate of exceedance", y),
+        y: ("annual rate (1/year)", y),
         curves: levels.chain(curves).collect(),
         names: names.iter().rev().step_by(step.max(1)).map(|(power, name)| (*power, (*name).into())).collect(),
         ..Chart::default()

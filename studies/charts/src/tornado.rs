@@ -29,6 +29,14 @@ pub struct Bar {
     pub results: [Option<f64>; 2],
 }
 
+/// Returns the results of a bar with their grey levels, the farthest from the middle first: of two on one side, the shorter lies over the longer.
+fn ends(bar: &Bar, middle: f64) -> Vec<(f64, u8)> {
+    let mut ends: Vec<(f64, u8)> =
+        bar.results.into_iter().zip([LOW, HIGH]).filter_map(|(result, grey)| Some((result?, grey))).collect();
+    ends.sort_by(|(a, _), (b, _)| (b - middle).abs().total_cmp(&(a - middle).abs()));
+    ends
+}
+
 /// Draws the bars, the longest on top; `middle` is the result without a change, `heading` name and unit of the result.
 ///
 /// # Errors
@@ -48,10 +56,12 @@ pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<
     let (mut tiles, mut notes) = (Vec::new(), Vec::new());
     for (number, bar) in sorted.iter().enumerate() {
         let bottom = rows - 1.0 - number as f64;
-        for (result, grey) in bar.results.into_iter().zip([LOW, HIGH]) {
-            let Some(result) = result else { continue };
-            tiles.push(Tile { x: result.min(middle)..result.max(middle), y: bottom + 0.12..bottom + 0.55, grey });
-        }
+        let bars = ends(bar, middle).into_iter().map(|(result, grey)| Tile {
+            x: result.min(middle)..result.max(middle),
+            y: bottom + 0.12..bottom + 0.55,
+            grey,
+        });
+        tiles.extend(bars);
         let [from, to] = bar.values.map(short);
         let missing = match bar.results {
             [Some(_), Some(_)] => "",
@@ -79,4 +89,18 @@ pub fn tornado(title: &str, heading: &str, middle: f64, bars: &[Bar]) -> Result<
         (Symbol::Curve(LineStyle::DASHED), "the study as it is".into()),
     ];
     page(&[title.into()], &legend, ROW * sorted.len().max(1) as u32 + AXIS, |root, area| chart.draw(root, area))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whichever end is farther from the middle, it is drawn first.
+    #[test]
+    fn the_shorter_of_two_bars_on_one_side_is_seen() {
+        let bar = |results| Bar { name: "a".into(), values: [1.0, 2.0], results };
+        assert_eq!(ends(&bar([Some(1.1), Some(1.3)]), 1.0), [(1.3, HIGH), (1.1, LOW)]);
+        assert_eq!(ends(&bar([Some(1.3), Some(1.1)]), 1.0), [(1.3, LOW), (1.1, HIGH)]);
+        assert_eq!(ends(&bar([Some(0.6), None]), 1.0), [(0.6, LOW)]);
+    }
 }

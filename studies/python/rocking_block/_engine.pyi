@@ -277,6 +277,7 @@ def read_record(
     channel: int | str | None,
     layout: str | None,
     skip: int | None,
+    npts: int | None,
     value_scale: float | None,
     time_column: int | str | None,
     acceleration_column: int | str | None,

@@ -214,6 +214,7 @@ def read_record(
     channel: int | str | None = None,
     layout: str | None = None,
     skip: int | None = None,
+    npts: int | None = None,
     value_scale: float | None = None,
     time_column: int | str | None = None,
     acceleration_column: int | str | None = None,
@@ -233,7 +234,7 @@ def read_record(
     dt : float, optional
         Time between two samples [s].
     format : {"peer", "smc", "columns", "cosmos", "csmip", "esm", "knet", "geonet", "nsmn", "unam", "renadic", "bhrc", "usc", \
-"jma", "cwb", "fixed"}, optional
+"jma", "cwb", "csmnc", "esd", "npts", "fixed"}, optional
         Format of the file.
     channel : int or str, optional
         Channel of a file with several, by number from 1 or by name, such as "N-S" or "90 Deg".
@@ -242,6 +243,8 @@ def read_record(
         such lines.
     skip : int, optional
         Lines before the first line of the layout.
+    npts : int, optional
+        Number of values in the layout, if other lines follow them.
     value_scale : float, optional
         Value of a printed 1 in the unit of the file, for a layout or a table.
     time_column, acceleration_column : int or str, optional
@@ -271,6 +274,7 @@ def read_record(
         channel=channel,
         layout=layout,
         skip=skip,
+        npts=npts,
         value_scale=value_scale,
         time_column=time_column,
         acceleration_column=acceleration_column,

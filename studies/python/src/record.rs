@@ -226,7 +226,7 @@ type Reading = (Py<PyArray1<f64>>, f64, String, f64, Option<String>);
 
 /// Reads a record from a file.
 #[pyfunction]
-#[pyo3(signature = (path, *, unit, dt, format, channel, layout, skip, value_scale, time_column, acceleration_column, g))]
+#[pyo3(signature = (path, *, unit, dt, format, channel, layout, skip, npts, value_scale, time_column, acceleration_column, g))]
 #[allow(clippy::too_many_arguments)]
 pub fn read_record(
     py: Python,
@@ -237,6 +237,7 @@ pub fn read_record(
     channel: Option<ChoiceOption>,
     layout: Option<String>,
     skip: Option<i64>,
+    npts: Option<i64>,
     value_scale: Option<f64>,
     time_column: Option<ChoiceOption>,
     acceleration_column: Option<ChoiceOption>,
@@ -249,6 +250,7 @@ pub fn read_record(
         channel: channel.map(|channel| channel.checked("channel")).transpose()?,
         layout,
         skip: skip.map(|lines| whole("skip", lines, 0..=100_000)).transpose()?,
+        npts: npts.map(|values| whole("npts", values, 2..=100_000_000)).transpose()?,
         value_scale,
         acceleration_column: acceleration_column.map(|column| column.checked("acceleration_column")).transpose()?,
         time_column: time_column.map(|column| column.checked("time_column")).transpose()?,

@@ -41,7 +41,9 @@ pub enum ReportError {
 
 /// Returns the result in a few sentences, a line each.
 pub fn text(results: &Results) -> String {
-    sentences::summary(&results.report, range(results)).into_iter().map(|sentence| sentence + "\n").collect()
+    let (report, range) = (&results.report, range(results));
+    let sentences = sentences::verdict(report, range).into_iter().chain(sentences::summary(report, range));
+    sentences.map(|sentence| sentence + "\n").collect()
 }
 
 /// Returns the least and greatest measure of the runs. Those of the variants count, too; they are under the same ground motions.

@@ -101,10 +101,55 @@ pub fn exceed(limit: Limit) -> String {
     }
 }
 
+/// Writes a count with its noun.
+pub fn counted(count: impl Borrow<u64>, noun: &str) -> String {
+    let count = *count.borrow();
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Returns the predicate of an object beyond a limit without symbols, as in “the object overturns”.
+pub fn exceeds_in_words(limit: Limit) -> String {
+    match limit {
+        Limit::Overturned => "overturns".into(),
+        Limit::Balance => "passes the balance over its corner".into(),
+        Limit::Rotation(limit) => {
+            format!("tilts beyond {limit} times the angle at which its centre of mass stands over its corner")
+        }
+        Limit::Slip(limit) => format!("overturns or slips more than {limit} m"),
+        Limit::Plastic(limit) => format!("overturns or stretches a tie or damper plastically by more than {limit} m"),
+        Limit::HalfCycles(limit) => format!("overturns or gives a tie or damper more than {limit} half cycles"),
+    }
+}
+
+/// Meaning of the measures and symbols of a page.
+pub const WORDS: [(&str, &str); 9] = [
+    ("PGA", "peak ground acceleration: the greatest acceleration of the ground"),
+    ("PGV", "peak ground velocity: the greatest velocity of the ground"),
+    ("PFA", "peak floor acceleration: the greatest acceleration of the floor on which the object stands"),
+    ("PFV", "peak floor velocity: the greatest velocity of that floor"),
+    ("θ", "rotation of the object about a corner of its base"),
+    (
+        "α",
+        "slenderness: the angle between the vertical and the line from a corner to the centre of mass; at |θ|/α = 1 that centre stands over the corner",
+    ),
+    (
+        "β",
+        "dispersion: how widely the strengths scatter at which an object exceeds the limit, as a standard deviation of natural logarithms",
+    ),
+    ("median", "the strength of shaking at which the limit is exceeded with a probability of one half"),
+    ("μ", "coefficient of friction between feet and base"),
+];
+
+/// Returns the name of a measure, spelled out if the page has its meaning.
+pub fn spelled(measure: &str) -> String {
+    let word = WORDS.iter().find(|(word, _)| *word == measure).and_then(|(_, meaning)| meaning.split(':').next());
+    word.map_or(measure.into(), |meaning| format!("{meaning} ({measure})"))
+}
+
 /// Writes where runs without a curve lie: the measure up to which none exceeds the limit, and the one from which on all do. `heading` has
 /// the name and the suffix of the measure.
 pub fn separate([none, all]: [Option<f64>; 2], motions: usize, (measure, unit): (&str, &str)) -> Option<String> {
-    let motions = if motions == 1 { "1 motion".into() } else { format!("{motions} motions") };
+    let motions = counted(motions as u64, "motion");
     match (none, all) {
         (Some(none), Some(all)) => Some(format!(
             "no exceedance among {motions} up to a {measure} of {}{unit}, only exceedances from {}{unit} on",
@@ -166,6 +211,14 @@ mod tests {
             ("more than 20 half cycles", "overturn or give a tie or damper more than 20 half cycles"),
         ];
         assert_eq!(found, exact.map(|(limit, exceed)| (limit.to_string(), exceed.to_string())));
+    }
+
+    /// A count has its noun in the right number, and each measure of the box is spelled out.
+    #[test]
+    fn counts_and_measures_are_words() {
+        assert_eq!([1, 2, 0].map(|count| counted(count, "block")), ["1 block", "2 blocks", "0 blocks"]);
+        assert_eq!(spelled("PGV"), "peak ground velocity (PGV)");
+        assert_eq!(spelled("CAV"), "CAV");
     }
 
     /// Two motions without an exceedance bound no rate.

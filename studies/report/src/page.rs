@@ -5,7 +5,7 @@ use askama::Template;
 use crate::commands::commands;
 use crate::numbers::{self, heading, interval, limit, long, rate, short};
 use crate::pictures::Picture;
-use crate::sentences::summary;
+use crate::sentences::{summary, verdict};
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
 use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, Report, Results};
@@ -22,6 +22,10 @@ pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<Stri
         measure,
         unit: unit.trim().to_string(),
         compared: limit(report.states[report.compared_state].limit),
+        beyond: numbers::exceed(report.states[report.compared_state].limit),
+        verdict: verdict(report, range(results)),
+        by: by(report),
+        words: words(report),
         summary: summary(report, range(results)),
         range: range(results),
         commands: commands(plan, results),
@@ -29,6 +33,26 @@ pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<Stri
         study: &plan.sweep.text,
     };
     Ok(page.render()?)
+}
+
+/// Names author and date, or says that the study does not.
+fn by(report: &Report) -> String {
+    match (&report.author, &report.date) {
+        (Some(author), Some(date)) => format!("{author}, {date}."),
+        (Some(author), None) => format!("{author}; the study has no date."),
+        (None, Some(date)) => format!("{date}; the study names no author."),
+        (None, None) => "The study names neither author nor date.".into(),
+    }
+}
+
+/// Returns the meaning of the words that the page has.
+fn words(report: &Report) -> Vec<(&'static str, &'static str)> {
+    let has = |word: &str| match word {
+        "PFA" | "PFV" => report.building.is_some(),
+        "μ" => !report.sliding.is_empty() || report.object.friction.is_finite(),
+        _ => true,
+    };
+    numbers::WORDS.into_iter().filter(|(word, _)| has(word)).collect()
 }
 
 #[derive(Template)]
@@ -42,8 +66,16 @@ struct Page<'a> {
     unit: String,
     /// Limit of variants, friction and sensitivity.
     compared: String,
+    /// The predicate of runs beyond it.
+    beyond: String,
     /// Least and greatest measure of the runs.
     range: [f64; 2],
+    /// The two lines above all others.
+    verdict: [String; 2],
+    /// Author and date.
+    by: String,
+    /// Symbols and their meaning.
+    words: Vec<(&'static str, &'static str)>,
     summary: Vec<String>,
     commands: Vec<String>,
     version: &'static str,
@@ -181,6 +213,11 @@ impl Page<'_> {
 
     fn rate_interval(&self, interval: &[Option<f64>; 2]) -> String {
         numbers::rate_range(*interval).unwrap_or_else(|| "unbounded".into())
+    }
+
+    /// Whether a variant has limited friction that the object has not.
+    fn has_sliding_variant(&self) -> bool {
+        self.report.variants.iter().skip(1).any(|variant| variant.friction.is_finite())
     }
 
     fn has_usual_ranges(&self) -> bool {

@@ -9,7 +9,7 @@ use rocking_charts::sketch::Sketch;
 use rocking_charts::spectrum::{Abscissa, Curves, spectrum};
 use rocking_charts::tornado::{Bar, tornado};
 use rocking_studies::assess::{CurveResult, Plan, Results};
-use rocking_studies::fragility::Ida;
+use rocking_studies::fragility::{Ida, Limit};
 use rocking_studies::spectrum::statistics::BlockOutcome;
 use rocking_studies::sweep::strength::Strengths;
 
@@ -45,7 +45,11 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
     let named = report.states.iter().zip(&results.states);
     let fitted: Vec<_> = named
         .filter_map(|(state, curve)| {
-            let name = format!("{}: {}", state.name, limit(state.limit));
+            // A state may be named after its limit.
+            let name = match state.limit {
+                Limit::Overturned => state.name.clone(),
+                other => format!("{}: {}", state.name, limit(other)),
+            };
             Some((name, curve.assessment.as_ref().ok()?))
         })
         .collect();

@@ -1,8 +1,54 @@
 //! Results → plain English.
 
-use crate::numbers::{self, exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
+use crate::numbers::{
+    self, counted, exceed, exceeds_in_words, heading, interval, limit, long, no_curve, percent, quantity, rate, short,
+    spelled, years,
+};
 use rocking_studies::assess::{BuildingResult, Comparison, ObjectResult, Report, StateResult};
 use rocking_studies::fragility::Limit;
+
+/// Writes the verdict in two lines without symbols: what the object withstands, then how often it does not and what helps.
+pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
+    let state = &report.states[report.compared_state];
+    let (measure, unit) = heading(&report.im);
+    let happens = exceeds_in_words(state.limit);
+    let half = match state.curve.map(|curve| curve.median) {
+        Some(median) if median > greatest => "; one half of the objects only do so in stronger ones".into(),
+        Some(median) if median < least => "; one half of the objects do so in weaker ones already".into(),
+        Some(median) => format!("; one half of the objects do so at {}{unit}", short(median)),
+        None => String::new(),
+    };
+    let capacity = format!(
+        "The object {happens} in {} of {} computed earthquakes with a {} from {} to {}{unit}{half}.",
+        numbers::exceeded(&state.runs),
+        state.runs.all(),
+        spelled(&measure),
+        short(least),
+        short(greatest)
+    );
+    let often = match (state.rate, &report.hazard) {
+        (Some(found), _) => {
+            let range = numbers::rate_range(found.rate_interval);
+            let range =
+                range.map(|range| format!(" (rate per year with {} confidence: {range})", percent(report.confidence)));
+            format!(
+                "At the site this is expected once in {} years, with a probability of {} in {} years{}.",
+                years(1.0 / found.rate),
+                percent(found.probability),
+                report.years,
+                range.unwrap_or_else(|| {
+                    format!(
+                        "; {} too few to bound the error",
+                        if report.motions.len() == 1 { "one ground motion is" } else { "the ground motions are" }
+                    )
+                })
+            )
+        }
+        (None, Some(_)) => "How often this happens at the site cannot be computed from these runs.".into(),
+        (None, None) => "How often this happens is not known: the study names no seismic hazard of a site.".into(),
+    };
+    [capacity, often]
+}
 
 /// Writes the result in a few sentences.
 pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
@@ -13,11 +59,11 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     let count = |state: &StateResult| format!("{} {}", numbers::exceeded(&state.runs), exceed(state.limit));
     let counts: Vec<String> = report.states.iter().map(count).collect();
     sentences.push(format!(
-        "In {} runs ({} blocks × {} ground motions × {} strengths) {}.",
-        report.runs,
-        report.blocks,
-        report.motions.len(),
-        report.strengths.len(),
+        "In {} ({} × {} × {}) {}.",
+        counted(report.runs, "run"),
+        counted(report.blocks, "block"),
+        counted(report.motions.len() as u64, "ground motion"),
+        counted(report.strengths.len() as u64, "strength"),
         join(&counts)
     ));
     match state.curve {
@@ -30,9 +76,9 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         Some(curve) => {
             let ends = match curve.median_interval {
                 [None, None] => format!(
-                    "; the {} interval is unbounded: {} ground motions carry too little information",
+                    "; the {} interval is unbounded: {} carry too little information",
                     percent(report.confidence),
-                    report.motions.len()
+                    counted(report.motions.len() as u64, "ground motion")
                 ),
                 ends => format!(" ({} interval: {}{unit})", percent(report.confidence), interval(ends)),
             };
@@ -83,7 +129,7 @@ fn object(object: &ObjectResult, building: Option<&BuildingResult>) -> String {
             let place = if building.is_some() { "floor" } else { "ground" };
             let pga = building.and_then(|building| building.least_pga).map(|pga| {
                 format!(
-                    ", which the weakest of these ground motions that reaches it gives with a PGA of {} g",
+                    ". The building amplifies the ground motions: one with a PGA of {} g can be enough",
                     long(pga / g)
                 )
             });
@@ -220,5 +266,41 @@ fn join(items: &[String]) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    const TABLE: &str = include_str!("../../../docs/report.md");
+    const RESULTS: &str = include_str!("../../studies/src/assess/results.rs");
+    /// Shorter texts are parts of sentences.
+    const FEWEST_WORDS: usize = 4;
+
+    /// Returns the sentences among the texts in quotes of a source, without its tests.
+    fn sentences(source: &str) -> BTreeSet<String> {
+        let code = source.split("#[cfg(test)]").next().unwrap();
+        let lines = code.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+        let code = lines.collect::<Vec<_>>().join("\n").replace("\\\n", "");
+        let texts = code.split('"').skip(1).step_by(2).map(|text| text.trim().to_owned());
+        texts.filter(|text| text.split_whitespace().count() >= FEWEST_WORDS).collect()
+    }
+
+    /// Every sentence has a row with its numbers, every row is a sentence, and every key is one of the results.
+    #[test]
+    fn each_sentence_has_its_numbers_in_the_table() {
+        let code = [include_str!("sentences.rs"), include_str!("../../studies/src/assess/work.rs")];
+        let found: BTreeSet<String> = code.into_iter().flat_map(sentences).collect();
+        let rows = || TABLE.lines().filter_map(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
+        let listed: BTreeSet<String> = rows().map(|(sentence, _)| sentence.to_owned()).collect();
+        assert_eq!(found.difference(&listed).collect::<Vec<_>>(), Vec::<&String>::new(), "not in the table");
+        assert_eq!(listed.difference(&found).collect::<Vec<_>>(), Vec::<&String>::new(), "not in the code");
+        for (sentence, numbers) in rows() {
+            for key in numbers.split('`').skip(1).step_by(2).filter(|key| !key.contains(' ')) {
+                let field = key.rsplit('.').next().unwrap();
+                assert!(RESULTS.contains(&format!("pub {field}: ")) || field == "values", "{key} of {sentence}");
+            }
+        }
     }
 }

@@ -7,6 +7,7 @@ use crate::spec::words::{Words, friction};
 use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::parameters::ParameterValues;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::Block;
 use rocking_block::block::restraints::LinkKind;
@@ -29,6 +30,7 @@ pub(super) fn object(plan: &Plan) -> ObjectResult {
         ratios,
         delta_s: block.static_deflection(),
     });
+    let links = |kind| block.ties().iter().filter(|tie| tie.kind == kind && tie.is_present()).count();
     let e = supports.is_none().then(|| block.restitution());
     ObjectResult {
         foundation: block.foundation.word(),
@@ -46,8 +48,14 @@ pub(super) fn object(plan: &Plan) -> ObjectResult {
         supports,
         e,
         friction: friction::to_user(block.friction),
+        friction_range: range(|block| block.friction).map(friction::to_user),
         eccentricity: block.eccentricity,
-        ties: block.ties().iter().filter(|tie| tie.kind == LinkKind::Tie).count(),
+        ties: links(LinkKind::Tie),
+        dampers: links(LinkKind::Damper),
+        is_beside_the_middle: sweep
+            .parameters
+            .iter()
+            .any(|swept| matches!(&swept.values, ParameterValues::List(values) if values.len() % 2 == 0)),
         static_threshold: static_threshold(block),
     }
 }

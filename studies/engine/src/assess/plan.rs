@@ -28,6 +28,10 @@ use rocking_block::unit::variables::{Kind, Variable};
 pub struct Plan {
     /// Name of the object.
     pub title: String,
+    /// Who answers for the study.
+    pub author: Option<String>,
+    /// Date of the study.
+    pub date: Option<String>,
     /// Name of the study file.
     pub file: String,
     /// The runs.
@@ -155,6 +159,8 @@ impl Plan {
         let periods = periods.map(|periods| periods.iter().map(|period| period.0).collect());
         Ok(Plan {
             title: assess.title.clone(),
+            author: assess.author.clone(),
+            date: assess.date.clone(),
             file: file.into(),
             height: (!has_center_height).then_some(2.0 * block.h),
             states: states(&root, assess, &sweep)?,
@@ -283,7 +289,32 @@ fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Res
             None => Ok(State { name: name.clone(), limit, source: source.clone() }),
         }
     };
-    tables.iter().enumerate().map(state).collect()
+    let states: Vec<State> = tables.iter().enumerate().map(state).collect::<Result<_, _>>()?;
+    for (number, pair) in (1..).zip(states.windows(2)) {
+        if let [mild, severe] = pair
+            && is_more_severe(mild.limit, severe.limit)
+        {
+            let found = format!("{} = {} after {} = {}", severe.name, severe.limit, mild.name, mild.limit);
+            let message =
+                format!("{found}; expected the least severe state first, to which variants then do not refer");
+            return Err(root.refused(&format!("assess.states.{number}.limit"), message));
+        }
+    }
+    Ok(states)
+}
+
+/// Returns whether a run beyond the first limit is beyond the second, too, so that the first is the more severe one, or the same.
+fn is_more_severe(first: Limit, second: Limit) -> bool {
+    match (first, second) {
+        (Limit::Overturned, _) => true,
+        (Limit::Balance, Limit::Balance) => true,
+        (Limit::Balance, Limit::Rotation(angle)) => angle < 1.0,
+        (Limit::Rotation(first), Limit::Rotation(second))
+        | (Limit::Slip(first), Limit::Slip(second))
+        | (Limit::Plastic(first), Limit::Plastic(second)) => first >= second,
+        (Limit::HalfCycles(first), Limit::HalfCycles(second)) => first >= second,
+        _ => false,
+    }
 }
 
 /// Reads the variants.

@@ -12,6 +12,10 @@ use rocking_block::block::Ratios;
 pub struct Report {
     /// Name of the object.
     pub title: String,
+    /// Who answers for the study.
+    pub author: Option<String>,
+    /// Date of the study.
+    pub date: Option<String>,
     /// The study file.
     pub study: String,
     /// The object in the middle of the study.
@@ -96,10 +100,16 @@ pub struct ObjectResult {
     pub e: Option<f64>,
     /// Coefficient of friction; infinite, null in JSON, without a limit.
     pub friction: f64,
+    /// Least and greatest coefficient of the study.
+    pub friction_range: [f64; 2],
     /// Distance of the centre of mass from the middle of the base (m).
     pub eccentricity: f64,
     /// Number of ties.
     pub ties: usize,
+    /// Number of dampers.
+    pub dampers: usize,
+    /// Whether a parameter is a list of an even number of values, of which the one after the middle was taken.
+    pub is_beside_the_middle: bool,
     /// Horizontal acceleration (m/s²) that slowly lifts a corner of the block. `None` for a block with ties.
     pub static_threshold: Option<f64>,
 }
@@ -313,6 +323,8 @@ pub struct Comparison {
     pub peak_tension: Option<f64>,
     /// Greatest force of a damper over the weight, with dampers.
     pub peak_damper_force: Option<f64>,
+    /// Least horizontal distance from the block to the anchor of a tie (m), with ties.
+    pub anchor_distance: Option<f64>,
     /// Runs in which a tie broke, with ties that can.
     pub runs_with_broken_ties: Option<usize>,
 }

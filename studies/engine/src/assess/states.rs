@@ -41,7 +41,13 @@ impl StateCurve {
         let mut store = CaseStore::default();
         cases.iter().for_each(|case| store.push(case.row as u64, case, [numbers[case.row], Some(1.0)]));
         let fitted = Assessment::of(store, &motions, Link::Probit, CONFIDENCE, Uncertainty::Profile);
-        let assessment = fitted.map_err(|error| error.to_string());
+        let assessment = fitted.map_err(|error| error.to_string()).and_then(|found| match found.fit.dispersion() {
+            // No median: where the probability falls, one half of it bounds nothing.
+            beta if beta < 0.0 => {
+                Err(format!("the probability of exceeding the limit falls as {measure} grows (β = {beta:.3})"))
+            }
+            _ => Ok(found),
+        });
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
         let separate_at = separate_at(&cases, &numbers);

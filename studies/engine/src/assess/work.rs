@@ -10,7 +10,7 @@ use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Kept, Step, Work};
 use crate::assess::{pulses, spectrum};
-use crate::fragility::{Limit, SweepTable, Uncertainty};
+use crate::fragility::{Component, Limit, SweepTable, Uncertainty};
 use crate::output::runner::Study;
 use crate::spec::words::{Words, friction};
 use crate::spectrum::statistics::{BlockOutcome, Statistics};
@@ -25,6 +25,10 @@ const FRICTIONS: [f64; 3] = [0.3, 0.5, 0.7];
 const SLID: f64 = 1e-3;
 /// Share of an annual rate beyond the runs or the hazard that draws a remark.
 const NOTABLE: f64 = 0.01;
+/// Probability of a deviance below which the poor fit of a curve draws a remark.
+const POOR_FIT: f64 = 0.05;
+/// Factor on a ground motion above which its scaling draws a remark.
+const USUAL_SCALE: f64 = 4.0;
 
 /// The results of an assessment: the numbers, and the data of its pictures.
 pub struct Results {
@@ -101,6 +105,8 @@ pub fn assess(
     let intervals = curves.iter().find_map(|curve| curve.assessment.as_ref().ok());
     let mut report = Report {
         title: plan.title.clone(),
+        author: plan.author.clone(),
+        date: plan.date.clone(),
         study: plan.file.clone(),
         object: object(plan),
         building: building(plan),
@@ -125,7 +131,7 @@ pub fn assess(
         remarks: Vec::new(),
         inputs: plan.inputs.clone(),
     };
-    report.remarks = remarks(plan, &report);
+    report.remarks = remarks(plan, &report, &curves);
     Ok(Results { report, table, states: curves, sizes, steps: work.steps })
 }
 
@@ -170,7 +176,9 @@ fn comparison(
             greatest(links.map(|(kind, i)| format!("peak.{}_{}.{}", kind.word(), i + 1, kind.force())).collect());
         force.map(|force| force.map(|force| force / (block.mass * block.gravity)))
     };
-    let can_break = block.ties().iter().any(|tie| tie.strength > 0.0);
+    let ties = || block.ties().iter().filter(|tie| tie.kind == LinkKind::Tie && tie.is_present());
+    let distances = ties().map(|tie| (tie.ground[0] - tie.block[0]).abs()).filter(|distance| *distance > 0.0);
+    let can_break = ties().any(|tie| tie.strength > 0.0);
     let broken = can_break.then(|| table.numbers("ties.broken")).transpose()?;
     Ok(Comparison {
         name: name.into(),
@@ -186,6 +194,7 @@ fn comparison(
         peak_slip: slip,
         peak_tension: force(LinkKind::Tie)?,
         peak_damper_force: force(LinkKind::Damper)?,
+        anchor_distance: distances.reduce(f64::min),
         runs_with_broken_ties: broken.map(|broken| broken.into_iter().flatten().filter(|count| *count > 0.0).count()),
     })
 }
@@ -212,8 +221,76 @@ fn sliding_result(
     })
 }
 
-/// Returns remarks on missing or extrapolated results.
-fn remarks(plan: &Plan, report: &Report) -> Vec<String> {
+/// Returns remarks on the fit of a curve, and on curves that cross.
+fn remarks_on_curves(plan: &Plan, curves: &[StateCurve]) -> Vec<String> {
+    let fitted =
+        || plan.states.iter().zip(curves).filter_map(|(state, curve)| Some((state, curve.assessment.as_ref().ok()?)));
+    let mut remarks = Vec::new();
+    for (state, found) in fitted() {
+        remarks.extend(
+            found.warnings(&format!("“{}” over {}", state.name, plan.measure)).into_iter().map(|text| text + "."),
+        );
+        if let Some(goodness) = found.goodness().filter(|goodness| goodness.p < POOR_FIT) {
+            remarks.push(format!(
+                "The curve of the state “{}” fits its runs poorly: of samples of a true curve, less than {:.1} % deviate as far.",
+                state.name,
+                (1000.0 * goodness.p).ceil().max(1.0) / 10.0
+            ));
+        }
+    }
+    let fits = fitted().map(|(state, found)| (state.limit, &found.fit));
+    if let Ok(component) = Component::new("curves", plan.measure, 1.0, fits, "") {
+        remarks.extend(component.crossings().into_iter().map(|crossing| {
+            let named = plan
+                .states
+                .iter()
+                .fold(crossing, |text, state| text.replace(&state.limit.to_string(), &format!("“{}”", state.name)));
+            format!("States: {}.", named.trim_start_matches("curves: "))
+        }));
+    }
+    remarks
+}
+
+/// Returns remarks on strong scaling, and on what the motions do to links and walls.
+fn remarks_on_motions(report: &Report) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let strongest = report.motions.iter().max_by(|a, b| a.scales[1].total_cmp(&b.scales[1]));
+    if let Some(motion) = strongest.filter(|motion| motion.scales[1] > USUAL_SCALE) {
+        let scaled = report.motions.iter().filter(|motion| motion.scales[1] > USUAL_SCALE).count();
+        remarks.push(format!(
+            "Scaling makes {scaled} of {} ground motions more than {USUAL_SCALE} times stronger, {} up to {:.1} times: a strong earthquake lasts \
+             longer and shakes more slowly than a weak one made stronger. Records of stronger earthquakes avoid this.",
+            report.motions.len(),
+            motion.name,
+            motion.scales[1]
+        ));
+    }
+    let listed = |text: &dyn Fn(&Comparison) -> Option<String>| {
+        let texts: Vec<String> = report.variants.iter().filter_map(text).collect();
+        (!texts.is_empty()).then(|| texts.join(", "))
+    };
+    let tension = |variant: &Comparison| {
+        let tension = variant.peak_tension.filter(|tension| *tension > 1.0)?;
+        Some(format!("{tension:.1} times in “{}”", variant.name))
+    };
+    remarks.extend(listed(&tension).map(|tensions| {
+        format!("A tie pulls with more than the weight of the object, up to {tensions}: anchors, wall and object must carry it.")
+    }));
+    let slip = |variant: &Comparison| {
+        let (slip, distance) =
+            variant.peak_slip.zip(variant.anchor_distance).filter(|(slip, distance)| slip > distance)?;
+        Some(format!("{slip:.2} m where an anchor is {distance:.2} m away in “{}”", variant.name))
+    };
+    remarks.extend(listed(&slip).map(|slips| {
+        format!(
+            "The object slips as far as the wall that holds its ties, which the computation does not know: {slips}."
+        )
+    }));
+    remarks
+}
+
+/// Returns remarks on missing, doubtful or extrapolated results.
+fn remarks(plan: &Plan, report: &Report, curves: &[StateCurve]) -> Vec<String> {
     let mut remarks = plan.left_out.iter().map(|left_out| format!("Not tried: {left_out}.")).collect::<Vec<_>>();
     remarks.extend(
         plan.hazard
@@ -244,5 +321,7 @@ fn remarks(plan: &Plan, report: &Report) -> Vec<String> {
             ));
         }
     }
+    remarks.extend(remarks_on_curves(plan, curves));
+    remarks.extend(remarks_on_motions(report));
     remarks
 }

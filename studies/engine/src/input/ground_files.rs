@@ -36,6 +36,7 @@ impl RecordOption {
             Setting::Channel => "channel",
             Setting::Layout => "layout",
             Setting::Skip => "skip",
+            Setting::Npts => "npts",
             Setting::ValueScale => "value_scale",
             Setting::TimeColumn => "time_column",
             Setting::AccelerationColumn => "acceleration_column",

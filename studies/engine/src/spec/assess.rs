@@ -15,6 +15,10 @@ use crate::spec::values::{Positive, Word};
 pub struct AssessTable {
     /// Name of the object.
     pub title: String,
+    /// Who answers for the study, on the first page.
+    pub author: Option<String>,
+    /// Date of the study, on the first page, as 2026-11-29 in quotes.
+    pub date: Option<String>,
     /// Measure of the curves; by default that of the levels, else PGV.
     pub im: Option<String>,
     /// Years of the probabilities; by default 50.
@@ -71,7 +75,7 @@ pub enum Site {
 pub struct StateTable {
     /// Name of the state.
     pub name: String,
-    /// "overturned", "balance", a number for |theta|/alpha, or in metres "slip:0.1" or "plastic:0.02".
+    /// "overturned", "balance", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20".
     pub limit: Word,
     /// The publication or decision behind it.
     pub source: Option<String>,

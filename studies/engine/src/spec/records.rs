@@ -62,7 +62,7 @@ pub struct FileSpec {
     #[cfg_attr(feature = "clap", arg(long, value_name = "S"))]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub dt: Option<f64>,
-    /// Format, if the content leaves it open: peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma or cwb
+    /// Format, if the content leaves it open: peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, csmnc, esd or npts
     #[cfg_attr(feature = "clap", arg(long))]
     pub format: Option<String>,
     /// Channel of a file with several, by name or by number from 1
@@ -76,6 +76,10 @@ pub struct FileSpec {
     #[cfg_attr(feature = "clap", arg(long, value_name = "LINES"))]
     #[schemars(range(min = 0, max = 100_000))]
     pub skip: Option<u64>,
+    /// Number of values in the layout, if other lines follow them
+    #[cfg_attr(feature = "clap", arg(long, value_name = "COUNT"))]
+    #[schemars(range(min = 2, max = 100_000_000))]
+    pub npts: Option<u64>,
     /// Value of a printed 1 in the unit of the file, for layouts and tables
     #[cfg_attr(feature = "clap", arg(long, value_name = "FACTOR"))]
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -207,14 +211,20 @@ impl FileSpec {
     /// # Errors
     /// Those of [`RecordSpec::options`].
     pub fn options(&self) -> Result<ReadOptions, SpecError> {
-        let skip = self.skip.map(|lines| lines as f64);
-        limits::check::<FileSpec>(&[("dt", self.dt), ("skip", skip), ("value_scale", self.value_scale)])?;
+        let whole = |value: Option<u64>| value.map(|value| value as f64);
+        limits::check::<FileSpec>(&[
+            ("dt", self.dt),
+            ("skip", whole(self.skip)),
+            ("npts", whole(self.npts)),
+            ("value_scale", self.value_scale),
+        ])?;
         Ok(ReadOptions {
             format: parsed("format", &self.format)?,
             unit: parsed("unit", &self.unit)?,
             time_step: self.dt,
             layout: parsed("layout", &self.layout)?,
             skip: self.skip.map(|lines| lines as usize),
+            npts: self.npts.map(|values| values as usize),
             value_scale: self.value_scale,
             time_column: self.time_column.clone(),
             acceleration_column: self.acceleration_column.clone(),

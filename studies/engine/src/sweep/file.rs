@@ -98,8 +98,8 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
         // Blank lines, indentation and comments do not change a study.
         text: text
             .lines()
-            .map(str::trim)
-            .filter(|line| !line.is_empty() && !line.starts_with('#'))
+            .map(|line| without_comment(line).trim())
+            .filter(|line| !line.is_empty())
             .map(String::from)
             .collect(),
         parameters,
@@ -122,6 +122,26 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts(checks)).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)
+}
+
+/// Returns a line of TOML without the comment at its end, which is not in quotes.
+fn without_comment(line: &str) -> &str {
+    let mut quote = None;
+    let mut is_escaped = false;
+    for (at, c) in line.char_indices() {
+        match (quote, c) {
+            (None, '#') => return &line[..at],
+            (None, '"' | '\'') => quote = Some(c),
+            (Some('"'), '\\') if !is_escaped => {
+                is_escaped = true;
+                continue;
+            }
+            (Some(open), _) if c == open && !is_escaped => quote = None,
+            _ => {}
+        }
+        is_escaped = false;
+    }
+    line
 }
 
 /// Refuses the quantities of single runs beside a search.

@@ -24,6 +24,9 @@ pub struct AssessCommand {
     /// Folder for the page, its pictures and tables
     #[arg(long, value_name = "FOLDER", default_value = "report", help_heading = "Results")]
     out: PathBuf,
+    /// Replace the report in the folder; rows kept there are used in any case
+    #[arg(long, help_heading = "Results")]
+    force: bool,
     #[command(flatten)]
     processor: ProcessorOptions,
     #[command(flatten)]
@@ -41,15 +44,20 @@ struct AssessResult<'a> {
 
 /// Runs the command.
 pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
-    let AssessCommand { file, out, processor, report } = options;
+    let AssessCommand { file, out, force, processor, report } = options;
     let (name, text) = input::text(file)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     // The page names the file without its folder, so that its bytes do not depend on where the study lies.
     let short = file.file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
     let plan = Plan::read(&short, &text, folder).map_err(|error| StudyFileError { file: name.clone(), ..error })?;
     warn(&plan.sweep.remarks);
-    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
     let page = out.join(PAGE);
+    anyhow::ensure!(
+        *force || !page.exists(),
+        "{}: exists already; expected --force to replace it, or another folder for --out",
+        page.display()
+    );
+    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
     Pending::new(&page)?;
 
     // An interrupted call, or one with another title, finds the rows there.

@@ -183,7 +183,7 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         ("[assess]\n", &["study.toml:13: assess has no title"]),
         (
             "[assess]\ntitle = \"a\"\nname = 1\n",
-            &["study.toml:15: there is no name in assess; expected one of hazard, im"],
+            &["study.toml:15: there is no name in assess; expected one of author, date, hazard, im"],
         ),
         ("[assess]\ntitle = \"a\"\nim = \"PFA\"\n", &["study.toml:15: im = \"PFA\"; expected one of PGA"]),
         ("[assess]\ntitle = \"a\"\nhazard = { file = \"no.csv\" }\n", &["study.toml:15: no.csv: cannot be read"]),
@@ -222,6 +222,14 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
             &["study.toml:15: a limit on the slip without friction; expected friction in [parameters]"],
         ),
         (
+            "[assess]\ntitle = \"a\"\nstates = [{ name = \"o\", limit = \"overturned\" }, { name = \"r\", limit = 0.5 }]\n",
+            &["study.toml:15: r = theta/alpha>0.5 after o = overturned; expected the least severe state first"],
+        ),
+        (
+            "[assess]\ntitle = \"a\"\nstates = [{ name = \"a\", limit = 0.5 }, { name = \"b\", limit = 0.3 }]\n",
+            &["study.toml:15: b = theta/alpha>0.3 after a = theta/alpha>0.5; expected the least severe state first"],
+        ),
+        (
             "[assess]\ntitle = \"a\"\nstates = [{ name = \"yields\", limit = \"plastic:0.02\" }]\n",
             &[
                 "study.toml:15: a limit on plastic elongations without a tie or damper that yields; expected yield_force",
@@ -233,6 +241,102 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         let left = files(folder.path());
         assert!(!folder.path().join("report/report.html").exists(), "{left:?}");
     }
+}
+
+/// A director reads the verdict first, without symbols, then remarks on forces and slips that no anchor or wall allows.
+#[test]
+fn the_page_is_written_for_its_reader() {
+    let links = "mass = 500\nfriction = { from = 0.2, to = 0.4 }\ntie_1.block_x = -0.3\ntie_1.block_z = 2\ntie_1.ground_x = -0.4\ntie_1.ground_z = 2\n\
+                 tie_1.stiffness = 2e5\ntie_1.strength = 1e5\ndamper_1.stiffness = 1e5\ndamper_1.block_x = 0.2\ndamper_1.ground_x = 0.2\n\
+                 damper_1.ground_z = -0.3\n";
+    let assess = "[assess]\ntitle = \"Tied\"\nauthor = \"A. N. Engineer\"\ndate = \"2026-11-29\"\npulse_periods = [1]\n\
+                  hazard = { file = \"hazard.csv\" }\nstates = [{ name = \"a\", limit = 0.3 }, { name = \"b\", limit = \"balance\" }]\n";
+    let folder = folder("");
+    let folder = folder.path();
+    let study = STUDY
+        .replace("[[records]]", &format!("{links}[[records]]"))
+        .replace("samples = 4", "samples = 2")
+        .replace("{ from = 0.9, to = 0.98 }", "[0.9, 0.98]");
+    fs::write(folder.join("study.toml"), study + assess).unwrap();
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
+    let object = &report["object"];
+    assert_eq!((&object["ties"], &object["dampers"]), (&1.into(), &1.into()));
+    let range =
+        object["friction_range"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect::<Vec<_>>();
+    assert!(range[0] < 0.3 && range[0] < range[1] && range[1] < 0.4, "{object}");
+    let page = fs::read_to_string(folder.join("report/report.html")).unwrap();
+    let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} is missing"));
+    let verdict = place("<p class=\"verdict\">The object ");
+    assert!(place("A. N. Engineer, 2026-11-29.") < verdict && verdict < place("<h2>Summary</h2>"));
+    let verdict = &page[verdict..place("<h2>Summary</h2>")];
+    assert_eq!(verdict.matches("<br>").count(), 1, "two lines: {verdict}");
+    assert!(!["θ", "α", "β"].iter().any(|symbol| verdict.contains(symbol)), "{verdict}");
+    for (word, meaning) in
+        [("PGV", "peak ground velocity"), ("PGA", "peak ground acceleration"), ("θ", "rotation"), ("β", "dispersion")]
+    {
+        place(&format!("<dt>{word}</dt><dd>{meaning}"));
+    }
+    for words in [
+        "or of a list of values with the one after its middle",
+        "(2 blocks × 2 ground motions × 5 strengths)",
+        "runs its tie breaks",
+        "<tr><td>dampers</td><td class=\"n\">1</td>",
+        "The feet of the runs slide at μ = ",
+        "These commands give the numbers of this page, to the last digit.",
+        "of 2 ground motions more than 4 times stronger, ",
+        "A tie pulls with more than the weight of the object, up to ",
+        "The object slips as far as the wall that holds its ties",
+    ] {
+        place(words);
+    }
+    for words in ["Runs beyond over", "1 blocks", "have the bits", "overturns: overturning"] {
+        assert!(!page.contains(words), "{words}");
+    }
+    let slip = report["variants"][0]["peak_slip"].as_f64().unwrap();
+    assert!(slip > report["variants"][0]["anchor_distance"].as_f64().unwrap(), "{slip} m");
+}
+
+/// Doubts of which `rocking fragility` warns are on the page, too, and a falling curve has no median.
+#[test]
+fn doubts_about_curves_are_remarks() {
+    let assess = "[assess]\ntitle = \"a\"\npulse_periods = [1]\nim = \"PGA\"\nvariants = [{ name = \"wider\", width = 1.1 }]\n\
+                  sensitivity = { p = [2.0, 2.4] }\n";
+    let crossing = folder(assess);
+    let report = json(crossing.path(), &["assess", "study.toml", "--out", "report"]);
+    let remarks = report["remarks"].to_string();
+    assert!(
+        remarks.contains("States: the curves of “rocks half way” and “overturns” cross at PGA = 0.344 m/s2"),
+        "{remarks}"
+    );
+    // A slow pulse overturns where a fast one of greater acceleration does not.
+    let folder = folder("");
+    let folder = folder.path();
+    for (name, hertz, peak) in [("slow", 0.7, 0.25), ("fast", 8.0, 0.6)] {
+        let value = |t: f64| if t <= 2.0 / hertz { peak * (std::f64::consts::TAU * hertz * t).sin() } else { 0.0 };
+        let rows: String =
+            (0..400).map(f64::from).map(|i| format!("{:.2},{:.6}\n", 0.01 * i, value(0.01 * i))).collect();
+        fs::write(folder.join(format!("{name}.csv")), format!("t [s],a [g]\n{rows}")).unwrap();
+    }
+    let levels = "levels = { im = \"PGV\", values = [0.2, 0.4, 0.6, 0.9, 1.4] }";
+    let study = STUDY.replace(levels, "scales = [0.8, 0.9, 1.0, 1.2, 1.5]").replace("*.smc", "[sf]*[wt].csv");
+    fs::write(folder.join("study.toml"), study + assess).unwrap();
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
+    let state = &report["states"][2];
+    assert!(state["curve"].is_null(), "{state}");
+    let families = "[study]\ndesign = \"grid\"\nscales = [0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5, 1.7, 1.8, 1.9, 2.0]\n\
+                    [parameters]\nfoundation = \"rigid\"\nalpha = [0.1, 0.105, 0.11, 0.36, 0.38, 0.4]\np = [2.0, 2.1]\n\
+                    [[records]]\nhorizontal = \"slow.csv\"\n";
+    fs::write(folder.join("families.toml"), families.to_owned() + assess).unwrap();
+    // Slender blocks and stocky ones are no lognormal family.
+    let remarks = json(folder, &["assess", "families.toml", "--out", "families"])["remarks"].to_string();
+    let poor = "“rocks visibly” fits its runs poorly: of samples of a true curve, less than 0.1 % deviate as far.";
+    assert!(remarks.contains(poor), "{remarks}");
+    assert!(
+        state["no_curve"]
+            .as_str()
+            .unwrap()
+            .starts_with("the probability of exceeding the limit falls as PGA grows (β = -")
+    );
 }
 
 /// A file of several sites: the choice is a name, or coordinates as text or as a list.
@@ -440,7 +544,13 @@ fn rows_are_kept_between_calls() {
     fs::write(&all[0], &text[..text.len() / 2]).unwrap();
     let text = fs::read_to_string(&all[1]).unwrap();
     fs::write(&all[1], text.replace("\n3,", "\n7,")).unwrap();
-    let second = steps(&json(folder, &["assess", "study.toml", "--out", "report"]));
+    // The page is another one.
+    refused(
+        folder,
+        &["assess", "study.toml", "--out", "report"],
+        &["report.html: exists already; expected --force to replace it"],
+    );
+    let second = steps(&json(folder, &["assess", "study.toml", "--out", "report", "--force"]));
     let part = second.iter().filter(|(_, runs, kept)| *kept > 0 && kept < runs).count();
     let whole = second.iter().filter(|(_, runs, kept)| kept == runs).count();
     assert_eq!((part, whole), (1, first.len() - 3), "{second:?}");
@@ -463,8 +573,11 @@ fn rows_of_another_program_are_made_again() {
     // Bytes after the end of a program do not change it.
     let kept = |bytes: &[u8]| -> Vec<u64> {
         fs::write(&program, [&built, bytes].concat()).unwrap();
-        let made =
-            Command::new(&program).args(["assess", "study.toml", "--json"]).current_dir(folder).output().unwrap();
+        let made = Command::new(&program)
+            .args(["assess", "study.toml", "--json", "--force"])
+            .current_dir(folder)
+            .output()
+            .unwrap();
         let report: Value = serde_json::from_slice(&made.stdout).unwrap();
         let steps = report["result"]["steps"].as_array().or(report["steps"].as_array()).unwrap();
         steps.iter().map(|step| step["kept"].as_u64().unwrap()).collect()
@@ -472,4 +585,18 @@ fn rows_of_another_program_are_made_again() {
     assert!(kept(b"").iter().all(|&kept| kept == 0));
     assert!(kept(b"").iter().any(|&kept| kept > 0));
     assert!(kept(b"another").iter().all(|&kept| kept == 0));
+}
+
+/// A comment behind a value changes no row: the table is continued.
+#[test]
+fn a_comment_behind_a_value_is_no_other_study() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv"]);
+    let study = fs::read_to_string(folder.join("study.toml")).unwrap();
+    fs::write(folder.join("study.toml"), study.replace("p = 2.2", "p = 2.2 # [rad/s], measured")).unwrap();
+    let printed = stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv", "--resume"]);
+    assert!(printed.contains("40, 40 resumed"), "{printed}");
+    let help = stdout(folder, &["fragility", "--help"]);
+    assert!(help.contains("half_cycles:20"), "{help}");
 }

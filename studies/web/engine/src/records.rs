@@ -61,6 +61,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         gravity,
         layout: None,
         skip: None,
+        npts: None,
         value_scale: None,
         time_column: fields.parsed::<Choice>(&field(Setting::TimeColumn)),
         acceleration_column: fields.parsed::<Choice>(&field(Setting::AccelerationColumn)),

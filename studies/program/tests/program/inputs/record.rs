@@ -45,7 +45,7 @@ fn a_table_is_made_of_every_format() {
             "knet.csv" => &["--channel", "E-W"],
             "nsmn.txt" => &["--channel", "N-S"],
             "unam.191" => &["--channel", "N00E"],
-            "block.txt" | "time.txt" => &["--unit", "g", "--dt", "0.01"],
+            "block.txt" | "time.txt" | "npts.txt" => &["--unit", "g", "--dt", "0.01"],
             _ => &[],
         };
         stdout(folder.path(), &[&record[..], more].concat());
