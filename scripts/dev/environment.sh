@@ -21,8 +21,10 @@ cargo() {
 }
 # Optimized, so that they share the libraries of `cargo run --release`: a package whose dependencies have other features, as those
 # left out here, would have these compiled once more. The engine of the Python package is tested from Python.
-cargo_test=(cargo test --release --locked --workspace
+cargo_test=(cargo test --release --locked --workspace ${ROCKING_BLOCK_FEATURES:+--features "$ROCKING_BLOCK_FEATURES"}
   --exclude importer-tests --exclude packaging --exclude rocking-benches --exclude rocking-block-fmu3-wasm --exclude rocking-block-python)
+# The program and the FMUs.
+cargo_release=(build --release --locked ${ROCKING_BLOCK_FEATURES:+--features "$ROCKING_BLOCK_FEATURES"})
 made=$PWD/${CARGO_TARGET_DIR:-target}/release
 
 # Runs a command under a heading, and prints its duration and its CPU time.
