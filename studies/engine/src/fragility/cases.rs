@@ -84,7 +84,7 @@ impl Motions {
     }
 
     /// The columns that tell the motions, among these of a table.
-    pub fn columns<'a>(&'a self, is_known: impl Fn(&str) -> bool) -> Vec<&'a str> {
+    pub fn columns(&self, is_known: impl Fn(&str) -> bool) -> Vec<&str> {
         match &self.cluster {
             Some(column) => vec![column],
             None if is_known(MOTION) => vec![MOTION],

@@ -10,7 +10,7 @@ use rocking_records::{Format, Record};
 ///
 /// Its components and their rotations, its processed forms, the floors of a building above it, and the same record with and without a
 /// vertical component are one motion, since none of them is independent of the others.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Motion(String);
 
 /// Event and station, as far as the record names them.
@@ -24,19 +24,17 @@ impl Motion {
     /// The motion of a horizontal and a vertical record with these names, of which either may be empty. `None` without both.
     pub fn of_names([horizontal, vertical]: [&str; 2]) -> Option<Motion> {
         let name = if horizontal.is_empty() { vertical } else { horizontal };
-        (!name.is_empty()).then(|| Motion(EventAndStation::of(name).text))
+        (!name.is_empty()).then(|| Motion::of_title(name).unwrap_or_else(|| Motion(as_recorded(name))))
     }
 
     /// The motion of a record with its name in tables, and that of its file.
     ///
     /// A title that names event, station and component decides, then a file with several channels of one station, then the name.
     pub fn of_record(record: &Record, name: &str, file: &str) -> Motion {
-        let EventAndStation { text, names_component } = EventAndStation::of(&record.title);
-        match record.format {
-            _ if names_component => Motion(text),
-            Format::Columns | Format::Fixed | Format::Peer => Motion(EventAndStation::of(name).text),
+        Motion::of_title(&record.title).unwrap_or_else(|| match record.format {
+            Format::Columns | Format::Fixed | Format::Peer => Motion(as_recorded(name)),
             _ => Motion(file.into()),
-        }
+        })
     }
 
     /// The motions of all grounds with the names of their records and of their files, by title and content.
@@ -53,49 +51,59 @@ impl Motion {
         };
         grounds.map(motion).collect()
     }
+
+    /// The motion of a title that names event, station and component. `None` if it may leave one of them out: two earthquakes or two
+    /// stations must not become one motion, while components that stay two only make intervals as narrow as if they were independent.
+    fn of_title(title: &str) -> Option<Motion> {
+        let title = as_recorded(title);
+        if let Some(station) = without_channel(&title) {
+            return Some(Motion(station));
+        }
+        let mut parts: Vec<&str> = title.split([';', ',']).map(str::trim).filter(|part| !part.is_empty()).collect();
+        let last = parts.len().checked_sub(1)?;
+        let component = match parts.iter().position(|part| is_component(part)) {
+            _ if is_component(parts[last]) || is_azimuth(bare(parts[last])) => last,
+            Some(one) if !parts[one + 1..].iter().any(|part| is_component(part)) => one,
+            _ => return None,
+        };
+        parts.remove(component);
+        // An event has a name and a day, as PEER writes it, or the time of day beside.
+        let is_told = parts.iter().any(|part| is_time(part) || is_american_day(part) && parts.len() >= 3);
+        (is_told && parts.len() >= 2).then(|| Motion(parts.join(", ")))
+    }
 }
 
 /// Words of motions for a column of tables. `None` if the names of the records, horizontal and vertical, tell the motions as well.
-pub fn column<'a>(motions: &'a [Motion], names: impl Iterator<Item = [&'a str; 2]>) -> Option<Vec<String>> {
-    let by_name: Vec<Option<Motion>> = names.map(Motion::of_names).collect();
-    let first = |all: &[Option<&Motion>], i: usize| all.iter().position(|other| *other == all[i]);
-    let motions: Vec<Option<&Motion>> =
-        motions.iter().map(|motion| Some(motion).filter(|of| !of.0.is_empty())).collect();
-    let by_name: Vec<Option<&Motion>> = by_name.iter().map(Option::as_ref).collect();
-    let is_same = (0..motions.len()).all(|i| first(&motions, i) == first(&by_name, i));
-    (!is_same).then(|| motions.iter().map(|motion| motion.map_or_else(String::new, Motion::to_string)).collect())
+pub fn column<'a>(motions: &[Motion], names: impl Iterator<Item = [&'a str; 2]>) -> Option<Vec<String>> {
+    let by_name: Vec<String> = names.map(|names| Motion::of_names(names).unwrap_or_default().0).collect();
+    let words: Vec<String> = motions.iter().map(Motion::to_string).collect();
+    (first_places(&words) != first_places(&by_name)).then_some(words)
 }
 
-/// A title or name without its component.
-struct EventAndStation {
-    text: String,
-    /// Whether the title names a component beside event and station.
-    names_component: bool,
+/// The place of the first equal word, for each word.
+fn first_places(words: &[String]) -> Vec<usize> {
+    let mut first = HashMap::new();
+    words.iter().enumerate().map(|(i, word)| *first.entry(word).or_insert(i)).collect()
 }
 
-impl EventAndStation {
-    fn of(title: &str) -> EventAndStation {
-        // A rotation is named by both components, of one motion.
-        let title = title.split(" rotated by ").next().unwrap_or(title).trim();
-        let title = match title.rsplit_once(" (") {
-            Some((rest, words)) if words.trim_end_matches(')').split(", ").all(is_processing) => rest,
-            _ => title,
-        };
-        if let Some(station) = without_channel(title) {
-            return EventAndStation { text: station, names_component: true };
-        }
-        let parts: Vec<&str> = title.split([';', ',']).map(str::trim).filter(|part| !part.is_empty()).collect();
-        let recorded: Vec<&str> =
-            parts.iter().copied().filter(|part| !is_processing(part) && !is_floor(part)).collect();
-        let places: Vec<&str> = recorded.iter().copied().filter(|part| !is_component(part)).collect();
-        // A name of fewer parts is no event and station: "run, 090" may be one of a hundred.
-        let names_component = places.len() >= 2 && places.len() < recorded.len();
-        let text = match () {
-            () if names_component => places.join(", "),
-            () if recorded.len() < parts.len() && !recorded.is_empty() => recorded.join(", "),
-            () => title.into(),
-        };
-        EventAndStation { text, names_component }
+/// A title or name without the words for what this program makes of a record: rotations, which name both components, floors of a building,
+/// and processing.
+fn as_recorded(title: &str) -> String {
+    let title = title.split(" rotated by ").next().unwrap_or(title).trim();
+    let title = match title.rsplit_once(" (") {
+        Some((rest, words)) if words.trim_end_matches(')').split(", ").all(is_processing) => rest,
+        _ => title,
+    };
+    let is_made = |part: &&str| is_processing(part.trim()) || is_floor(part.trim());
+    let Some(end) = title.split_inclusive([';', ',']).position(|part| is_made(&part.trim_end_matches([';', ','])))
+    else {
+        return title.into();
+    };
+    // These words are at the end.
+    let recorded: String = title.split_inclusive([';', ',']).take(end).collect();
+    match recorded.trim_end_matches([';', ',', ' ']) {
+        "" => title.into(),
+        recorded => recorded.into(),
     }
 }
 
@@ -150,27 +158,55 @@ fn is_component(part: &str) -> bool {
         "trans",
         "transverse",
     ];
-    // Remarks in parentheses follow the component.
-    let part = part.split('(').next().unwrap_or_default().trim().to_ascii_lowercase();
-    let bare: String = part.chars().filter(|c| *c != '-').collect();
-    let without_number = bare.trim_end_matches(|c: char| c.is_ascii_digit());
+    let part = bare(part).to_ascii_lowercase();
+    let word: String = part.chars().filter(|c| *c != '-').collect();
+    let without_number = word.trim_end_matches(|c: char| c.is_ascii_digit());
     // "EW2" is the sensor in a borehole.
-    WORDS.contains(&bare.as_str())
+    WORDS.contains(&word.as_str())
         || without_number.len() == 2 && WORDS.contains(&without_number)
-        || is_azimuth(&part)
-        || is_bearing(&bare)
-        || is_seed_channel(&bare)
+        || is_bearing(&word)
+        || is_seed_channel(&word)
         || part.split_once([' ', ':', '.']).is_some_and(|(word, _)| LEADING.contains(&word))
 }
 
-/// Three digits of an azimuth, or any with its degrees: `090`, `45 DEG`.
+/// A part of a title without its remark in parentheses.
+fn bare(part: &str) -> &str {
+    part.split('(').next().unwrap_or_default().trim()
+}
+
+/// Three digits of an azimuth, or any with its degrees: `090`, `45 DEG`. A station or a run may have such a number, too.
 fn is_azimuth(part: &str) -> bool {
+    let part = part.to_ascii_lowercase();
     let digits = ["degrees", "deg", "°"].iter().find_map(|unit| part.strip_suffix(unit));
-    let number = digits.unwrap_or(part).trim();
+    let number = digits.unwrap_or(&part).trim();
     let is_long_enough = digits.is_some() || number.len() == 3;
     is_long_enough
         && number.bytes().all(|c| c.is_ascii_digit())
         && number.parse::<u32>().is_ok_and(|angle| angle <= 360)
+}
+
+/// The numbers in a part of a title.
+fn numbers(part: &str) -> Vec<&str> {
+    part.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty()).collect()
+}
+
+/// Whether a part of a title has a day and a time of day: `2001/02/03 04:05:00`, `LOMA PRIETA 10/18/89 00:05`.
+fn is_time(part: &str) -> bool {
+    let numbers = numbers(part);
+    let is_year = |digits: &&str| digits.len() == 4 && (digits.starts_with("19") || digits.starts_with("20"));
+    let year = numbers.iter().position(is_year);
+    numbers.len() >= 4 && (year.is_some_and(|year| numbers.len() - year >= 4) || is_american_day(part))
+}
+
+/// Whether a part of a title has a day, month first: `1/17/1994`, `LOMA PRIETA 10/18/89 00:05`.
+fn is_american_day(part: &str) -> bool {
+    let is_day = |word: &str| {
+        let numbers: Vec<&str> = word.split('/').collect();
+        let digits =
+            |text: &str, lengths: &[usize]| lengths.contains(&text.len()) && text.bytes().all(|c| c.is_ascii_digit());
+        matches!(numbers[..], [month, day, year] if digits(month, &[1, 2]) && digits(day, &[1, 2]) && digits(year, &[2, 4]))
+    };
+    part.split_whitespace().any(is_day)
 }
 
 /// A bearing such as `N08W` or `S00E`.
@@ -199,13 +235,16 @@ mod tests {
         for (title, expected) in [
             ("Northridge-01, 1/17/1994, Rinaldi Receiving Sta, 228", "Northridge-01, 1/17/1994, Rinaldi Receiving Sta"),
             ("Northridge-01, 1/17/1994, Rinaldi Receiving Sta, UP", "Northridge-01, 1/17/1994, Rinaldi Receiving Sta"),
-            ("IMPERIAL VALLEY, EL CENTRO ARRAY 6, 230 (USGS STATION 942)", "IMPERIAL VALLEY, EL CENTRO ARRAY 6"),
+            (
+                "IMPERIAL VALLEY 10/15/79 2319, ARRAY 6, 230 (USGS STATION 942)",
+                "IMPERIAL VALLEY 10/15/79 2319, ARRAY 6",
+            ),
             ("XYZ001, 2001/02/03 04:05:00, E-W", "XYZ001, 2001/02/03 04:05:00"),
             ("XYZ001, 2001/02/03 04:05:00, EW2", "XYZ001, 2001/02/03 04:05:00"),
-            ("ALGUN LUGAR, 2001/02/03, N00E", "ALGUN LUGAR, 2001/02/03"),
-            ("SOMEWHERE 2001; STATION S/N 1; CHAN 1: EW (STA CHN: 1)", "SOMEWHERE 2001, STATION S/N 1"),
+            ("XYZ001, 2001/02/03 04:05:00, E-W, floor 2; baseline removed", "XYZ001, 2001/02/03 04:05:00"),
+            ("47675大島町, 2001 02 03 07 58 13, N00E", "47675大島町, 2001 02 03 07 58 13"),
+            ("SOMEWHERE, 2001/02/03 22:31:09 (GMT), 101, L", "SOMEWHERE, 2001/02/03 22:31:09 (GMT), 101"),
             ("Origin Time : 2001/02/03 12:23:16; COMP V1; Somewhere", "Origin Time : 2001/02/03 12:23:16, Somewhere"),
-            ("EVENT, IT, ABC, Place, HNE", "EVENT, IT, ABC, Place"),
             ("IU.ANMO.00.HNZ 2010-02-27T06:30:00", "IU.ANMO.00.HN 2010-02-27T06:30:00"),
         ] {
             assert_eq!(motion(title), expected, "{title}");
@@ -221,6 +260,7 @@ mod tests {
             "quake; resampled every 0.01 s",
             "quake (baseline removed)",
             "quake, floor 3",
+            "quake, floor 3; baseline removed",
         ] {
             assert_eq!(motion(name), "quake", "{name}");
         }
@@ -229,14 +269,60 @@ mod tests {
         assert_eq!(Motion::of_names(["", ""]), None);
     }
 
-    /// A name that is no event and station stays: a hundred runs are not one motion.
+    /// A name that may leave out the event or the station stays: a hundred runs are not one motion, nor are two shocks of one day.
     #[test]
-    fn names_without_a_station_stay() {
-        for name in
-            ["run, 090", "r1", "simulation 3, 12", "two.csv (column a)", "quake (crc32 0123abcd)", "a, b, 1994", "E"]
-        {
+    fn names_without_event_or_station_stay() {
+        for name in [
+            "run, 090",
+            "run 1",
+            "r1",
+            "E",
+            "a, b, 1994",
+            "simulation 3, soil B, 101",
+            "Loma Prieta, CA, 090",
+            "10/18/1989, Capitola, 090",
+            "ALGUN LUGAR, GRO, 2001/02/03, N00E",
+            "IT, ABC, Place, HNE",
+            "SOMEWHERE 2001; STATION S/N 1; CHAN 1: EW (STA CHN: 1)",
+            "Northridge-01, 1/17/1994, Rinaldi Receiving Sta",
+            "SOMEWHERE, 2001/02/03 22:31:09, 101, soft",
+            "two.csv (column a)",
+            "quake (crc32 0123abcd)",
+            "floor 3",
+        ] {
             assert_eq!(motion(name), name, "{name}");
         }
+    }
+
+    /// Files decide for their channels, and content for equal records under two names; files of columns stay.
+    #[test]
+    fn channels_and_equal_records_are_one_motion() {
+        let ground = |title: &str, format, peak: f64| {
+            let record = Record {
+                title: title.into(),
+                format,
+                unit: rocking_records::Unit::MetrePerSecondSquared,
+                start_time: 0.0,
+                time_step: 0.01,
+                acceleration: vec![0.0, peak].into(),
+                processing: Default::default(),
+            };
+            Ground { horizontal: Some(record), vertical: None }
+        };
+        let all = [
+            (ground("t", Format::Csmip, 1.0), "s.v2 (channel 1)", "s.v2"),
+            (ground("t", Format::Csmip, 2.0), "s.v2 (channel 2)", "s.v2"),
+            (ground("t", Format::Columns, 3.0), "c.csv (column a)", "c.csv"),
+            (ground("t", Format::Columns, 4.0), "c.csv (column b)", "c.csv"),
+            (ground("t", Format::Columns, 4.0), "copy.csv", "copy.csv"),
+            (ground("t", Format::Peer, 5.0), "one.at2", "one.at2"),
+            (ground("t", Format::Peer, 6.0), "two.at2", "two.at2"),
+        ];
+        let pair = |text: &str| [text.to_owned(), String::new()];
+        let all: Vec<_> = all.map(|(ground, name, file)| (ground, pair(name), pair(file))).into();
+        let found = Motion::of_grounds(all.iter().map(|(ground, names, files)| (ground, names, files)));
+        let words: Vec<String> = found.iter().map(Motion::to_string).collect();
+        assert_eq!(first_places(&words), [0, 0, 2, 3, 3, 5, 6]);
     }
 
     #[test]

@@ -39,7 +39,7 @@ impl Sweep {
         columns.extend(
             records.map(|(component, name)| Of::choice(name, names(component), move |row| of(row).motion_number)),
         );
-        let motions: Vec<Motion> = self.motions.iter().filter_map(|motion| motion.motion.clone()).collect();
+        let motions: Vec<Motion> = self.motions.iter().map(|motion| motion.motion.clone()).collect();
         let names = self.motions.iter().map(|motion| motion.names.each_ref().map(String::as_str));
         if let Some(words) = motion::column(&motions, names) {
             columns.push(Of::choice(MOTION, words, move |row| of(row).motion_number));

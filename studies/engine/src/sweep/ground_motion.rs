@@ -17,8 +17,8 @@ pub struct GroundMotion {
     /// Names of the horizontal and the vertical record, each of one content. They are files, with channels where a file has several
     /// records.
     pub names: [String; 2],
-    /// Its event and station; `None` without records.
-    pub motion: Option<Motion>,
+    /// Its event and station; empty without records.
+    pub motion: Motion,
     /// The records, unscaled. In a building the horizontal one is the absolute acceleration of the floor.
     pub ground: Ground,
     /// The floor on which the block stands, in a study with a building. The ground is 0.
@@ -56,7 +56,7 @@ impl GroundMotion {
         let vertical_pga = ground.vertical.as_ref().map(pga);
         GroundMotion {
             files: names.clone(),
-            motion: Motion::of_names([&names[0], &names[1]]),
+            motion: Motion::of_names([&names[0], &names[1]]).unwrap_or_default(),
             names,
             ground,
             floor: None,

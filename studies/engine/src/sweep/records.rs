@@ -38,7 +38,7 @@ pub(super) fn read(
     let of_events = Motion::of_grounds(found.iter().zip(&names).map(|(of, names)| (&of.ground, names, &of.files)));
     let motions = names.into_iter().zip(found).zip(of_events).map(|((names, of), of_event)| {
         let mut motion = GroundMotion::new(names, of.ground, measures, gravity);
-        (motion.files, motion.motion) = (of.files, Some(of_event));
+        (motion.files, motion.motion) = (of.files, of_event);
         motion
     });
     Ok((motions.collect(), remarks))

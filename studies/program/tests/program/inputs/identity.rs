@@ -40,6 +40,32 @@ fn records_of_one_file_have_names_of_their_own() {
     assert_eq!(names[2], "one.csv (baseline removed)");
 }
 
+/// A table has the motions of its rows where the names of records do not tell them.
+#[test]
+fn titles_and_content_tell_the_motions() {
+    let folder = tempfile::tempdir().unwrap();
+    let peer = |name: &str, title: &str, amplitude: f64| {
+        let values: String = pulse(amplitude).map(|a| format!("{a}\n")).collect();
+        let head = "PEER NGA STRONG MOTION DATABASE RECORD";
+        let text =
+            format!("{head}\n{title}\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS=  60, DT=   .01 SEC\n{values}");
+        std::fs::write(folder.path().join(name), text).unwrap();
+        format!("horizontal = \"{name}\"")
+    };
+    let station = "Quake-01, 1/17/1994, Station";
+    let tables = [("a", "A, 090", 0.1), ("b", "A, 360", 0.2), ("c", "B, 090", 0.3), ("d", "C", 0.3), ("e", "C", 0.4)]
+        .map(|(name, title, amplitude)| peer(&format!("{name}.at2"), &format!("{station} {title}"), amplitude));
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+    sweep(folder.path(), "", &tables);
+    let table = Table::read(&folder.path().join("s.csv"));
+    let motions: Vec<&str> = (0..5).map(|row| table.get(row, "motion")).collect();
+    let [a, b] = ["A", "B"].map(|name| format!("{station} {name}"));
+    assert_eq!(motions, [a.as_str(), &a, &b, &b, "e.at2"]);
+    sweep(folder.path(), "", &[tables[0], tables[2], tables[4]]);
+    let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    assert!(!text.contains(",motion,"), "{text}");
+}
+
 #[test]
 fn doubts_about_records_are_said_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -369,6 +369,15 @@ fn the_report_names_the_method_of_the_intervals() {
     assert!(none.contains("rows independent"), "{none}");
     let one = printed("one.csv", &|_| "r".into(), &[]);
     assert!(one.contains("for the only motion"), "{one}");
+    // Components, floors and processed forms of one event and station are one motion.
+    let components = |row: usize| {
+        let more = [", 000", ", 090", ", UP", ", 000, floor 3", ", 000; baseline removed"][row % 5];
+        format!("\"Quake-01, 1/17/1994, Station {}{more}\"", row % 7)
+    };
+    let one_each = printed("components.csv", &components, &[]);
+    assert!(one_each.contains("clustered by 7 motions\n"), "{one_each}");
+    let column = printed("column.csv", &|row| format!("r{row}"), &["--cluster", "p"]);
+    assert!(column.contains("clustered by 2 values of p\n"), "{column}");
 }
 
 #[test]
