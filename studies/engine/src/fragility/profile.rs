@@ -16,7 +16,7 @@ pub type Interval = [Option<f64>; 2];
 /// freedom. It does not depend on the unit of a feature or on taking its logarithm, and need not be symmetric.
 ///
 /// Rows of the same record are not independent. Where records repeat, the permitted statistic grows by the ratio of the feature's
-/// variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
+/// variance with rows clustered by motion to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
 /// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t². It never shrinks: few records
 /// that happen to agree, such as those with equal counts at each level, have a clustered variance near zero, which is no knowledge.
 pub struct LikelihoodProfile<'a> {
@@ -53,7 +53,7 @@ impl<'a> LikelihoodProfile<'a> {
     }
 
     /// [`LikelihoodProfile::new`] with a known deviate of the confidence and covariance. The deviate is two-sided; the covariance is
-    /// clustered by record.
+    /// clustered by motion.
     pub(super) fn clustered(
         data: &'a Data,
         fit: &'a CurveFit,
@@ -90,7 +90,7 @@ impl<'a> LikelihoodProfile<'a> {
         [low.or(Some(0.0)), high.or(Some(1.0))]
     }
 
-    /// Whether the variance of the median clustered by record is far below that of independent rows: the records agree too well for it.
+    /// Whether the variance of the median clustered by motion is far below that of independent rows: the motions agree too well for it.
     pub fn is_too_alike(&self) -> bool {
         /// Fraction of the variance of independent rows. Of ten independent records one estimate in 10⁷ is as small.
         const FAR_BELOW: f64 = 0.01;
