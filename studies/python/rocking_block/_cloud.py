@@ -278,7 +278,7 @@ def stripes(
     """Fits a fragility curve to stripes: runs at levels of an intensity measure (F. Jalayer, C. A. Cornell, EESD 38 (2009) 951-972).
 
     The curve is that of maximum likelihood of the counts at the levels, each binomial (J. W. Baker, Earthquake Spectra 31 (2015) 579-599),
-    which is that of `fragility` over the rows. Where records repeat between levels, intervals are clustered by record.
+    which is that of `fragility` over the rows. Where motions repeat between levels, intervals are clustered by motion.
 
     Parameters
     ----------

@@ -337,6 +337,7 @@ def outcomes(
     tick: _Tick,
 ) -> tuple[list[_Column], str | None]: ...
 
+def motion_words(pairs: Sequence[_Pair], names: list[tuple[str, str]]) -> list[str] | None: ...
 @final
 class Study:
     def __new__(

@@ -97,12 +97,16 @@ def table_of_outcomes(
         return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
 
     columns: dict[str, npt.ArrayLike] = {}
-    names = _names(horizontal)
+    names, vertical_names = _names(horizontal), _names(vertical_records)
     _warn_of_records(horizontal, names, factors)
     if horizontal:
         columns["record"] = motion_column(names, len(factors))
     if vertical_records:
-        columns["vertical"] = motion_column(_names(vertical_records), len(factors))
+        columns["vertical"] = motion_column(vertical_names, len(factors))
+    unnamed = [""] * number
+    motions = _engine.motion_words(pairs, list(zip(names or unnamed, vertical_names or unnamed, strict=True)))
+    if motions is not None:
+        columns["motion"] = motion_column(motions, len(factors))
     if horizontal or vertical_records:
         columns["scale"] = motion_column(factors, 1)
     if vertical_records:
@@ -170,12 +174,12 @@ def _checksum(record: Record) -> str:
 
 
 def _warn_of_records(records: Sequence[Record], names: Sequence[str], scales: Sequence[float]) -> None:
-    """Warns of equal records under several names, which intervals count as several, and of scales that amplify noise."""
+    """Warns of equal records under several names, which intervals count as one motion, and of scales that amplify noise."""
     first: dict[str, str] = {}
     for record, name in zip(records, names, strict=True):
         known = first.setdefault(_checksum(record), name)
         if known != name:
-            warnings.warn(f"{known} and {name} hold the same samples: intervals count them as two records", stacklevel=4)
+            warnings.warn(f"{known} and {name} hold the same samples: intervals count them as one motion", stacklevel=4)
     largest = max(map(abs, scales))
     if records and largest > LARGEST_SCALE:
         message = f"scale = {largest:g}; expected at most {LARGEST_SCALE:g}, beyond which noise is amplified"

@@ -68,7 +68,7 @@ mod _engine {
         measures::measure_name,
         options::{check_pulse, pulse_acceleration, pulse_duration},
         pushover::pushover,
-        record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor},
+        record::{Record, fit_pulse, intensity, motion_words, read_record, rot_d, rotate, unit_factor},
         risk::{AnnualRate, check_hazard, hazard_over, read_hazard},
         search::{search_damping, search_overturning},
         studies::{Study, outcomes, part_file_name, part_format},

@@ -10,12 +10,14 @@ use pyo3::types::PyDict;
 use rocking_block::excitation::records::Ground;
 use rocking_records::{self as engine, Choice, Format, Processing, ReadOptions, RecordError, Unit};
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
+use rocking_studies::input::motion::{self, Motion};
 use rocking_studies::intensity::{self as measures_of, Measure, PERIODS, pga, pgv};
 use rocking_studies::pulse_fit::{self, PulseFit};
 use rocking_studies::spec::records::FileSpec;
 
 use crate::block::hash;
 use crate::options::{choice, finite, invalid, unspelled, whole};
+use crate::studies::Pair;
 
 /// The samples of a record; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
@@ -277,6 +279,15 @@ fn refused(error: RecordError) -> PyErr {
         },
         _ => PyValueError::new_err(error.naming(|setting| RecordOption { setting, vertical: false }.key())),
     }
+}
+
+/// Returns a word for the ground motion of each pair of records with these names. `None` if the names tell the motions as well.
+#[pyfunction]
+pub fn motion_words(pairs: Vec<Pair<'_>>, names: Vec<[String; 2]>) -> PyResult<Option<Vec<String>>> {
+    let grounds = pairs.iter().map(|(horizontal, vertical)| ground(horizontal.as_ref(), vertical.as_ref(), 1.0));
+    let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
+    let motions = Motion::of_grounds(grounds.iter().zip(&names).map(|(ground, names)| (ground, names, names)));
+    Ok(motion::column(&motions, names.iter().map(|names| names.each_ref().map(String::as_str))))
 }
 
 /// Horizontal and vertical ground motion, scaled.

@@ -37,7 +37,7 @@ use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
 
 /// A horizontal and a vertical record; each may be missing.
-type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
+pub type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 
 /// The columns of a table, and the reason of the first failed run.
 type Columns<'py> = (Vec<Column<'py>>, Option<String>);

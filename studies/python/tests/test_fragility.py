@@ -190,6 +190,32 @@ def test_records_that_agree_have_intervals_of_some_width():
         assert 1.05 * low < fit.median < high / 1.05
 
 
+def test_rows_are_clustered_by_motion_or_by_a_column():
+    """The same record with and without its vertical component, floors and components are no motions of their own."""
+    rng = np.random.default_rng(3)
+    quake = np.arange(240) % 12
+    pgv = np.exp(rng.normal(size=240))
+    rows = {
+        "PGV [m/s]": pgv,
+        "outcome": np.where(np.log(pgv) + 0.5 * rng.normal(size=12)[quake] > 0.3 * rng.normal(size=240), "overturned", "completed"),
+        "record": np.array([f"quake {number}" for number in quake]),
+        "place": np.arange(240) % 5,
+    }
+    fit = rb.fragility(rows, "PGV")
+    assert fit.independence == "clustered by 12 motions"
+    vertical = np.where(np.arange(240) % 24 < 12, "", [f"vertical {number}" for number in quake])
+    made = np.array(["", ", floor 2", " rotated by 30 degrees towards other", "; baseline removed"])[np.arange(240) // 60]
+    for more in ({"vertical": vertical}, {"record": np.char.add(rows["record"], made)}, {"record": np.arange(240), "motion": quake}):
+        again = rb.fragility(rows | more, "PGV")
+        assert (again.independence, again.median_ci) == (fit.independence, fit.median_ci)
+    by_place = rb.fragility(rows, "PGV", cluster="place")
+    assert by_place.independence == "clustered by 5 values of place" and by_place.median_ci != fit.median_ci
+    again = pickle.loads(pickle.dumps(by_place))
+    assert (again.independence, again.median_ci) == (by_place.independence, by_place.median_ci)
+    with pytest.raises(ValueError, match="there is no column 'other'"):
+        rb.fragility(rows, "PGV", cluster="other")
+
+
 def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     """Tests single runs and ensembles, with both kinds of intervals."""
     study = {

@@ -357,8 +357,13 @@ def test_records_are_distinguished():
 
 def test_equal_records_and_great_scales_are_warned_of():
     twins = [rb.Record(RECORD.acceleration, RECORD.dt, name) for name in ("a", "b")]
-    with pytest.warns(UserWarning, match="a and b hold the same samples: intervals count them as two records"):
-        rb.outcomes(BLOCK, twins)
+    with pytest.warns(UserWarning, match="a and b hold the same samples: intervals count them as one motion"):
+        table = rb.outcomes(BLOCK, twins, scale=[1, 2])
+    assert table["record"].tolist() == ["a", "a", "b", "b"] and table["motion"].tolist() == ["a"] * 4
+    titles = [f"Quake-01, 1/17/1994, Station {station}, {component}" for station, component in (("A", "090"), ("A", "UP"), ("B", "090"))]
+    named = [rb.Record((1 + i) * RECORD.acceleration, RECORD.dt, title) for i, title in enumerate(titles)]
+    # The names tell these motions.
+    assert "motion" not in rb.outcomes(BLOCK, named)
     with pytest.warns(UserWarning, match="scale = 30; expected at most 20, beyond which noise is amplified"):
         rb.outcomes(BLOCK, RECORD, scale=[1, -30])
 
