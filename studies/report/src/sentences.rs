@@ -274,7 +274,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     const TABLE: &str = include_str!("../../../docs/report.md");
-    const RESULTS: &str = include_str!("../../studies/src/assess/results.rs");
+    const RESULTS: &str = include_str!("../../engine/src/assess/results.rs");
     /// Shorter texts are parts of sentences.
     const FEWEST_WORDS: usize = 4;
 
@@ -290,7 +290,7 @@ mod tests {
     /// Every sentence has a row with its numbers, every row is a sentence, and every key is one of the results.
     #[test]
     fn each_sentence_has_its_numbers_in_the_table() {
-        let code = [include_str!("sentences.rs"), include_str!("../../studies/src/assess/work.rs")];
+        let code = [include_str!("sentences.rs"), include_str!("../../engine/src/assess/work.rs")];
         let found: BTreeSet<String> = code.into_iter().flat_map(sentences).collect();
         let rows = || TABLE.lines().filter_map(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
         let listed: BTreeSet<String> = rows().map(|(sentence, _)| sentence.to_owned()).collect();
