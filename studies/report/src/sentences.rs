@@ -13,9 +13,9 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
     let (measure, unit) = heading(&report.im);
     let happens = exceeds_in_words(state.limit);
     let half = match state.curve.map(|curve| curve.median) {
-        Some(median) if median > greatest => "; one half of the objects only do so in stronger ones".into(),
-        Some(median) if median < least => "; one half of the objects do so in weaker ones already".into(),
-        Some(median) => format!("; one half of the objects do so at {}{unit}", short(median)),
+        Some(median) if median > greatest => "; the odds are even only in stronger ones".into(),
+        Some(median) if median < least => "; the odds are even in weaker ones already".into(),
+        Some(median) => format!("; the odds are even at {}{unit}", short(median)),
         None => String::new(),
     };
     let capacity = format!(
