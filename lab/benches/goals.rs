@@ -26,7 +26,7 @@ use rocking_records::ReadOptions;
 use rocking_studies::output::resumable::{TableHeader, TableOptions};
 use rocking_studies::output::runner::{self, Study, StudyRows};
 use rocking_studies::run::batch::{LaneUse, in_lanes};
-use rocking_studies::spectrum::{Base, CheckedSpectrum, Sizes, Spectrum};
+use rocking_studies::spectrum::{CheckedSpectrum, FoundationCurve, Sizes, Spectrum};
 
 const ROUNDS: usize = 7;
 
@@ -207,7 +207,7 @@ fn lanes(ground: Ground, blocks: u64) {
 }
 
 fn on_rigid_base(spectrum: &Spectrum) -> Spectrum {
-    Spectrum { bases: vec![Base::rigid(0.0, 1.0)], ..spectrum.clone() }
+    Spectrum { bases: vec![FoundationCurve::rigid(0.0, 1.0)], ..spectrum.clone() }
 }
 
 /// CPU time (s) of the rows of a spectrum, made on this thread.

@@ -13,7 +13,7 @@ use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::dynamics::instant_of;
 use rocking_block::system::instant::{Footing, State};
 use rocking_records::ReadOptions;
-use rocking_studies::spectrum::{Base, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationCurve, ScaledFeatures, Sizes, Spectrum};
 
 use crate::fmu::{Fmu, OK, reference};
 
@@ -85,8 +85,8 @@ pub fn spectrum(ground: Ground, count: u64) -> Spectrum {
     Spectrum {
         alpha: 0.25,
         common: Common::default(),
-        in_proportion: InProportion::default(),
-        bases: vec![Base::viscoelastic(40.0, 0.1, 0.0)],
+        in_proportion: ScaledFeatures::default(),
+        bases: vec![FoundationCurve::viscoelastic(40.0, 0.1, 0.0)],
         sizes: Sizes { least: 0.5, greatest: 4.0, count },
         motions: vec![("record".into(), ground)],
         pulse: Pulse::NONE,

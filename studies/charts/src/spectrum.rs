@@ -15,7 +15,7 @@ use rocking_block::excitation::Pulse;
 use rocking_studies::run::outcome::End;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::BlockOutcome;
-use rocking_studies::spectrum::{Base, Spectrum};
+use rocking_studies::spectrum::{FoundationCurve, Spectrum};
 
 /// Maximum number of stretches of a curve.
 const STRETCHES: u64 = 1500;
@@ -240,7 +240,7 @@ fn name(spectrum: &Spectrum, curve: usize) -> String {
 }
 
 /// Names a foundation.
-pub(super) fn base_name(base: Base) -> String {
+pub(super) fn base_name(base: FoundationCurve) -> String {
     let epsilon = base.epsilon;
     match base.supports {
         Supports::Rigid { restitution_factor } => {
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_rigid_base_without_restitution_of_corners_has_no_epsilon() {
-        let name = |epsilon, restitution_factor| base_name(Base::rigid(epsilon, restitution_factor));
+        let name = |epsilon, restitution_factor| base_name(FoundationCurve::rigid(epsilon, restitution_factor));
         assert_eq!([name(0.0, 1.0), name(0.0, 0.9)], ["rigid base", "rigid base, 0.9 × Housner's e"]);
         assert_eq!(name(0.2, 0.9), "rigid base, ε = 0.2, 0.9 × Housner's e");
     }

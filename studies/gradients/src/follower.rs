@@ -245,7 +245,7 @@ impl Follower {
     }
 
     pub(crate) fn at<'a>(&'a self, pose: &Pose<Number>, excitation: &'a Excitation<Number>) -> Evaluation<'a, Number> {
-        Motion::from_pose(&self.system.block, pose, excitation).at_called(pose.time, pose.state)
+        Motion::from_pose(&self.system.block, pose, excitation).at_outlined(pose.time, pose.state)
     }
 
     /// Implements [`ObserveInside`](crate::peaks::ObserveInside).

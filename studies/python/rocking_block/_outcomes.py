@@ -34,14 +34,6 @@ _MORE_PARAMETERS = tuple(
 )
 # Parameters of ties and dampers, by their kinds.
 _OF_LINKS = {kind: tuple(field.name for field in dataclasses.fields(of)) for kind, of in (("tie", Tie), ("damper", Damper))}
-# Columns that describe the block.
-OF_BLOCKS = (
-    "foundation",
-    *OF_EVERY_BLOCK,
-    *_DIMENSIONS,
-    *_MORE_PARAMETERS,
-    *(f"{kind}_{number}.{name}" for kind, names in _OF_LINKS.items() for number in range(1, 9) for name in names),
-)
 # Columns of numbers that are made here.
 _UNITS = {"scale": "1", "PGA.vertical": "m/s2", "2pi/p": "s", "omega_p/p": "1"}
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_studies::assess::{Kept, Plan, assess as assessed};
+use rocking_studies::assess::{Cache, Plan, assess as assessed};
 
 use crate::options::{invalid, pool};
 use crate::work::wait;
@@ -29,7 +29,7 @@ pub fn assess<'py>(
     let pool = pool(threads)?;
     let (numbers, text, files) = wait(py, tick, move |progress| {
         let show = |_: &str, done, total| progress.advance(done, total);
-        let keep = keep.as_ref().map(|(folder, program)| Kept { folder, program });
+        let keep = keep.as_ref().map(|(folder, program)| Cache { folder, program });
         let found = assessed(&plan, &pool, VectorWidth::widest(), keep, &show).map_err(|error| error.to_string())?;
         let files = rocking_report::files(&plan, &found).map_err(|error| error.to_string())?;
         let text = rocking_report::text(&found);

@@ -13,9 +13,9 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
     let (measure, unit) = heading(&report.im);
     let happens = exceeds_in_words(state.limit);
     let half = match state.curve.map(|curve| curve.median) {
-        Some(median) if median > greatest => "; one half of the objects only do so in stronger ones".into(),
-        Some(median) if median < least => "; one half of the objects do so in weaker ones already".into(),
-        Some(median) => format!("; one half of the objects do so at {}{unit}", short(median)),
+        Some(median) if median > greatest => "; the odds are even only in stronger ones".into(),
+        Some(median) if median < least => "; the odds are even in weaker ones already".into(),
+        Some(median) => format!("; the odds are even at {}{unit}", short(median)),
         None => String::new(),
     };
     let capacity = format!(
@@ -274,7 +274,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     const TABLE: &str = include_str!("../../../docs/report.md");
-    const RESULTS: &str = include_str!("../../studies/src/assess/results.rs");
+    const RESULTS: &str = include_str!("../../engine/src/assess/results.rs");
     /// Shorter texts are parts of sentences.
     const FEWEST_WORDS: usize = 4;
 
@@ -290,7 +290,7 @@ mod tests {
     /// Every sentence has a row with its numbers, every row is a sentence, and every key is one of the results.
     #[test]
     fn each_sentence_has_its_numbers_in_the_table() {
-        let code = [include_str!("sentences.rs"), include_str!("../../studies/src/assess/work.rs")];
+        let code = [include_str!("sentences.rs"), include_str!("../../engine/src/assess/work.rs")];
         let found: BTreeSet<String> = code.into_iter().flat_map(sentences).collect();
         let rows = || TABLE.lines().filter_map(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
         let listed: BTreeSet<String> = rows().map(|(sentence, _)| sentence.to_owned()).collect();

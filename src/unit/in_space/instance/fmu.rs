@@ -118,7 +118,7 @@ impl Fmu for SpaceUnit {
                 }
             }
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 
@@ -139,7 +139,7 @@ impl Fmu for SpaceUnit {
             }
         }
         self.ground = None;
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 
@@ -198,7 +198,7 @@ impl Fmu for SpaceUnit {
             return Err(Fault::new(format!("{name} is set; expected a real parameter")));
         };
         places.copy_from_slice(values);
-        self.forget();
+        self.drop_preview();
         Ok(())
     }
 
@@ -209,7 +209,7 @@ impl Fmu for SpaceUnit {
     fn resize(&mut self, _: u32, size: u64) -> Result<(), Fault> {
         fmi3_metadata(Fmi3Variable::FootCount).admits(size as f64).map_err(Fault::new)?;
         self.values.resize(size as usize);
-        self.forget();
+        self.drop_preview();
         Ok(())
     }
 
@@ -224,13 +224,13 @@ impl Fmu for SpaceUnit {
     fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         let used = self.life.plan(tolerance, start, stop)?;
         self.inputs.time = start;
-        self.forget();
+        self.drop_preview();
         Ok(used)
     }
 
     fn enter_initialization_mode(&mut self) {
         self.life.phase = Phase::InitializationMode;
-        self.forget();
+        self.drop_preview();
     }
 
     fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
@@ -273,7 +273,7 @@ impl Fmu for SpaceUnit {
         for (&reference, &value) in references.iter().zip(values) {
             input(reference, "an input with derivatives")?.of(&mut self.inputs).rate = value;
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 

@@ -15,7 +15,7 @@ use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, Scan};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// Resolution of ξ_v (1).
 const RESOLUTION: f64 = 1e-4;
@@ -37,7 +37,7 @@ pub struct LeastDamping {
 /// An invalid block at an end of the range.
 pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
-    let block = block(alpha, P, Base::viscoelastic(eta, scan.from, epsilon))?;
+    let block = block(alpha, P, FoundationCurve::viscoelastic(eta, scan.from, epsilon))?;
     block.with_damping_ratio(scan.to)?;
     let run = |&(_, xi_v): &(usize, f64)| Run {
         initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },

@@ -16,21 +16,21 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Ending;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::{History, Row, Run};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// A quantity of a run over time.
 type Value = fn(&Computed, &Row) -> f64;
 
 /// A run with its history.
 struct Computed {
-    base: Base,
+    base: FoundationCurve,
     run: Run,
     history: History,
 }
 
 /// The two foundations that a panel of Figures 6 to 8 compares, or their runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison<Side = Base> {
+pub struct Comparison<Side = FoundationCurve> {
     /// Title.
     pub title: String,
     /// That of the solid curve.
@@ -41,9 +41,9 @@ pub struct Comparison<Side = Base> {
 
 /// Returns the panels of Figure 6, 7 or 8. In 6 and 7 they are pairs of charts; other figures have none.
 pub fn comparisons(number: u8) -> Vec<Comparison> {
-    let rigid = Base::HOUSNER;
-    let support = |eta, xi_v, epsilon| Base::viscoelastic(eta, xi_v, epsilon);
-    let for_each_eta = |solid: &dyn Fn(f64) -> Base, dashed: &dyn Fn(f64) -> Base| {
+    let rigid = FoundationCurve::HOUSNER;
+    let support = |eta, xi_v, epsilon| FoundationCurve::viscoelastic(eta, xi_v, epsilon);
+    let for_each_eta = |solid: &dyn Fn(f64) -> FoundationCurve, dashed: &dyn Fn(f64) -> FoundationCurve| {
         let comparison =
             |&eta: &f64| Comparison { title: format!("η = {}", short(eta)), solid: solid(eta), dashed: dashed(eta) };
         ETA.iter().map(comparison).collect()
@@ -65,7 +65,7 @@ pub fn comparisons(number: u8) -> Vec<Comparison> {
 }
 
 /// Returns the foundations of a figure, each once.
-pub fn bases(number: u8) -> Vec<Base> {
+pub fn bases(number: u8) -> Vec<FoundationCurve> {
     let mut bases = Vec::new();
     for comparison in comparisons(number) {
         for base in [comparison.solid, comparison.dashed] {
@@ -81,7 +81,7 @@ pub fn bases(number: u8) -> Vec<Base> {
 ///
 /// # Errors
 /// An invalid block.
-pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
+pub fn history_run(base: FoundationCurve, detail: &Detail) -> Result<Run, BlockError> {
     let run = run(block(ALPHA, P, base)?, history_pulse(), Ground::default());
     Ok(Run { duration: Some(HISTORY_DURATION), output_step: detail.step, ..run })
 }

@@ -9,7 +9,7 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// Numbers of the figures in the paper.
 pub const NUMBERS: [u8; 10] = [3, 6, 7, 8, 9, 10, 11, 12, 13, 14];
@@ -53,12 +53,12 @@ pub const SPECTRUM_FREQUENCY: f64 = 5.0;
 /// Slenderness angles of Figures 10 and 11 (rad). Chosen.
 pub const SPECTRUM_ALPHA: [f64; 4] = [0.10, 0.15, 0.20, 0.25];
 /// Foundations of Figures 10 and 11. Chosen.
-pub const PULSE_BASES: [Base; 5] = [
-    Base::HOUSNER,
-    Base::viscoelastic(20.0, 0.1, 0.0),
-    Base::viscoelastic(80.0, 0.1, 0.0),
-    Base::viscoelastic(80.0, 0.4, 0.0),
-    Base::viscoelastic(80.0, 0.1, 0.4),
+pub const PULSE_BASES: [FoundationCurve; 5] = [
+    FoundationCurve::HOUSNER,
+    FoundationCurve::viscoelastic(20.0, 0.1, 0.0),
+    FoundationCurve::viscoelastic(80.0, 0.1, 0.0),
+    FoundationCurve::viscoelastic(80.0, 0.4, 0.0),
+    FoundationCurve::viscoelastic(80.0, 0.1, 0.4),
 ];
 /// Least and greatest ω_p/p of Figures 10 and 11 (1). Chosen.
 pub const PULSE_RATIO: [f64; 2] = [1.0, 10.0];
@@ -103,7 +103,7 @@ impl Detail {
 ///
 /// # Errors
 /// The first invalid parameter.
-pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
+pub fn block(alpha: f64, p: f64, base: FoundationCurve) -> Result<Block, BlockError> {
     let common = Common { epsilon: base.epsilon, ..Common::default() };
     Block::from_dimensionless(&Dimensionless { alpha, p, supports: base.supports }, &common)
 }

@@ -18,7 +18,7 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_studies::output::runner;
 use rocking_studies::run::outcome::{End, Outcome};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// Stiffness ratios beyond those of Figure 6 (1), for blocks with ε = 0.
 pub const STIFFER_ETA: [f64; 5] = [100.0, 150.0, 200.0, 400.0, 800.0];
@@ -54,7 +54,7 @@ impl PulseResponse {
         };
         let outcome = |base| block(ALPHA, P, base).map(|block| run(block, pulse, Ground::default()).outcome());
         let peak = |outcome: &Outcome| (outcome.end == End::Completed).then_some(outcome.peaks.theta / ALPHA);
-        let rigid = peak(&outcome(Base::HOUSNER)?);
+        let rigid = peak(&outcome(FoundationCurve::HOUSNER)?);
         let mut point = PulseResponse {
             rigid,
             ratios: [None; ETA.len()],
@@ -62,7 +62,7 @@ impl PulseResponse {
             separates_without_restitution: false,
         };
         let Some(rigid) = rigid.filter(|peak| *peak > 0.0) else { return Ok(point) };
-        let support = |eta, epsilon| Base::viscoelastic(eta, XI_V, epsilon);
+        let support = |eta, epsilon| FoundationCurve::viscoelastic(eta, XI_V, epsilon);
         for (i, &eta) in ETA.iter().enumerate() {
             let [without, with] = EPSILON.map(|epsilon| outcome(support(eta, epsilon)));
             let without = without?;

@@ -6,7 +6,7 @@ use crate::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::line_style::LineStyle;
 use crate::numerals::short;
 use rocking_studies::output::table::TableColumn;
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// Intervals of ε. Between the points e is linear anyway.
 const INTERVALS: u32 = 20;
@@ -23,7 +23,7 @@ pub fn figure() -> Result<Figure, FigureError> {
         let mut points = Vec::new();
         for i in 0..=INTERVALS {
             let epsilon = f64::from(i) / f64::from(INTERVALS);
-            let e = block(alpha, P, Base::rigid(epsilon, 1.0))?.restitution();
+            let e = block(alpha, P, FoundationCurve::rigid(epsilon, 1.0))?.restitution();
             rows.push([alpha, epsilon, e]);
             points.push((epsilon, e));
         }

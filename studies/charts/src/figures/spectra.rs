@@ -22,7 +22,7 @@ use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::run::outcome::End;
 use rocking_studies::spectrum::statistics::BlockOutcome;
-use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{CheckedSpectrum, FoundationCurve, ScaledFeatures, Sizes, Spectrum};
 
 /// Height of a panel without its outcome bars: under pulses and under records.
 const HEIGHT: [u32; 2] = [6600, 5600];
@@ -79,8 +79,8 @@ fn pulse_panel(number: u8, alpha: f64, amplitude: f64, detail: &Detail) -> Resul
 
 /// Returns the panels of a row: the horizontal motion alone, and both components.
 fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Detail) -> [Result<Panel, BlockError>; 2] {
-    let supports = RECORD_ETA.map(|eta| Base::viscoelastic(eta, xi_v, epsilon));
-    let bases: Vec<Base> = std::iter::once(Base::HOUSNER).chain(supports).collect();
+    let supports = RECORD_ETA.map(|eta| FoundationCurve::viscoelastic(eta, xi_v, epsilon));
+    let bases: Vec<FoundationCurve> = std::iter::once(FoundationCurve::HOUSNER).chain(supports).collect();
     let panel = |motion: &str, ground: Option<Ground>| {
         let spectrum = ground.map(|ground| spectrum(ALPHA, &bases, RECORD_P, detail, ground, source.pulse));
         Ok(Panel {
@@ -95,7 +95,7 @@ fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Deta
 
 fn spectrum(
     alpha: f64,
-    bases: &[Base],
+    bases: &[FoundationCurve],
     [least, greatest]: [f64; 2],
     detail: &Detail,
     ground: Ground,
@@ -104,7 +104,7 @@ fn spectrum(
     let spectrum = Spectrum {
         alpha,
         common: Common::default(),
-        in_proportion: InProportion::default(),
+        in_proportion: ScaledFeatures::default(),
         bases: bases.to_vec(),
         sizes: Sizes { least, greatest, count: detail.sizes },
         motions: vec![("".into(), ground)],

@@ -16,13 +16,13 @@ use rocking_block::block::BlockError;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{self, End, Holds, Outcome};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 /// Returns the foundations of the tower: supports, rigid base and pads. The pads are in the table only.
-pub fn tower_bases() -> Vec<Base> {
+pub fn tower_bases() -> Vec<FoundationCurve> {
     let [xi_v, epsilon] = TOWER_SUPPORT;
-    let support = |eta: f64| Base::viscoelastic(eta, xi_v, epsilon);
-    let rigid = Base::rigid(epsilon, 1.0);
+    let support = |eta: f64| FoundationCurve::viscoelastic(eta, xi_v, epsilon);
+    let rigid = FoundationCurve::rigid(epsilon, 1.0);
     TOWER_ETA.map(support).into_iter().chain([rigid]).chain(PAD_ETA.map(support)).collect()
 }
 
@@ -37,7 +37,7 @@ pub fn tower_sources(sources: &[GroundMotion]) -> Vec<GroundMotion> {
 ///
 /// # Errors
 /// An invalid block.
-pub fn tower_run(base: Base, source: &GroundMotion) -> Result<Run, BlockError> {
+pub fn tower_run(base: FoundationCurve, source: &GroundMotion) -> Result<Run, BlockError> {
     Ok(run(block(TOWER_ALPHA, TOWER_P, base)?, source.pulse, source.ground.clone()))
 }
 
@@ -70,7 +70,7 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
 type TowerRow<'a> = (usize, &'a Outcome);
 
 /// Returns the columns of the table.
-fn columns<'a>(sources: &[GroundMotion], bases: &'a [Base]) -> Vec<TableColumn<'a, TowerRow<'a>>> {
+fn columns<'a>(sources: &[GroundMotion], bases: &'a [FoundationCurve]) -> Vec<TableColumn<'a, TowerRow<'a>>> {
     let motion =
         TableColumn::choice("motion", sources.iter().map(|source| source.name), |row: &TowerRow| row.0 / bases.len());
     let names = bases.iter().map(ToString::to_string);

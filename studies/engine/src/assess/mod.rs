@@ -33,5 +33,5 @@ pub use results::{
 };
 pub use spectrum::SizeSpectrum;
 pub use states::StateCurve;
-pub use steps::{AssessError, Kept, Step};
+pub use steps::{AssessError, Cache, Step};
 pub use work::{Results, assess};

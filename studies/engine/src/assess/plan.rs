@@ -193,7 +193,7 @@ fn check_runs(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFileE
         (_, Some(_)) => Some("no ensemble; an assessment counts each run once"),
         (Strengths::Scales(_) | Strengths::Levels(..), None) => None,
     };
-    let message = |expected| format!("the file has no what an assessment needs; expected {expected}");
+    let message = |expected| format!("an assessment needs {expected}");
     expected.map_or(Ok(()), |expected| Err(root.refused("", message(expected))))
 }
 

@@ -4,7 +4,7 @@ use crate::assess::plan::Plan;
 use crate::assess::results::SizeResult;
 use crate::output::table::Table;
 use crate::spectrum::statistics::Statistics;
-use crate::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
+use crate::spectrum::{CheckedSpectrum, FoundationCurve, ScaledFeatures, Sizes, Spectrum};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::{BlockError, Common};
 
@@ -43,8 +43,8 @@ pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
     let spectrum = Spectrum {
         alpha,
         common: Common { eccentricity: 0.0, ..block.common() },
-        in_proportion: InProportion::of(block),
-        bases: vec![Base::of(block)],
+        in_proportion: ScaledFeatures::of(block),
+        bases: vec![FoundationCurve::of(block)],
         sizes: Sizes { least: p / RANGE, greatest: p * RANGE, count: SIZES },
         motions: motions.collect(),
         pulse: values.pulse(),

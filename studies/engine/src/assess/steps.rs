@@ -49,7 +49,7 @@ impl<'a> Work<'a> {
     pub fn new(
         pool: &'a ThreadPool,
         width: Option<VectorWidth>,
-        keep: Option<Kept<'a>>,
+        keep: Option<Cache<'a>>,
         all: u64,
         progress: &'a (dyn Fn(&str, u64, u64) + Sync),
     ) -> Work<'a> {
@@ -131,7 +131,7 @@ impl<'a> Work<'a> {
 
 /// A folder that keeps the rows of an assessment for later calls of this build.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<'a> {
+pub struct Cache<'a> {
     /// The folder, which exists.
     pub folder: &'a Path,
     /// The program or library that computes: another build may step otherwise.

@@ -8,7 +8,7 @@ use crate::assess::plan::{Hazard, Plan};
 use crate::assess::results::{Comparison, Report, Sensitivity, SlidingResult};
 use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
-use crate::assess::steps::{AssessError, Kept, Step, Work};
+use crate::assess::steps::{AssessError, Cache, Step, Work};
 use crate::assess::{pulses, spectrum};
 use crate::fragility::{Assessment, Component, Limit, SweepTable};
 use crate::output::runner::Study;
@@ -55,7 +55,7 @@ pub fn assess(
     plan: &Plan,
     pool: &ThreadPool,
     width: Option<VectorWidth>,
-    keep: Option<Kept>,
+    keep: Option<Cache>,
     progress: &(dyn Fn(&str, u64, u64) + Sync),
 ) -> Result<Results, AssessError> {
     let Plan { sweep, measure, states, years, .. } = plan;

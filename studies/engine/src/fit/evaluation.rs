@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::fit::least_squares::{Linearization, Minimum, minimize};
-use crate::fit::model::{TimeSeries, course};
+use crate::fit::model::{TimeSeries, time_series};
 use crate::fit::problem::{FitError, Problem, Test};
 use crate::fit::unknowns::{MEASUREMENT_PARAMETERS, Unknown, set};
 use crate::statistics::{normal, student};
@@ -46,7 +46,7 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// The failure of a run; `None` for an invalid block, or one without the parameters or the column.
-    pub fn course(
+    pub fn time_series(
         &self,
         number: usize,
         values: &[f64],
@@ -66,7 +66,7 @@ impl Evaluator<'_> {
         let times: Vec<f64> = times.map(|time| time - delay).collect();
         let run = self.problem.run(test, &parameters).map_err(|_| None)?;
         self.runs[usize::from(with_gradients)].fetch_add(1, Ordering::Relaxed);
-        let found = course(&run, &parameters, names.as_deref(), &test.output, &times, with_rate);
+        let found = time_series(&run, &parameters, names.as_deref(), &test.output, &times, with_rate);
         found.ok_or(None)?.map_err(|error| Some(FitError::Runs(error)))
     }
 
@@ -82,9 +82,9 @@ impl Evaluator<'_> {
             let test = &self.problem.tests[number];
             let stride = counts[number].div_ceil(SAMPLE);
             let times = test.times[..counts[number]].iter().step_by(stride).copied();
-            let course = self.course(number, &values, times, false)?;
+            let series = self.time_series(number, &values, times, false)?;
             let [zero, _] = self.zero_and_delay(number, &values);
-            let pairs = test.values.iter().step_by(stride).zip(&course.points);
+            let pairs = test.values.iter().step_by(stride).zip(&series.points);
             let residuals = pairs.map(|(measured, found)| (found.value + zero - measured) / test.noise.unwrap_or(1.0));
             Ok(residuals.map(|residual| residual * residual).sum::<f64>() * stride as f64)
         };
@@ -110,17 +110,17 @@ impl Evaluator<'_> {
             .into_par_iter()
             .map(|number| {
                 let times = self.problem.tests[number].times[..counts[number]].iter().copied();
-                self.course(number, &values, times, true)
+                self.time_series(number, &values, times, true)
             })
             .collect::<Result<_, _>>()?;
         let rows = counts.iter().sum::<usize>() + self.priors().count();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, self.unknowns.len());
         let mut row = 0;
-        for (number, (test, course)) in self.problem.tests.iter().zip(&tests).enumerate() {
+        for (number, (test, series)) in self.problem.tests.iter().zip(&tests).enumerate() {
             let weight = 1.0 / test.noise.unwrap_or(1.0);
             let [zero, _] = self.zero_and_delay(number, &values);
-            for (measured, found) in test.values.iter().zip(&course.points) {
+            for (measured, found) in test.values.iter().zip(&series.points) {
                 residuals[row] = weight * (found.value + zero - measured);
                 let mut derivatives = found.derivatives.iter();
                 for (i, unknown) in self.of_test(number) {

@@ -281,8 +281,8 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
     let before: usize = evaluator.problem.tests[..number].iter().map(|test| test.values.len()).sum();
     let weighted = best.at.residuals.rows(before, test.values.len());
     let residuals: Vec<f64> = weighted.iter().map(|residual| -residual * test.noise.unwrap_or(1.0)).collect();
-    let course = evaluator
-        .course(number, values, test.times.iter().copied(), true)
+    let series = evaluator
+        .time_series(number, values, test.times.iter().copied(), true)
         .map_err(|e| e.unwrap_or(FitError::Starts))?;
     let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
     let over = |of: fn(f64, f64) -> f64| residuals.windows(2).map(|pair| of(pair[0], pair[1])).sum::<f64>() / squares;
@@ -296,8 +296,8 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
         durbin_watson: over(|a, b| (b - a) * (b - a)),
         autocorrelation: over(|a, b| a * b),
         residuals,
-        grazing: course.grazing,
-        overturned: course.ended,
+        grazing: series.grazing,
+        overturned: series.ended,
     })
 }
 
@@ -321,9 +321,9 @@ mod tests {
             options: Options::default(),
         };
         let all = unknowns(&problem).unwrap();
-        let course = evaluator(&problem, &all).course(0, &[TRUTH.p], times.iter().copied(), true);
+        let series = evaluator(&problem, &all).time_series(0, &[TRUTH.p], times.iter().copied(), true);
         problem.tests[0].values =
-            course.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
+            series.unwrap_or_else(|_| unreachable!()).points.iter().map(|point| point.value).collect();
         problem
     }
 

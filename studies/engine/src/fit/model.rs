@@ -40,7 +40,7 @@ pub struct TimeSeries {
 ///
 /// # Errors
 /// The run fails.
-pub fn course(
+pub fn time_series(
     run: &Run,
     parameters: &Parameters,
     names: Option<&[String]>,

@@ -212,7 +212,7 @@ impl SweepTable {
             let word = column.word(row).unwrap_or_default();
             word.parse().map_err(|error: String| self.wrong(row, column, &error))
         };
-        // Words are read once, those of no row included, whose errors do not count.
+        // Parses each distinct word once; words that no row uses may be invalid.
         let known: Vec<Option<End>> = match &column.heading.kind {
             Kind::Choice(words) => words.iter().map(|word| word.parse().ok()).collect(),
             _ => Vec::new(),

@@ -51,14 +51,14 @@ pub struct TableReader<'a> {
     is_wanted: &'a dyn Fn(&str) -> bool,
     /// Headings of all columns, as in the file; none before the first file.
     headings: Vec<String>,
-    columns: Vec<Option<Growing>>,
+    columns: Vec<Option<ColumnBuilder>>,
     /// The last columns: the keys in the names of the file's folders, with their values.
     keys: Vec<(String, String)>,
     rows: u64,
 }
 
 /// The values of a column so far.
-enum Growing {
+enum ColumnBuilder {
     /// Numbers, or whole numbers.
     Numbers(Series),
     Words(Words),
@@ -97,31 +97,31 @@ impl Words {
     }
 }
 
-impl Growing {
+impl ColumnBuilder {
     /// Begins a column of CSV.
-    fn of(heading: &str) -> Growing {
+    fn of(heading: &str) -> ColumnBuilder {
         match split_heading(heading).0 {
-            ROW => Growing::of_kind(Kind::Integer),
+            ROW => ColumnBuilder::of_kind(Kind::Integer),
             // The name of a file may be a number.
-            "record" | "vertical" => Growing::of_kind(Kind::Text),
-            _ => Growing::of_kind(Kind::Real),
+            "record" | "vertical" => ColumnBuilder::of_kind(Kind::Text),
+            _ => ColumnBuilder::of_kind(Kind::Real),
         }
     }
 
     /// Begins a column of numbers, or of words for other values.
-    fn of_kind(kind: Kind) -> Growing {
+    fn of_kind(kind: Kind) -> ColumnBuilder {
         match kind {
             Kind::Real | Kind::Integer => {
-                Growing::Numbers(Series::new(Heading { name: String::new(), unit: None, kind }))
+                ColumnBuilder::Numbers(Series::new(Heading { name: String::new(), unit: None, kind }))
             }
-            Kind::Boolean | Kind::Choice(_) | Kind::Text => Growing::Words(Words::default()),
+            Kind::Boolean | Kind::Choice(_) | Kind::Text => ColumnBuilder::Words(Words::default()),
         }
     }
 
     fn push_text(&mut self, text: &str) {
         let is_number = match self {
-            Growing::Numbers(series) => series.push_text(text),
-            Growing::Words(_) => false,
+            ColumnBuilder::Numbers(series) => series.push_text(text),
+            ColumnBuilder::Words(_) => false,
         };
         if !is_number {
             self.push_word(text);
@@ -130,24 +130,26 @@ impl Growing {
 
     /// Makes the column one of words, and appends a word.
     fn push_word(&mut self, text: &str) {
-        if let Growing::Numbers(earlier) = self {
+        if let ColumnBuilder::Numbers(earlier) = self {
             let mut words = Words::default();
             (0..earlier.values.len()).for_each(|row| words.push(&earlier.text(row)));
-            *self = Growing::Words(words);
+            *self = ColumnBuilder::Words(words);
         }
-        let Growing::Words(words) = self else { unreachable!("made one above") };
+        let ColumnBuilder::Words(words) = self else { unreachable!("made one above") };
         words.push(text);
     }
 
     /// Moves the values into a column with this heading. The words stay.
     fn take(&mut self, heading: &str) -> Series {
         let (kind, values) = match self {
-            Growing::Numbers(series) => {
+            ColumnBuilder::Numbers(series) => {
                 let empty = Series::new(series.heading.clone());
                 let Series { heading, values } = std::mem::replace(series, empty);
                 (heading.kind, values)
             }
-            Growing::Words(words) => (Kind::Choice(words.list()), Values::Choice(std::mem::take(&mut words.positions))),
+            ColumnBuilder::Words(words) => {
+                (Kind::Choice(words.list()), Values::Choice(std::mem::take(&mut words.positions)))
+            }
         };
         let (name, unit) = split_heading(heading);
         Series { heading: Heading { name: name.into(), unit: unit.map(String::from), kind }, values }
@@ -157,8 +159,8 @@ impl Growing {
     #[cfg(feature = "parquet")]
     fn append(&mut self, more: Series) {
         match (&mut *self, &more.values, &more.heading.kind) {
-            (Growing::Numbers(series), _, kind) if series.heading.kind == *kind => series.append(more),
-            (Growing::Words(words), Values::Choice(more), Kind::Choice(list)) => {
+            (ColumnBuilder::Numbers(series), _, kind) if series.heading.kind == *kind => series.append(more),
+            (ColumnBuilder::Words(words), Values::Choice(more), Kind::Choice(list)) => {
                 let known: Vec<u32> = list.iter().map(|word| words.position(word)).collect();
                 words.positions.extend(more.iter().map(|position| known[*position as usize]));
             }
@@ -216,14 +218,14 @@ impl<'a> TableReader<'a> {
         &mut self,
         file: &str,
         mut headings: Vec<String>,
-        column: impl Fn(usize, &str) -> Growing,
+        column: impl Fn(usize, &str) -> ColumnBuilder,
     ) -> Result<(), TableReadError> {
         self.keys.retain(|(name, _)| headings.iter().all(|heading| split_heading(heading).0 != name));
         let of_file = headings.len();
         headings.extend(self.keys.iter().map(|(name, _)| name.clone()));
         if self.headings.is_empty() {
             let column = |number, heading: &str| {
-                if number < of_file { column(number, heading) } else { Growing::of(heading) }
+                if number < of_file { column(number, heading) } else { ColumnBuilder::of(heading) }
             };
             let kept = |(number, heading): (usize, &String)| {
                 (self.is_wanted)(split_heading(heading).0).then(|| column(number, heading))
@@ -278,7 +280,7 @@ impl<'a> TableReader<'a> {
             let reason = "found no lines; expected a table of `rocking sweep`".into();
             return Err(TableReadError::damaged(file, reason));
         }
-        self.begin(file, header.iter().map(String::from).collect(), |_, heading| Growing::of(heading))?;
+        self.begin(file, header.iter().map(String::from).collect(), |_, heading| ColumnBuilder::of(heading))?;
         Ok(FileRows { file: file.into(), before: self.rows, content: Content::Csv { reader, header, is_over: false } })
     }
 
@@ -291,7 +293,7 @@ impl<'a> TableReader<'a> {
     fn begin_parquet(&mut self, file: &str, content: File) -> Result<FileRows<'static>, TableReadError> {
         let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
         let headings = groups.headings.iter().map(Heading::to_string).collect();
-        self.begin(file, headings, |number, _| Growing::of_kind(groups.headings[number].kind.clone()))?;
+        self.begin(file, headings, |number, _| ColumnBuilder::of_kind(groups.headings[number].kind.clone()))?;
         let content = Content::Parquet { groups, next: 0, group: None };
         Ok(FileRows { file: file.into(), before: self.rows, content })
     }
@@ -353,7 +355,7 @@ impl<'a> TableReader<'a> {
     pub(super) fn last_numbers(&self, rows: u64) -> Option<&[i64]> {
         let number = self.headings.iter().position(|heading| heading == ROW)?;
         match self.columns.get(number)? {
-            Some(Growing::Numbers(Series { values: Values::Integer(values), .. })) => {
+            Some(ColumnBuilder::Numbers(Series { values: Values::Integer(values), .. })) => {
                 values.get(values.len().checked_sub(rows as usize)?..)
             }
             _ => None,

@@ -5,7 +5,7 @@
 
 use std::borrow::Borrow;
 
-use crate::run::outcome::{Incidents, Outcome};
+use crate::run::outcome::{EventCounts, Outcome};
 use crate::run::{Run, Schedule};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
@@ -32,7 +32,7 @@ struct ActiveRun<R> {
     number: usize,
     run: R,
     schedule: Schedule,
-    incidents: Incidents,
+    event_counts: EventCounts,
 }
 
 /// Makes runs with vectors of this width, or singly, and returns their outcomes in order.
@@ -101,18 +101,18 @@ impl<R: Borrow<Run>, I: Iterator<Item = (usize, R)>, E: Fn()> Batch<R, I, E> {
             let (number, owner) = self.runs.next()?;
             let run = owner.borrow();
             let simulation = run.begin();
-            let incidents = Incidents::begin(&simulation);
+            let event_counts = EventCounts::begin(&simulation);
             let mut schedule = run.schedule(&simulation);
             schedule.check(&simulation);
             let Some(stop) = schedule.next_stop(&simulation) else {
-                self.outcomes.push(Some(run.outcome_of(&simulation, schedule.lean, incidents, None)));
+                self.outcomes.push(Some(run.outcome_of(&simulation, schedule.lean, event_counts, None)));
                 (self.ended)();
                 continue;
             };
             self.outcomes.push(None);
             let mut lane = Box::new(Lane::new(simulation, tag));
             lane.send(stop, schedule.inputs());
-            let begun = ActiveRun { number, run: owner, schedule, incidents };
+            let begun = ActiveRun { number, run: owner, schedule, event_counts };
             match self.active.get_mut(tag) {
                 Some(ended) => *ended = begun,
                 None => self.active.push(begun),
@@ -155,9 +155,9 @@ impl<R: Borrow<Run>, I: Iterator<Item = (usize, R)>, E: Fn()> Batch<R, I, E> {
 
     /// Takes a step of a single run; returns whether it continues.
     fn step_alone(&mut self, lane: &mut Lane) -> bool {
-        let ActiveRun { schedule, incidents, .. } = &mut self.active[lane.tag];
+        let ActiveRun { schedule, event_counts, .. } = &mut self.active[lane.tag];
         self.lane_use.alone += 1;
-        match lane.step_alone(schedule.inputs(), &mut |event| incidents.count_event(event)) {
+        match lane.step_alone(schedule.inputs(), &mut |event| event_counts.count_event(event)) {
             Ok(()) => true,
             Err(error) => {
                 self.end(lane, Some(error));
@@ -167,8 +167,8 @@ impl<R: Borrow<Run>, I: Iterator<Item = (usize, R)>, E: Fn()> Batch<R, I, E> {
     }
 
     fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
-        let ActiveRun { number, incidents, ref run, ref schedule, .. } = self.active[lane.tag];
-        self.outcomes[number] = Some(run.borrow().outcome_of(lane.simulation(), schedule.lean, incidents, failure));
+        let ActiveRun { number, event_counts, ref run, ref schedule, .. } = self.active[lane.tag];
+        self.outcomes[number] = Some(run.borrow().outcome_of(lane.simulation(), schedule.lean, event_counts, failure));
         (self.ended)();
     }
 

@@ -24,7 +24,7 @@ pub mod table;
 
 use std::ops::Range;
 
-use crate::run::outcome::{End, Holds, Incidents, Lean, Occurrences, Outcome};
+use crate::run::outcome::{Count, End, EventCounts, Holds, Outcome, Tilt};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
@@ -108,7 +108,7 @@ pub struct History {
     /// The energies that they have lost by yielding (J).
     pub yield_works: [f64; MAX],
     /// Rotation past the balance and at the end.
-    pub lean: Lean,
+    pub lean: Tilt,
 }
 
 /// Greatest number of rows of a history, including those of its derivatives. They need some 10 GB of memory.
@@ -204,7 +204,7 @@ impl Run {
     }
 
     /// The history of the run that has ended with this simulation.
-    fn finished(&self, simulation: &Simulation, lean: Lean, rows: Vec<Row>, events: Vec<Event>) -> History {
+    fn finished(&self, simulation: &Simulation, lean: Tilt, rows: Vec<Row>, events: Vec<Event>) -> History {
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
         let end = self.end(simulation);
         let is_at_rest = end == End::Completed && is_at_rest(simulation);
@@ -217,25 +217,25 @@ impl Run {
     /// Makes the run without keeping rows. Its stops, and thus its bits, are those of [`Run::history`].
     pub fn outcome(&self) -> Outcome {
         let mut simulation = self.begin();
-        let mut incidents = Incidents::begin(&simulation);
+        let mut event_counts = EventCounts::begin(&simulation);
         let advance = |simulation: &mut Simulation, stop, inputs: &Inputs| {
-            simulation.advance(stop, inputs, &mut |event| incidents.count_event(event))
+            simulation.advance(stop, inputs, &mut |event| event_counts.count_event(event))
         };
         let (lean, driven) = self.drive(&mut simulation, advance, |_, _, _| ());
-        self.outcome_of(&simulation, lean, incidents, driven.err())
+        self.outcome_of(&simulation, lean, event_counts, driven.err())
     }
 
     /// The outcome of the run if it ends with this simulation.
     pub(super) fn outcome_of(
         &self,
         simulation: &Simulation,
-        lean: Lean,
-        incidents: Incidents,
+        lean: Tilt,
+        event_counts: EventCounts,
         failure: Option<SimulationError>,
     ) -> Outcome {
         let end = if failure.is_some() { End::Failed } else { self.end(simulation) };
         let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
-        let (peaks, counts, Incidents { flights, breaks }) = (simulation.peaks(), simulation.counts(), incidents);
+        let (peaks, counts, EventCounts { flights, breaks }) = (simulation.peaks(), simulation.counts(), event_counts);
         let lean = lean.at_end(simulation);
         let (alpha, Holds { ties, .. }) = (self.block.alpha, Holds::of(&self.block));
         Outcome { end, end_time, peaks, counts, flights, lean, breaks, alpha, ties, failure }
@@ -304,7 +304,7 @@ impl Run {
         simulation: &mut Simulation,
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<T, SimulationError>,
         mut row: impl FnMut(f64, &Simulation, &Inputs),
-    ) -> (Lean, Result<(), SimulationError>) {
+    ) -> (Tilt, Result<(), SimulationError>) {
         let mut schedule = self.schedule(simulation);
         row(0.0, simulation, schedule.inputs());
         schedule.check(simulation);
@@ -341,7 +341,7 @@ impl Run {
             rows: 0,
             next_row: end,
             stop: start,
-            lean: Lean::default(),
+            lean: Tilt::default(),
         };
         schedule.lean.follow(simulation);
         schedule.find_next_row();
@@ -386,7 +386,7 @@ pub(super) struct Schedule {
     next_row: f64,
     stop: f64,
     /// How far the block has leaned so far.
-    pub(super) lean: Lean,
+    pub(super) lean: Tilt,
 }
 
 impl Schedule {
@@ -455,10 +455,10 @@ impl History {
     }
 
     /// The ties that broke.
-    pub fn breaks(&self) -> Occurrences {
-        let mut incidents = Incidents::default();
-        self.events.iter().for_each(|event| incidents.count_event(event));
-        incidents.breaks
+    pub fn breaks(&self) -> Count {
+        let mut event_counts = EventCounts::default();
+        self.events.iter().for_each(|event| event_counts.count_event(event));
+        event_counts.breaks
     }
 
     /// Greatest |total energy| of the rows (J).

@@ -19,11 +19,11 @@ pub struct Outcome {
     /// Counters.
     pub counts: Counts,
     /// Complete separations: the last touching corner leaves the ground. Bounces count again.
-    pub flights: Occurrences,
+    pub flights: Count,
     /// Rotation past the balance and at the end.
-    pub lean: Lean,
+    pub lean: Tilt,
     /// Ties and dampers that broke.
-    pub breaks: Occurrences,
+    pub breaks: Count,
     /// Slenderness α of the block (rad).
     pub alpha: f64,
     /// Number of ties of the block, before whose dampers they are numbered.
@@ -192,19 +192,19 @@ pub fn columns<'c, R: 'c>(holds: Holds, of: fn(&R) -> &Outcome) -> Vec<TableColu
 
 /// Incidents of a run, counted from its events.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Incidents {
-    pub flights: Occurrences,
-    pub breaks: Occurrences,
+pub(crate) struct EventCounts {
+    pub flights: Count,
+    pub breaks: Count,
 }
 
-impl Incidents {
+impl EventCounts {
     /// Starts with the flight of a block that is in the air.
-    pub fn begin(simulation: &Simulation) -> Incidents {
-        let mut incidents = Incidents::default();
+    pub fn begin(simulation: &Simulation) -> EventCounts {
+        let mut event_counts = EventCounts::default();
         if simulation.regime() == Regime::Separated {
-            incidents.flights.add(simulation.time());
+            event_counts.flights.add(simulation.time());
         }
-        incidents
+        event_counts
     }
 
     /// Counts an event that begins a flight, or breaks a tie or a damper.
@@ -228,14 +228,14 @@ impl Incidents {
 
 /// The occurrences of an incident in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Occurrences {
+pub struct Count {
     /// Their number.
     pub count: u32,
     /// Time of the first (s).
     pub first: Option<f64>,
 }
 
-impl Occurrences {
+impl Count {
     fn add(&mut self, time: f64) {
         self.count += 1;
         self.first.get_or_insert(time);
@@ -244,7 +244,7 @@ impl Occurrences {
 
 /// How far a block leans, over the balance. That is the rotation that puts the centre of mass over the corner it stands on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lean {
+pub struct Tilt {
     /// Peak |θ| over the balance angle of its side. Beyond 1 the block needs more than its weight to come back.
     pub over_balance: f64,
     /// Rotation θ at the end of the run (rad).
@@ -252,7 +252,7 @@ pub struct Lean {
     peak: f64,
 }
 
-impl Lean {
+impl Tilt {
     /// Rotation at rest (α) from which a block is tilted rather than upright. The round-off of rest on supports is below.
     const TILTED: f64 = 0.01;
 
@@ -263,7 +263,7 @@ impl Lean {
 
     /// Whether a block of slenderness α (rad) that rests at the end leans.
     pub fn is_tilted(&self, alpha: f64) -> bool {
-        self.end.abs() > Lean::TILTED * alpha
+        self.end.abs() > Tilt::TILTED * alpha
     }
 
     /// Includes the motion of an uneven block since the last stop. The end of the run has that of an even one.
@@ -283,12 +283,12 @@ impl Lean {
     }
 
     /// Returns the lean of a run that ends with this simulation.
-    pub(super) fn at_end(mut self, simulation: &Simulation) -> Lean {
+    pub(super) fn at_end(mut self, simulation: &Simulation) -> Tilt {
         let block = simulation.block();
         self.follow(simulation);
         if block.eccentricity == 0.0 {
             self.over_balance = simulation.peaks().theta / block.alpha;
         }
-        Lean { end: simulation.state()[0], ..self }
+        Tilt { end: simulation.state()[0], ..self }
     }
 }

@@ -172,7 +172,7 @@ impl BlockSpec {
     }
 
     /// Returns the numbers to state for this block. They are those that are no defaults or needed beside others.
-    pub fn said(&self) -> impl Iterator<Item = (&'static str, f64)> {
+    pub fn explicit(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let (needs_mass, needs_eta) = (self.needs_mass().is_some(), self.width.is_some());
         self.numbers().into_iter().zip(BlockSpec::defaults().numbers()).filter_map(
             move |((name, value), (_, default))| {
@@ -378,14 +378,14 @@ mod tests {
     #[test]
     fn mass_and_eta_are_said_where_they_are_needed() {
         let default = BlockSpec::defaults();
-        assert_eq!(default.said().count(), 0);
+        assert_eq!(default.explicit().count(), 0);
         let springs = BlockSpec { width: Some(1.0), stiffness: Some(1e7), mass: Some(1000.0), ..BlockSpec::default() };
-        assert_eq!(springs.said().collect::<Vec<_>>(), [("width", 1.0), ("K", 1e7), ("mass", 1000.0)]);
+        assert_eq!(springs.explicit().collect::<Vec<_>>(), [("width", 1.0), ("K", 1e7), ("mass", 1000.0)]);
         let sized = BlockSpec { width: Some(1.0), height: Some(3.0), eta: default.eta, ..BlockSpec::default() };
-        assert_eq!(sized.said().collect::<Vec<_>>(), [("eta", 40.0), ("width", 1.0), ("height", 3.0)]);
+        assert_eq!(sized.explicit().collect::<Vec<_>>(), [("eta", 40.0), ("width", 1.0), ("height", 3.0)]);
         let tied =
             BlockSpec { hold: HoldSpec { ties: vec![Tie::default()], ..HoldSpec::default() }, ..default.clone() };
-        assert_eq!(tied.said().collect::<Vec<_>>(), [("mass", 1000.0)]);
+        assert_eq!(tied.explicit().collect::<Vec<_>>(), [("mass", 1000.0)]);
     }
 
     #[test]

@@ -40,7 +40,7 @@ impl CommandLine {
 
     /// Adds the parameters of a block that are no defaults. Its mass is added if it has an effect.
     pub fn block(&mut self, spec: &BlockSpec) -> &mut CommandLine {
-        for (name, value) in spec.said() {
+        for (name, value) in spec.explicit() {
             self.option(&option(name), value);
         }
         self.unless("foundation", spec.foundation().word(), Foundation::Viscoelastic.word());

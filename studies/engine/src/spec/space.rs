@@ -165,7 +165,7 @@ impl SpaceSpec {
         let common = parameters.common;
         Ok(SpaceParameters {
             base,
-            supports: self.supports(&parameters),
+            supports: self.supports(&parameters)?,
             kappa: self.kappa.unwrap_or(SpaceParameters::default().kappa),
             xi_h: self.xi_h,
             // A friction without limit is that which no foot reaches.
@@ -200,19 +200,15 @@ impl SpaceSpec {
         })
     }
 
-    fn supports(&self, parameters: &BlockParameters) -> SpaceSupports {
-        match (&parameters.supports, self.omega_v) {
-            (Supports::Viscoelastic(KelvinVoigt::Ratios(ratios)), Some(omega_v)) => {
-                SpaceSupports::OfHeave { omega_v, xi_v: ratios.xi_v }
-            }
-            (Supports::Viscoelastic(KelvinVoigt::Ratios(ratios)), None) => {
-                SpaceSupports::OfRocking { eta: ratios.eta, xi_v: ratios.xi_v }
-            }
-            (Supports::Viscoelastic(KelvinVoigt::Springs(springs)), _) => {
+    fn supports(&self, parameters: &BlockParameters) -> Result<SpaceSupports, SpecError> {
+        let Supports::Viscoelastic(supports) = &parameters.supports else { return Err(ON_RIGID_BASE) };
+        Ok(match (supports, self.omega_v) {
+            (KelvinVoigt::Ratios(ratios), Some(omega_v)) => SpaceSupports::OfHeave { omega_v, xi_v: ratios.xi_v },
+            (KelvinVoigt::Ratios(ratios), None) => SpaceSupports::OfRocking { eta: ratios.eta, xi_v: ratios.xi_v },
+            (KelvinVoigt::Springs(springs), _) => {
                 SpaceSupports::OfFoot { stiffness: springs.stiffness, damping: springs.damping }
             }
-            (Supports::Rigid { .. }, _) => unreachable!("a rigid foundation is refused"),
-        }
+        })
     }
 
     /// Returns the inertia, with products of zero if only moments are given.
@@ -279,14 +275,18 @@ impl SpaceSpec {
     }
 }
 
+/// The error of a block in space on a rigid base.
+const ON_RIGID_BASE: SpecError = SpecError::OfPlane {
+    parameter: "foundation = rigid",
+    instead: "in space a block stands on feet; expected `eta` of 100 to 300 for a hard base",
+};
+
 /// Refuses parameters that only a block in the plane has.
 fn refuse_of_plane(block: &BlockSpec) -> Result<(), SpecError> {
-    let plane: [(bool, &'static str, &'static str); 6] = [
-        (
-            block.foundation == Some(Foundation::Rigid),
-            "foundation = rigid",
-            "in space a block stands on feet; expected `eta` of 100 to 300 for a hard base",
-        ),
+    if block.foundation == Some(Foundation::Rigid) {
+        return Err(ON_RIGID_BASE);
+    }
+    let plane: [(bool, &'static str, &'static str); 5] = [
         (
             block.restitution_factor.is_some(),
             "restitution_factor",

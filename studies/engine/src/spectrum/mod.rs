@@ -25,34 +25,34 @@ use rocking_block::simulation::Settings;
 
 /// What carries the blocks of a curve, and the restitution of their impacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Base {
+pub struct FoundationCurve {
     /// Viscoelastic supports or a rigid base.
     pub supports: Supports<Ratios>,
     /// Restitution ε (1).
     pub epsilon: f64,
 }
 
-impl Base {
+impl FoundationCurve {
     /// Housner's rigid base: ε = 0 and his e.
-    pub const HOUSNER: Base = Base::rigid(0.0, 1.0);
+    pub const HOUSNER: FoundationCurve = FoundationCurve::rigid(0.0, 1.0);
 
     /// Supports with the ratios η and ξ_v, and impacts with the restitution ε.
-    pub const fn viscoelastic(eta: f64, xi_v: f64, epsilon: f64) -> Base {
-        Base { supports: Supports::Viscoelastic(Ratios { eta, xi_v }), epsilon }
+    pub const fn viscoelastic(eta: f64, xi_v: f64, epsilon: f64) -> FoundationCurve {
+        FoundationCurve { supports: Supports::Viscoelastic(Ratios { eta, xi_v }), epsilon }
     }
 
     /// A rigid base. The ratio e of angular velocities is that from ε, eq. (6), times a factor.
-    pub const fn rigid(epsilon: f64, restitution_factor: f64) -> Base {
-        Base { supports: Supports::Rigid { restitution_factor }, epsilon }
+    pub const fn rigid(epsilon: f64, restitution_factor: f64) -> FoundationCurve {
+        FoundationCurve { supports: Supports::Rigid { restitution_factor }, epsilon }
     }
 
     /// That of a block.
-    pub fn of(block: &Block) -> Base {
-        Base { supports: block.ratios(), epsilon: block.epsilon }
+    pub fn of(block: &Block) -> FoundationCurve {
+        FoundationCurve { supports: block.ratios(), epsilon: block.epsilon }
     }
 }
 
-impl std::fmt::Display for Base {
+impl std::fmt::Display for FoundationCurve {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let epsilon = self.epsilon;
         match self.supports {
@@ -65,21 +65,21 @@ impl std::fmt::Display for Base {
 }
 
 /// Reads the written form, in any case.
-impl std::str::FromStr for Base {
+impl std::str::FromStr for FoundationCurve {
     type Err = &'static str;
 
-    fn from_str(text: &str) -> Result<Base, &'static str> {
+    fn from_str(text: &str) -> Result<FoundationCurve, &'static str> {
         let lower = text.to_lowercase();
         let (rigid, numbers) = match lower.strip_prefix("rigid") {
-            Some("") => return Ok(Base::HOUSNER),
+            Some("") => return Ok(FoundationCurve::HOUSNER),
             Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
             None => (false, lower.as_str()),
         };
         let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse()).collect();
         match (rigid, numbers.unwrap_or_default().as_slice()) {
-            (true, &[epsilon]) => Ok(Base::rigid(epsilon, 1.0)),
-            (true, &[epsilon, factor]) => Ok(Base::rigid(epsilon, factor)),
-            (false, &[eta, xi_v, epsilon]) => Ok(Base::viscoelastic(eta, xi_v, epsilon)),
+            (true, &[epsilon]) => Ok(FoundationCurve::rigid(epsilon, 1.0)),
+            (true, &[epsilon, factor]) => Ok(FoundationCurve::rigid(epsilon, factor)),
+            (false, &[eta, xi_v, epsilon]) => Ok(FoundationCurve::viscoelastic(eta, xi_v, epsilon)),
             _ => Err("expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"),
         }
     }
@@ -114,24 +114,24 @@ impl Sizes {
 /// Eccentricity and ties in proportion to each block, for similar blocks of all sizes. The units are R0 for places and slack, M g/R0 for
 /// stiffness, M g for pretension and strength, and M p for damping.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct InProportion {
+pub struct ScaledFeatures {
     /// Eccentricity over half the width, e_x/b (1).
     pub eccentricity: f64,
     /// Ties, with all their numbers in these units.
     pub ties: Vec<Tie>,
 }
 
-impl InProportion {
+impl ScaledFeatures {
     /// The proportions of a block.
-    pub fn of(block: &Block) -> InProportion {
+    pub fn of(block: &Block) -> ScaledFeatures {
         let ties = block.ties().iter().map(|tie| scaled(tie, block, |value, unit| value / unit));
-        InProportion { eccentricity: block.eccentricity / block.b, ties: ties.collect() }
+        ScaledFeatures { eccentricity: block.eccentricity / block.b, ties: ties.collect() }
     }
 
     /// The block with `common` and these proportions.
     fn block(&self, dimensionless: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
         let even = Block::from_dimensionless(dimensionless, common)?;
-        if *self == InProportion::default() {
+        if *self == ScaledFeatures::default() {
             return Ok(even);
         }
         let common = Common { eccentricity: self.eccentricity * even.b, ..*common };
@@ -166,9 +166,9 @@ pub struct Spectrum {
     /// Mass, shape factor, gravity and friction; `bases` and `in_proportion` have the rest.
     pub common: Common,
     /// Eccentricity and ties.
-    pub in_proportion: InProportion,
+    pub in_proportion: ScaledFeatures,
     /// Foundations.
-    pub bases: Vec<Base>,
+    pub bases: Vec<FoundationCurve>,
     /// Sizes.
     pub sizes: Sizes,
     /// Ground motions with their names.
@@ -228,7 +228,7 @@ impl Spectrum {
     ///
     /// # Errors
     /// The first invalid parameter.
-    pub fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
+    pub fn block(&self, base: FoundationCurve, p: f64) -> Result<Block, BlockError> {
         let common = Common { epsilon: base.epsilon, ..self.common };
         self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, supports: base.supports }, &common)
     }
@@ -256,7 +256,7 @@ impl Study for CheckedSpectrum {
             format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}{friction}", self.alpha),
             format!("p = {least} to {greatest}, {count} sizes"),
         ];
-        let InProportion { eccentricity, ties } = &self.in_proportion;
+        let ScaledFeatures { eccentricity, ties } = &self.in_proportion;
         if *eccentricity != 0.0 {
             study.push(format!("e_x/b = {eccentricity}"));
         }

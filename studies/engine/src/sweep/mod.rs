@@ -58,7 +58,7 @@ pub struct Sweep {
     pub parameters: Vec<SweptParameter>,
     /// How they are combined.
     pub design: Design,
-    /// Ground motions, at least one; a motion without records stands for no ground motion.
+    /// Ground motions, at least one; an empty motion is no shaking.
     pub motions: Vec<GroundMotion>,
     /// The building on whose floors the blocks stand, if any.
     pub building: Option<Building>,
@@ -158,7 +158,7 @@ impl Sweep {
     /// Remarks on blocks and pulses beyond reason, one of each kind.
     fn doubts(&self, checks: Checks) -> Vec<String> {
         let values = || self.combinations_to_check(checks).map(|number| self.values(&self.combination(number)));
-        // A motion without records stands for no ground motion.
+        // An empty motion is no shaking.
         let has_record = self.motions.iter().all(|motion| !motion.ground.is_empty());
         let mut remarks = doubts::of_blocks(values().filter_map(|values| self.block(&values).ok()));
         remarks.extend(doubts::of_pulses(values().map(|values| (values.pulse(), values[Variable::G])), has_record));

@@ -12,7 +12,7 @@ use crate::output::files::{NamedFile, Pending, check_distinct};
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use rocking_report::PAGE;
-use rocking_studies::assess::{Kept, Plan, Report, Step, assess};
+use rocking_studies::assess::{Cache, Plan, Report, Step, assess};
 use rocking_studies::input::study_file::StudyFileError;
 
 /// Options of `rocking assess`.
@@ -64,7 +64,7 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let kept = out.join("kept");
     std::fs::create_dir_all(&kept).with_context(|| format!("{}: cannot be created", kept.display()))?;
     let program = std::env::current_exe().context("the program's own file cannot be found")?;
-    let keep = Kept { folder: &kept, program: &program };
+    let keep = Cache { folder: &kept, program: &program };
     let pool = processor.threads.pool()?;
     let bar = Progress::new(0, 0);
     let show = |step: &str, done, all| bar.show_step(step, done, all);

@@ -28,7 +28,7 @@ use rocking_studies::output::table::Table;
 use rocking_studies::spec::words::friction;
 use rocking_studies::spec::{BlockSpec, RunSpec, damper, tie};
 use rocking_studies::spectrum::statistics::{BlockOutcome, CurveSummary, EndCounts, Greatest, Statistics};
-use rocking_studies::spectrum::{CheckedSpectrum, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{CheckedSpectrum, ScaledFeatures, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -200,7 +200,7 @@ impl SpectrumCommand {
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, friction, ..Common::default() },
-            in_proportion: InProportion {
+            in_proportion: ScaledFeatures {
                 eccentricity: self.blocks.eccentricity_ratio,
                 ties: [&self.blocks.tie_ratio[..], &self.blocks.damper_ratio].concat(),
             },

@@ -11,7 +11,7 @@ use clap::Args;
 
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
-use crate::output::files::Growing;
+use crate::output::files::StreamedFile;
 use crate::output::formats::knows_parquet;
 use crate::output::interrupt::print_continuation;
 use crate::output::progress::Progress;
@@ -143,7 +143,7 @@ impl StudyOptions {
 
     /// Computes the rows of a study for a file that is complete or absent. It is CSV or Parquet by its name.
     fn run_whole(&self, path: &Path, study: &impl Study, follow: Option<Follower>) -> anyhow::Result<StudySummary> {
-        let file = Growing::new(path)?;
+        let file = StreamedFile::new(path)?;
         let (name, header) = (path.display().to_string(), study.header());
         let mut table = match knows_parquet(path)? {
             #[cfg(feature = "parquet")]

@@ -168,21 +168,21 @@ impl Pending {
 }
 
 /// A file whose content grows, and which replaces another one as a whole.
-pub struct Growing {
+pub struct StreamedFile {
     name: String,
     path: PathBuf,
     staged: Staged,
 }
 
-impl Growing {
+impl StreamedFile {
     /// Begins the file that will be at `path`.
-    pub fn new(path: &Path) -> anyhow::Result<Growing> {
+    pub fn new(path: &Path) -> anyhow::Result<StreamedFile> {
         let name = path.display().to_string();
         let OutputTarget::File(path) = OutputTarget::of(path)? else {
             anyhow::bail!("{name}: cannot be written: it is a device or a pipe; expected the name of a file")
         };
         let staged = Staged::new(&path).with_context(|| format!("{name}: cannot be written"))?;
-        Ok(Growing { name, path, staged })
+        Ok(StreamedFile { name, path, staged })
     }
 
     /// Returns a writer that appends to it.

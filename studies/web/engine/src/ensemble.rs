@@ -117,7 +117,7 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     if spec.width.is_some() {
         values.push(("parameterization", vec![2.0]));
     }
-    values.extend(spec.said().map(|(name, value)| (name, vec![value])));
+    values.extend(spec.explicit().map(|(name, value)| (name, vec![value])));
     if foundation != Foundation::Viscoelastic {
         values.push(("foundation", vec![f64::from(foundation as i32)]));
     }

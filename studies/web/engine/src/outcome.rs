@@ -3,7 +3,7 @@
 use rocking_block::block::Foundation;
 use rocking_block::simulation::Ending;
 use rocking_charts::numerals::significant;
-use rocking_studies::run::outcome::{End, Holds, Occurrences};
+use rocking_studies::run::outcome::{Count, End, Holds};
 use rocking_studies::run::{History, Run};
 
 /// Describes the outcome in a sentence for laymen.
@@ -69,7 +69,7 @@ fn kinds(run: &Run) -> Option<[&'static str; 2]> {
 }
 
 fn breaks(run: &Run, history: &History) -> Option<String> {
-    let Occurrences { count, first } = history.breaks();
+    let Count { count, first } = history.breaks();
     let (first, [one, several]) = (significant(first?, 3), kinds(run)?);
     Some(match count {
         1 => format!("A {one} breaks at {first} s."),

@@ -5,7 +5,7 @@ use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::spec::command::CommandLine;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spectrum::statistics::direction;
-use rocking_studies::spectrum::{Base, CheckedSpectrum, InProportion, Sizes, Spectrum};
+use rocking_studies::spectrum::{CheckedSpectrum, FoundationCurve, ScaledFeatures, Sizes, Spectrum};
 
 use crate::command::add_excitation;
 use crate::fields::{FieldError, Fields};
@@ -27,15 +27,15 @@ pub fn read(
     let greatest = fields.number("p_max", |x| x > least, "a frequency above the smallest p");
     let count = fields.integer("points", 2, 2000);
     let block = &inputs.run.block;
-    let base = Base::of(block);
+    let base = FoundationCurve::of(block);
     let with_rigid =
         block.foundation == Foundation::Viscoelastic && fields.one_of("also_rigid", &["yes", "no"]) == "yes";
-    let bases = std::iter::once(base).chain(with_rigid.then_some(Base::HOUSNER));
+    let bases = std::iter::once(base).chain(with_rigid.then_some(FoundationCurve::HOUSNER));
     let on_separation = inputs.run.settings.on_separation;
     let spectrum = Spectrum {
         alpha: block.alpha,
         common: Common { eccentricity: 0.0, ..block.common() },
-        in_proportion: InProportion::of(block),
+        in_proportion: ScaledFeatures::of(block),
         bases: bases.collect(),
         sizes: Sizes { least, greatest, count },
         motions: vec![(direction(vertical.is_some()).into(), inputs.run.ground.clone())],
@@ -62,7 +62,7 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> St
     let Sizes { least, greatest, count } = spectrum.sizes;
     line.option("p-min", least).option("p-max", greatest).option("points", count);
     line.unless("mass", mass, default.mass).unless("gamma", gamma, default.gamma).unless("g", gravity, default.gravity);
-    let InProportion { eccentricity, ties } = &spectrum.in_proportion;
+    let ScaledFeatures { eccentricity, ties } = &spectrum.in_proportion;
     line.unless("friction", friction, default.friction).unless("eccentricity-ratio", *eccentricity, 0.0);
     for tie in ties {
         line.tie(&format!("{}-ratio", tie.kind.word()), tie);

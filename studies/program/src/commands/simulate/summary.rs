@@ -11,7 +11,7 @@ use rocking_block::simulation::{Ending, Energies};
 use rocking_block::system::events::Event;
 use rocking_charts::history::{block_line, link_names};
 use rocking_studies::run::gradients::Gradients;
-use rocking_studies::run::outcome::{End, Holds, Occurrences};
+use rocking_studies::run::outcome::{Count, End, Holds};
 use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::words::Words;
@@ -115,7 +115,7 @@ fn add_end(summary: &mut Summary, run: &Run, history: &History) {
     summary.entry("passed_balance", lean.passed_balance());
     summary.entry("ends_tilted", history.ends_tilted(&run.block));
     summary.entry("end.theta/alpha", lean.end / run.block.alpha);
-    let Occurrences { count, first } = history.breaks();
+    let Count { count, first } = history.breaks();
     if !run.block.ties().is_empty() {
         summary.entry("ties_broken", count);
     }
@@ -212,7 +212,7 @@ fn add_holds(summary: &mut Summary, block: &Block, history: &History) {
     for (key, links) in ["ties", "dampers"].into_iter().zip(of_kinds).filter(|(_, links)| !links.is_empty()) {
         summary.entry(key, links);
     }
-    if let Occurrences { count, first: Some(time) } = history.breaks() {
+    if let Count { count, first: Some(time) } = history.breaks() {
         let (name, [one, several]) = match Holds::of(block).dampers {
             0 => ("ties", ["tie", "ties"]),
             _ => ("breaks", ["tie or damper", "ties and dampers"]),

@@ -11,25 +11,25 @@ use rocking_charts::figures::{
 };
 use rocking_charts::spectrum::Abscissa;
 use rocking_studies::output::runner::{self, Study};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 use crate::program::{Table, files, refused, stdout};
 use crate::studies::labels;
 
 /// Rigid base.
-pub const RIGID: Base = Base::HOUSNER;
+pub const RIGID: FoundationCurve = FoundationCurve::HOUSNER;
 /// Small grids.
 pub const SMALL: Detail = Detail { step: 0.02, slendernesses: 2, dampings: 11, sizes: 9 };
 
 /// Viscoelastic supports.
-pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> Base {
-    Base::viscoelastic(eta, xi_v, epsilon)
+pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> FoundationCurve {
+    FoundationCurve::viscoelastic(eta, xi_v, epsilon)
 }
 
 /// Figures 6 and 7 compare foundations for each η, Figure 8 for each ε and ξ_v.
 #[test]
 fn histories_compare_the_foundations_of_the_paper() {
-    let pairs = |number| -> Vec<[Base; 2]> {
+    let pairs = |number| -> Vec<[FoundationCurve; 2]> {
         comparisons(number).into_iter().map(|Comparison { solid, dashed, .. }| [solid, dashed]).collect()
     };
     let etas = [20.0, 40.0, 60.0, 80.0];

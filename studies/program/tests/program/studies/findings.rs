@@ -15,16 +15,16 @@ use rocking_charts::figures::{
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationCurve;
 
 use crate::studies::figures::{RIGID, SMALL, supports};
 
-fn history(base: Base) -> History {
+fn history(base: FoundationCurve) -> History {
     history_run(base, &SMALL).unwrap().history(|_| ()).unwrap()
 }
 
 /// A block with p = 1 rad/s under a pulse of Figure 10 or 11 with a frequency ω_p/p, for 3/p.
-fn under_pulse(figure: u8, alpha: f64, base: Base, amplitude: f64, ratio: f64) -> History {
+fn under_pulse(figure: u8, alpha: f64, base: FoundationCurve, amplitude: f64, ratio: f64) -> History {
     let pulse = parameters::spectrum_pulse(figure, amplitude, alpha);
     let p = TAU / pulse.period / ratio;
     let run = Run {

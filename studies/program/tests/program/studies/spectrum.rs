@@ -8,7 +8,7 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{Base, Sizes};
+use rocking_studies::spectrum::{FoundationCurve, Sizes};
 
 use crate::program::{Table, files, refused, rocking, stdout, text};
 use crate::studies::{PULSE, labels, resumes_to_the_same_bytes};
@@ -220,7 +220,12 @@ fn a_record_with_and_without_its_vertical_component() {
 
 #[test]
 fn foundations_of_curves_are_read_as_they_are_written() {
-    for base in [Base::HOUSNER, Base::rigid(0.2, 1.0), Base::rigid(0.0, 0.95), Base::viscoelastic(40.0, 0.1, 0.5)] {
+    for base in [
+        FoundationCurve::HOUSNER,
+        FoundationCurve::rigid(0.2, 1.0),
+        FoundationCurve::rigid(0.0, 0.95),
+        FoundationCurve::viscoelastic(40.0, 0.1, 0.5),
+    ] {
         assert_eq!(base.to_string().parse(), Ok(base));
         assert_eq!(base.to_string().to_uppercase().parse(), Ok(base));
     }

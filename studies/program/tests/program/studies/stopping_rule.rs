@@ -10,7 +10,7 @@ use rocking_block::system::dynamics::instant;
 use rocking_block::system::events::EventKind;
 use rocking_block::system::forces::energy;
 use rocking_block::system::instant::Footing;
-use rocking_studies::run::outcome::{End, Occurrences};
+use rocking_studies::run::outcome::{Count, End};
 use rocking_studies::run::stopping_rule::{fraction_of_barrier, overturning_barrier, tied_rocking_period};
 use rocking_studies::run::{History, Run};
 use rocking_studies::statistics::sampling::LatinHypercube;
@@ -280,7 +280,7 @@ fn a_block_that_separates_on_its_way_over_has_overturned() {
     assert!(last.theta.abs() >= 0.2 && last.theta.abs() < 1.5 && last.theta * last.theta_dot > 0.0);
     let outcome = paper.outcome();
     assert_eq!((outcome.end, outcome.end_time), (End::Overturned, time));
-    assert_eq!(outcome.flights, Occurrences { count: 1, first: Some(time) });
+    assert_eq!(outcome.flights, Count { count: 1, first: Some(time) });
     let flying = run(block, Initial::default(), pulse, OnSeparation::Fly).outcome();
     assert_eq!(flying.end, End::Overturned);
     assert!(flying.end_time > time && (flying.peaks.theta - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
