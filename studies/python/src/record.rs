@@ -17,7 +17,6 @@ use rocking_studies::spec::records::FileSpec;
 
 use crate::block::hash;
 use crate::options::{choice, finite, invalid, unspelled, whole};
-use crate::studies::Pair;
 
 /// The samples of a record; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
@@ -280,6 +279,9 @@ fn refused(error: RecordError) -> PyErr {
         _ => PyValueError::new_err(error.naming(|setting| RecordOption { setting, vertical: false }.key())),
     }
 }
+
+/// A horizontal and a vertical record; each may be missing.
+pub type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 
 /// Returns a word for the ground motion of each pair of records with these names. `None` if the names tell the motions as well.
 #[pyfunction]

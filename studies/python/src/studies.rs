@@ -32,12 +32,9 @@ use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::blocks::Blocks;
 use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, unspelled, warn};
-use crate::record::{Record, ground, measures};
+use crate::record::{Pair, Record, ground, measures};
 use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
-
-/// A horizontal and a vertical record; each may be missing.
-pub type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 
 /// The columns of a table, and the reason of the first failed run.
 type Columns<'py> = (Vec<Column<'py>>, Option<String>);

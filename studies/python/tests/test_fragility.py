@@ -60,7 +60,7 @@ def test_intervals_and_bands_lie_about_the_curve(intervals):
 def test_a_bootstrap_of_few_records_has_no_intervals():
     table = planted()
     few = rb.Table({**{name: table[name] for name in table}, "record": np.arange(table.rows) % 9}, {"PGV": "m/s"})
-    with pytest.warns(UserWarning, match="no intervals: a bootstrap of 9 records understates the scatter; expected at least 10"):
+    with pytest.warns(UserWarning, match="no intervals: a bootstrap of 9 motions understates the scatter; expected at least 10"):
         fit = rb.fragility(few, "PGV", intervals="bootstrap", samples=20)
     assert fit.median_ci == (0.0, np.inf) and fit.beta_ci == (0.0, np.inf) and fit.band(0.5) == (0.0, 1.0)
     assert fit.coefficients == rb.fragility(few, "PGV").coefficients

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::fragility::table::{SweepTable, SweepTableError};
-use crate::input::motion::Motion;
+use crate::input::motion::{MOTION, Motion};
 use crate::output::table::{Series, Values};
 use crate::run::limit::Limit;
 use crate::run::outcome::End;
@@ -67,8 +67,6 @@ pub struct Motions {
     first: Vec<u64>,
 }
 
-/// The column of a table with the motion of each row, where the names of its records do not tell it.
-pub const MOTION: &str = "motion";
 /// The columns with the names of records.
 const RECORDS: [&str; 2] = ["record", "vertical"];
 

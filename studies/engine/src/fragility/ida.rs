@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::fragility::cases::MOTION;
 use crate::fragility::table::{SweepTable, SweepTableError};
+use crate::input::motion::MOTION;
 use crate::intensity::Measure;
 use crate::mismatch::Mismatch;
 use crate::output::table::{Series, split_heading};

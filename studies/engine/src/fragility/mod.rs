@@ -63,7 +63,7 @@ pub use crate::output::table::split_heading;
 pub use crate::run::limit::Limit;
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of};
 pub use bootstrap::{Bootstrap, bootstrap};
-pub use cases::{Case, MOTION, Motions, RowCounts};
+pub use cases::{Case, Motions, RowCounts};
 pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, LossProgram, openquake, pelicun};

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use crate::fragility::cases::MOTION;
+use crate::input::motion::MOTION;
 use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
 use crate::output::reading::{TableReadError, TableReader};

@@ -6,6 +6,9 @@ use std::fmt;
 use rocking_block::excitation::records::{Ground, fingerprint};
 use rocking_records::{Format, Record};
 
+/// The column of a table with the motion of each row, where the names of its records do not tell it.
+pub const MOTION: &str = "motion";
+
 /// A ground motion: the shaking of one event at one station.
 ///
 /// Its components and their rotations, its processed forms, the floors of a building above it, and the same record with and without a

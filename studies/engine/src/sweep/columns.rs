@@ -1,7 +1,6 @@
 //! A row of a sweep → the columns of its table.
 
-use crate::fragility::MOTION;
-use crate::input::motion::{self, Motion};
+use crate::input::motion::{self, MOTION, Motion};
 use crate::intensity::Measure;
 use crate::output::table::TableColumn;
 use crate::run::outcome::{self, End};
