@@ -1,4 +1,4 @@
-//! One run of a case, whose instructions `scripts/instructions` counts:
+//! One run of a case, whose instructions `scripts/dev/instructions` counts:
 //! `one_run (sine | record | flight | through-fmu | space | reference RECORD) [TOLERANCE]`.
 //!
 //! `through-fmu` is `record` through the functions of the FMU of FMI 2.0. `reference` runs the block of most cases of tests/reference
@@ -18,7 +18,7 @@ use rocking_block::space::{
 };
 use rocking_records::ReadOptions;
 
-const RECORD: &[u8] = include_bytes!("../examples/records/np01002p_4225a_a.smc");
+const RECORD: &[u8] = include_bytes!("records/np01002p_4225a_a.smc");
 
 fn block(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {
     let common = Common { epsilon, ..Common::default() };

@@ -62,7 +62,7 @@ impl Simulation {
         run.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
         let shown = system.pose_after_jump(&run.pose, &start).unwrap_or(run.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
-        run.peaks.include(&shown.channels_called());
+        run.peaks.include(&shown.channels_outlined());
         run.peaks.include_restraints(&shown);
         Simulation { setup, run }
     }

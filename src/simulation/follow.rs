@@ -263,7 +263,7 @@ impl<const N: usize> Repeats<N> for AnyMode {
 
 impl<const N: usize> StateRate<State<Number, N>> for Motion<'_, AnyMode, N, Number> {
     fn state_rate(&self, time: f64, state: &State<Number, N>) -> State<Number, N> {
-        self.rate_at_called(Number::from(time), state)
+        self.rate_at_outlined(Number::from(time), state)
     }
 }
 

@@ -250,7 +250,7 @@ impl Peaks {
     #[inline(always)]
     pub fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
         if self.are_near(here, near) || self.are_near(there, near) {
-            [here.channels_called(), there.channels_called()]
+            [here.channels_outlined(), there.channels_outlined()]
         } else {
             [here.cheap_channels(), there.cheap_channels()]
         }
@@ -343,7 +343,7 @@ where
 impl Evaluation<'_> {
     /// [`Evaluation::channels`] without inlining.
     #[inline(never)]
-    pub fn channels_called(&self) -> Channels {
+    pub fn channels_outlined(&self) -> Channels {
         self.channels()
     }
 }

@@ -146,7 +146,7 @@ impl RunState {
 
     /// Stays at rest under a pulse until a corner lifts or the piece ends.
     ///
-    /// Returns `None` if that is unclear of the first interval, with the budget spent; later ones are left to the caller.
+    /// Returns `None` if the first interval is undecided; its steps still count. Later ones are left to the caller.
     #[inline(never)]
     pub(super) fn rest_under_pulse<'a>(
         &mut self,

@@ -232,8 +232,7 @@ impl Simulation {
         Motion::from_pose(self.block(), pose, &Excitation::none()).at(pose.time, pose.state).foot_place()
     }
 
-    /// Whether the foot slides now. After a jump of the inputs it may begin to slide in this instant, which
-    /// [`Simulation::slides_under`] tells.
+    /// Whether the foot slides now. Ignores a slip that starts now; see [`Simulation::slides_under`].
     pub fn slides(&self) -> bool {
         self.run.pose.slides() && !self.is_frozen()
     }

@@ -237,7 +237,7 @@ impl<'a, L: MotionMode, const N: usize> StepInterior<'_, 'a, L, N> {
                 Channels { theta: Dual::new(state[0], state[1]), ..Channels::default() }
             }
             Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand | Channel::Uplift => {
-                self.at(elapsed).channels_called()
+                self.at(elapsed).channels_outlined()
             }
         };
         channels.candidates()[number].1

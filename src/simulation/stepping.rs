@@ -110,7 +110,7 @@ impl RunState {
         loop {
             if steady && here.rests() {
                 // Loads may begin at this instant.
-                self.peaks.include(&here.channels_called());
+                self.peaks.include(&here.channels_outlined());
                 self.settle_at_rest(input);
                 return Ok(StepsOutcome::Lasts);
             }

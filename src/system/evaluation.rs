@@ -2,7 +2,7 @@
 //!
 //! # Inlining
 //! Functions between a step and the equations are inlined: code for absent forces and unread results is left out, and vectors stay in
-//! registers. A function whose name ends in `_called` is the only copy of another that is never inlined: for rare modes, or where another
+//! registers. A function whose name ends in `_outlined` is the only copy of another that is never inlined: for rare modes, or where another
 //! copy would add code without saving time. The two do not differ otherwise.
 
 use crate::block::restraints::States;
@@ -82,7 +82,7 @@ impl<'a, T: Elementary> Motion<'a, AnyMode, 4, T> {
 
     /// Evaluates [`Motion::at`]: with derivatives, each inlined copy would take long to compile.
     #[inline(never)]
-    pub fn at_called(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
+    pub fn at_outlined(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
         self.at(time, state)
     }
 }
@@ -101,12 +101,12 @@ impl<P: Elementary> Motion<'_, AnyMode, 4, P> {
 
 #[cfg(feature = "lanes")]
 impl<const N: usize, T: Elementary> Motion<'_, AnyMode, N, T> {
-    /// Returns the rate of a state by [`Motion::at_called`].
-    pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
+    /// Returns the rate of a state by [`Motion::at_outlined`].
+    pub fn rate_at_outlined(&self, time: T, state: &State<T, N>) -> State<T, N> {
         let Motion { body, excitation, mode, contacts, restraints, .. } = *self;
         let footing = self.footing_at(time, state);
         let now = Motion::<_, 4, _> { body, excitation, mode, since: time, footing, contacts, restraints };
-        self.rate_of(&now.at_called(time, first_four(state))).state
+        self.rate_of(&now.at_outlined(time, first_four(state))).state
     }
 }
 
@@ -266,14 +266,14 @@ fn first_four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
 impl<L: MotionMode, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
     #[inline(always)]
     fn rate(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        if L::STATIC { self.rate_here(time, state) } else { self.rate_called(time, state) }
+        if L::STATIC { self.rate_here(time, state) } else { self.rate_outlined(time, state) }
     }
 }
 
 impl<L: MotionMode, const N: usize, T: Elementary> Motion<'_, L, N, T> {
     /// Returns the rate by a call. A copy in each stage would make the steps of rare modes too large.
     #[inline(never)]
-    fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
+    fn rate_outlined(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_here(time, state)
     }
 

@@ -131,6 +131,7 @@ impl RecordFile<'_> {
             // The FMU has no parameters for these.
             Setting::Layout
             | Setting::Skip
+            | Setting::Npts
             | Setting::ValueScale
             | Setting::Baseline
             | Setting::BandPass

@@ -4,7 +4,7 @@ use proptest::prelude::ProptestConfig;
 
 /// Returns a configuration with `usual` cases, unless `PROPTEST_CASES` gives another number.
 ///
-/// `.cargo/config.toml` fixes the seed, and `scripts/soak` varies it. A failing case is stored in a file of proptest-regressions
+/// `.cargo/config.toml` fixes the seed, and `scripts/dev/soak` varies it. A failing case is stored in a file of proptest-regressions
 /// and runs each time from then on.
 pub fn cases(usual: u32) -> ProptestConfig {
     let mut config = ProptestConfig::default();

@@ -36,7 +36,7 @@ fn exports_are_the_functions_of_the_standard() {
     let exported = exports(&FMU.files[BINARY]);
     assert_eq!(exported, NAMES.iter().map(ToString::to_string).collect());
     // `packaging check` looks for these.
-    assert_eq!(exported, include_str!("../../tools/packaging/src/fmi3.txt").lines().map(String::from).collect());
+    assert_eq!(exported, include_str!("../../lab/packaging/src/fmi3.txt").lines().map(String::from).collect());
 }
 
 #[test]

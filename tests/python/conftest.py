@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def pytest_configure(config):
-    config.addinivalue_line("markers", "check: left to scripts/check: other masters, experiments, examples, type checkers")
+    config.addinivalue_line("markers", "check: left to scripts/dev/check: other masters, experiments, examples, type checkers")
 
 
 @pytest.fixture(scope="session")
@@ -49,7 +49,7 @@ def rinaldi():
 
 
 def pytest_runtest_logreport(report):
-    """Records skipped tests for the end of scripts/test and scripts/check, once where several processes run them."""
+    """Records skipped tests for the end of scripts/test and scripts/dev/check, once where several processes run them."""
     path = os.environ.get("ROCKING_BLOCK_SKIPPED") if "PYTEST_XDIST_WORKER" not in os.environ else None
     if report.skipped and path:
         with open(path, "a") as file:

@@ -16,10 +16,11 @@ PRODUCT = [
     "docs/*.md",
     "src/**/*.rs",
     "crates/*/src/**/*.rs",
-    "python/src/*.rs",
-    "python/rocking_block/*.py*",
-    "web/engine/src/*.rs",
-    "web/page/*.js",
+    "lab/wasm/src/**/*.rs",
+    "studies/*/src/**/*.rs",
+    "studies/python/rocking_block/*.py*",
+    "studies/web/engine/src/*.rs",
+    "studies/web/page/*.js",
 ]
 
 
@@ -64,7 +65,7 @@ def parameters(causality: str) -> list[str]:
 def block_parameters() -> list[str]:
     """The numbers that users give of a block under their names in the FMU."""
     of_fmu = {name.split(".")[-1] for name in parameters("parameter") if re.match(r"(dimensionless\.|physical\.|\w+$)", name)}
-    return [name for name in members("crates/studies/src/spec/block.rs", "pub struct BlockSpec", r"^    pub (\w+): Option<f64>") if name in of_fmu]
+    return [name for name in members("studies/engine/src/spec/block.rs", "pub struct BlockSpec", r"^    pub (\w+): Option<f64>") if name in of_fmu]
 
 
 def link_parameters() -> list[str]:
@@ -94,9 +95,9 @@ KINDS = {
     "an event": (variants("src/system/events/mod.rs", "EventFunction"), names),
     "an event reported under its own name": (variants("src/system/events/event.rs", "EventKind"), names),
     "a record format": (variants("crates/records/src/format.rs", "Format"), names),
-    "an intensity measure": (variants("crates/studies/src/intensity/mod.rs", "Measure"), names),
-    "a figure": ([path.stem for path in ROOT.glob("crates/charts/src/figures/*.rs") if path.stem != "mod"], names),
-    "a column of outcomes": (re.findall(r'TableColumn::\w+\(\s*"([\w./]+)"', text("crates/studies/src/run/outcome.rs")), names),
+    "an intensity measure": (variants("studies/engine/src/intensity/mod.rs", "Measure"), names),
+    "a figure": ([path.stem for path in ROOT.glob("studies/charts/src/figures/*.rs") if path.stem != "mod"], names),
+    "a column of outcomes": (re.findall(r'TableColumn::\w+\(\s*"([\w./]+)"', text("studies/engine/src/run/outcome.rs")), names),
 }
 
 

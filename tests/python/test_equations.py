@@ -58,7 +58,7 @@ def test_the_item_documents_the_equation(row):
 
 def test_the_page_has_each_equation_that_the_code_cites():
     listed = set().union(*(numbers(first) for first, *_ in rows() if first.startswith("(")))
-    for path in [*ROOT.glob("src/**/*.rs"), *ROOT.glob("crates/*/src/**/*.rs")]:
+    for path in [*ROOT.glob("src/**/*.rs"), *ROOT.glob("crates/*/src/**/*.rs"), *ROOT.glob("studies/*/src/**/*.rs")]:
         for line in path.read_text().splitlines():
             if "//" in line:
                 for cited in re.findall(r"[Ee]qs?\. (\(\d+\)(?:–\(\d+\))?)", line.split("//", 1)[1]):

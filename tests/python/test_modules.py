@@ -7,7 +7,7 @@ import re
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SOURCES = sorted(folder for depth in ("src", "*/src", "*/*/src") for folder in ROOT.glob(depth))
+SOURCES = sorted(folder for depth in ("src", "*/*/src", "studies/web/engine/src") for folder in ROOT.glob(depth))
 
 
 def modules(source: pathlib.Path) -> dict[str, str]:

@@ -88,7 +88,7 @@ class Workplace:
                 if "print(" not in code:
                     continue  # a fragment, such as one call on a page about several tools
                 if any(f"import {package}" in code and find_spec(package) is None for package in ("duckdb", "polars")):
-                    continue  # scripts/check installs them
+                    continue  # scripts/dev/check installs them
                 out = io.StringIO()
                 with contextlib.redirect_stdout(out):
                     exec(compile(code, page.name, "exec"), names)
@@ -164,20 +164,20 @@ def test_all_files_have_the_version_of_cargo_toml():
         "modelDescription.xml": f'\n  version="{version}"',
         "CITATION.cff": f"\nversion: {version}\n",
         "codemeta.json": f'"version": "{version}"',
-        "tools/conda/recipe/recipe.yaml": f"\n  version: {version.replace('-rc.', 'rc')}\n",
+        "lab/conda/recipe/recipe.yaml": f"\n  version: {version.replace('-rc.', 'rc')}\n",
         "CHANGELOG.md": f"\n## [{version}] - ",
     }.items():
         found = (ROOT / name).read_text().count(expected)
         assert found == (6 if name == "Cargo.toml" else 1), f"{name}: {found} times {expected!r}"
     of_workspace = re.compile(r'name = "(rocking-(?:block|records|studies))"\nversion = "([^"]+)"')
-    for name in ("Cargo.lock", "fuzz/Cargo.lock", "benches/peers/rust/Cargo.lock"):
+    for name in ("Cargo.lock", "lab/fuzz/Cargo.lock", "lab/benches/peers/rust/Cargo.lock"):
         found = dict(of_workspace.findall((ROOT / name).read_text()))
         assert "rocking-block" in found and set(found.values()) == {version}, f"{name}: {found}"
 
 
 def test_the_program_embeds_the_record_of_the_repository():
     name = "np01002p_4225a_a.smc"
-    assert (ROOT / "crates/rocking/records" / name).read_bytes() == (ROOT / "examples/records" / name).read_bytes()
+    assert (ROOT / "studies/program/records" / name).read_bytes() == (ROOT / "examples/records" / name).read_bytes()
 
 
 def test_examples_and_benchmarks_are_where_cargo_looks_for_them():

@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT
 
 pytest.importorskip("matplotlib")
-sys.path.insert(0, str(ROOT / "benches/peers"))
+sys.path.insert(0, str(ROOT / "lab/benches/peers"))
 import cases  # noqa: E402
 import compare  # noqa: E402
 from work import cheapest  # noqa: E402

@@ -24,6 +24,9 @@ def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_pat
     width, height = (round(float(side) / 72 * 25.4) for side in pages[0].mediabox[2:])
     assert (width, height) == (210, 297)
     first, second = (page.extract_text() for page in pages[:2])
+    # The page is the one that docs/assess.md describes, and the others are few.
+    assert first.index("The object") < first.index("Summary") and "2026-11-29" in first
+    assert "Words and symbols" in second and len(pages) <= 10
     # The sketch, what helps and the fragility curves; the rate if the study has a hazard curve.
     for words in ["each parameter in the middle", "the variants", "Remarks", "Fragility curves of all states"]:
         assert words in first, words

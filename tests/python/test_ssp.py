@@ -10,7 +10,7 @@ import pytest
 
 pytestmark = pytest.mark.check
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / folder) for folder in ("benches/peers", "examples", "examples/ssp", "examples/coupling/bridge")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("lab/benches/peers", "examples", "examples/ssp", "examples/coupling/bridge")]
 STOP = 6.0  # s
 
 

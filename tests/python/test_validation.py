@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-FOLDER = ROOT / "validation"
+FOLDER = ROOT / "lab/validation"
 DATA = ROOT.parent / "shared/validation"
 sys.path.insert(0, str(FOLDER))
 shaking_table = pytest.importorskip("shaking_table", reason="the package rocking_block is not installed")

@@ -15,7 +15,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi3 import FMU3Model, FMU3Slave, fmi3IntermediateUpdateCallback
 from test_model_exchange import start_values
 
-# scripts/check installs it.
+# scripts/dev/check installs it.
 pytest.importorskip("wasmtime")
 from wasm import MODEL_EXCHANGE, Instance, Refused  # noqa: E402
 
@@ -34,7 +34,7 @@ INDICATORS = 22
 def wasm():
     path = Path(os.environ.get("ROCKING_BLOCK_WASM", ROOT / "target/wasm/RockingBlock-wasm.fmu"))
     if not path.exists():
-        pytest.skip("scripts/wasm-unit has not made the FMU for WebAssembly: it needs the target wasm32-wasip2")
+        pytest.skip("scripts/dev/wasm-unit has not made the FMU for WebAssembly: it needs the target wasm32-wasip2")
     return str(path)
 
 

@@ -1,10 +1,11 @@
 //! Uncorrected records of the Building and Housing Research Center of Iran (volume 1): channels of evenly spaced accelerations in g/10.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedStep};
+use super::raw::Raw;
 use super::text::{FileText, before_end_mark, fixed_columns, fixed_width, squeezed, title};
 use super::volume;
 

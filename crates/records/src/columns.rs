@@ -2,6 +2,7 @@
 //!
 //! Commas, semicolons, tabs or blanks separate the columns.
 
+use super::claims::{self, Claim};
 use super::clock::Instant;
 use super::error::RecordError;
 use super::format::Format;
@@ -10,10 +11,14 @@ use super::raw::Raw;
 use super::table::{Heading, Layout, Separator, blank_separated, is_block, is_comment, is_second, layout};
 use super::text::{FileText, HEAD_LINES, Values, first_of, print_quantum, quoted};
 use super::time_axis::TimeAxis;
-use super::unit::Unit;
+use super::unit::other_quantity;
 
 /// Number of values from which a first number may be their count. It is a count if it is equal, and no acceleration.
 const FEWEST_COUNTED: usize = 20;
+
+/// Value of a layout in messages.
+const LAYOUT_EXAMPLE: &str =
+    "as 10F8.2, with the lines to skip before the numbers and npts, the count of them, if others follow";
 
 /// Reads the acceleration column and an optional time column, which must be evenly spaced.
 pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, RecordError> {
@@ -21,7 +26,7 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
     let (time, acceleration) = choose(source, &layout, options)?;
     let mut raw = Raw::new(Format::Columns);
     raw.title.clone_from(&layout.title);
-    raw.unit = unit(source, &layout, acceleration)?;
+    state_claims(&mut raw, source, &layout, acceleration)?;
     if time.is_none() && is_block_under_text(source, &layout) {
         let width = layout.width;
         raw.doubt = Some(format!(
@@ -194,14 +199,13 @@ fn choose(
         others.iter().copied().filter(|&index| names.get(index).is_some_and(Heading::is_acceleration)).collect();
     match (others.as_slice(), named.as_slice()) {
         (&[only], _) | (_, &[only]) => Ok((time, only)),
-        _ if is_block_under_text(source, layout) => Err(source.line_error(
-            layout.first_row,
-            format!(
-                "found {width} numbers a line under a header of text without names of columns, \
-                 expected the header of a known format ({}), a line of names, or a layout",
+        _ if is_block_under_text(source, layout) => {
+            let found = format!(
+                "found {width} numbers a line under a header of text that is of no known format ({}) and names no columns",
                 Format::NAMES
-            ),
-        )),
+            );
+            Err(source.needs_setting(Some(layout.first_row), found, Setting::Layout, LAYOUT_EXAMPLE))
+        }
         _ => {
             let but = String::from("but no clear acceleration column");
             Err(error(but, Setting::AccelerationColumn))
@@ -216,28 +220,30 @@ fn is_block_under_text(source: &FileText<'_>, layout: &Layout<'_>) -> bool {
     layout.names.is_empty() && layout.header < layout.first_row && is_block(&rows)
 }
 
-/// Returns the unit of the acceleration column. It is in its heading or in a line for all columns.
-fn unit(source: &FileText<'_>, layout: &Layout<'_>, column: usize) -> Result<Option<(usize, Unit)>, RecordError> {
-    let of_all = || match layout.stated {
-        Some((line, unit)) => Ok(source.unit(line, unit)?.map(|unit| (line, unit))),
-        None => Ok(None),
-    };
-    let Some(name) = layout.names.get(column) else {
-        return of_all();
-    };
+/// Takes the claims of heading and text. The heading of the values' own column is definite; those of the others say nothing of it.
+fn state_claims(
+    raw: &mut Raw,
+    source: &FileText<'_>,
+    layout: &Layout<'_>,
+    acceleration: usize,
+) -> Result<(), RecordError> {
+    let is_heading = |line: usize| layout.width > 1 && layout.headings.contains(&line);
+    let before = source.lines().take(layout.first_row.saturating_sub(1));
+    raw.claims = claims::of_text(before.filter(|&(line, _)| !is_heading(line)));
+    let Some(name) = layout.names.get(acceleration) else { return Ok(()) };
     if name.is_other_quantity() {
         let found = format!("a column named {}", quoted(name.whole));
         return Err(source.not_acceleration(layout.header, found));
     }
-    let Some(unit) = name.unit else {
-        return of_all();
-    };
-    match source.unit(layout.header, unit)? {
-        Some(unit) => Ok(Some((layout.header, unit))),
-        None if name.is_acceleration() => {
-            Err(source.header_error(layout.header, name.whole, "a unit among g, m/s2, cm/s2"))
+    let Some(unit) = name.unit else { return Ok(()) };
+    match (unit.parse(), other_quantity(unit)) {
+        (Ok(unit), _) => raw.unit = Some((layout.header, unit)),
+        (Err(_), Some(quantity)) => raw.claims.push(Claim::other(layout.header, name.whole, quantity)),
+        (Err(_), None) if name.is_acceleration() => {
+            return Err(source.header_error(layout.header, name.whole, "a unit among g, m/s2, cm/s2"));
         }
         // A title rather than a column name, as "Tabas (Iran)".
-        None => Ok(None),
+        (Err(_), None) => {}
     }
+    Ok(())
 }

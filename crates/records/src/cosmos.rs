@@ -4,10 +4,11 @@
 //! "COSMOS Strong Motion Data Format", Consortium of Organizations for Strong-Motion Observation Systems, 2001.
 
 use super::channels::{self, name_after_number};
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::text::{FileText, before_end_mark, fixed_columns, fixed_width, quoted, title};
 
 /// Index of the time step (ms) within the real header.

@@ -2,10 +2,11 @@
 //! and three components.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::rows::Rows;
 use super::text::{FileText, fixed_width, number};
 

@@ -1,8 +1,9 @@
 //! ASC files of the Engineering Strong-Motion database, of ITACA, and of AFAD (DYNA): lines `KEY: value`, then one value a line.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::text::{FileText, Values, number, quoted};
 use super::unit::Unit;
 

@@ -1,5 +1,6 @@
 //! Columns of fixed width, described by the caller with an edit descriptor of Fortran, below a number of lines of any text.
 
+use super::claims;
 use super::error::RecordError;
 use super::fixed_layout::FixedLayout;
 use super::format::Format;
@@ -62,6 +63,7 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
     let skip = options.skip.unwrap_or(0);
     let header = source.lines().take(skip).map(|(_, text)| squeezed(text)).find(|text| !text.is_empty());
     raw.title = header.unwrap_or_default();
+    raw.claims = claims::of_text(source.lines().take(skip));
     let (mut axis, mut values) = (TimeAxis::new(), Values::new(source));
     let (mut short, mut last) = (None, None);
     let other_width = |(line, count): (usize, usize)| {
@@ -69,6 +71,9 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
         source.header_error(line, &found, format!("{}, as in the layout", layout.columns))
     };
     for (line, text) in source.lines().skip(skip) {
+        if options.npts.is_some_and(|npts| values.len() >= npts) {
+            break;
+        }
         if text.trim().is_empty() {
             continue;
         }
@@ -99,6 +104,11 @@ pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, 
     }
     (raw.start_time, raw.time_step) = axis.even_spacing(source)?;
     raw.values = values.finish()?;
+    if let Some(npts) = options.npts.filter(|npts| *npts != raw.values.len()) {
+        let counted = raw.values.len();
+        let found = format!("found {counted} values up to the end of a line in the layout, not {npts}");
+        return Err(source.needs_setting(last.map(|(line, _)| line), found, Setting::Npts, counted.to_string()));
+    }
     if let Some((line, text)) = last {
         source.check_last_column(line, text, layout.width, layout.blanks)?;
     }

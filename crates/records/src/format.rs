@@ -37,19 +37,25 @@ pub enum Format {
     Jma,
     /// Free-field text of the Central Weather Administration of Taiwan, before the Central Weather Bureau.
     Cwb,
+    /// CSMNC of China.
+    Csmnc,
+    /// European Strong-Motion Database and ISESD (".cor").
+    Esd,
+    /// Text, count and time step, then the values: eqsig, DEEPSOIL, RspMatch, SIV, EMOD3D.
+    Npts,
     /// Columns of fixed width in a layout that the caller describes.
     Fixed,
 }
 
 impl Format {
     /// Names that [`Format::from_str`] reads, for messages.
-    pub const NAMES: &'static str =
-        "peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, fixed";
+    pub const NAMES: &'static str = "peer, smc, columns, cosmos, csmip, esm, knet, geonet, nsmn, unam, renadic, bhrc, usc, jma, cwb, csmnc, esd, npts, fixed";
 
     /// Returns whether the files of this format may have several channels.
     pub(super) fn has_channels(self) -> bool {
         match self {
             Format::Peer | Format::Smc | Format::Columns | Format::Esm | Format::Usc | Format::Fixed => false,
+            Format::Csmnc | Format::Esd | Format::Npts => false,
             Format::Cosmos | Format::Csmip | Format::Knet | Format::Geonet | Format::Nsmn => true,
             Format::Unam | Format::Renadic | Format::Bhrc | Format::Jma | Format::Cwb => true,
         }
@@ -57,7 +63,7 @@ impl Format {
 }
 
 /// All formats with their titles and the words that [`Format::from_str`] reads.
-pub(super) const FORMATS: [(Format, &str, &[&str]); 16] = [
+pub(super) const FORMATS: [(Format, &str, &[&str]); 19] = [
     (Format::Peer, "PEER AT2", &["peer", "at2"]),
     (Format::Smc, "SMC", &["smc"]),
     (Format::Columns, "columns", &["columns", "csv", "txt"]),
@@ -73,6 +79,9 @@ pub(super) const FORMATS: [(Format, &str, &[&str]); 16] = [
     (Format::Usc, "USC", &["usc"]),
     (Format::Jma, "JMA", &["jma"]),
     (Format::Cwb, "CWB", &["cwb", "cwa"]),
+    (Format::Csmnc, "CSMNC", &["csmnc"]),
+    (Format::Esd, "ESD", &["esd", "isesd"]),
+    (Format::Npts, "NPTS DT", &["npts", "eqsig", "deepsoil", "rspmatch", "emod3d"]),
     (Format::Fixed, "fixed width", &["fixed"]),
 ];
 

@@ -2,10 +2,11 @@
 //! volume 2, of velocities and displacements.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::text::{FileText, fixed_columns, fixed_width, number, title};
 
 /// Number of lines of a header: text, integers and reals.

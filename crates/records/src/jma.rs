@@ -3,10 +3,11 @@
 //! Of some years, all lines have the commas of eight columns, and the rate is that of `Sampling Freq`.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedStep};
+use super::raw::Raw;
 use super::rows::Rows;
 use super::text::{FileText, number, squeezed};
 

@@ -4,10 +4,11 @@
 //! scale factor, as in `3920(gal)/6182761`. The CSV file has all components in gal, with their offsets in the header.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::rows::Rows;
 use super::text::{FileText, Values, number, squeezed};
 use super::unit::Unit;

@@ -14,13 +14,14 @@
 //! | `record` | samples → accelerations at any time, peak |
 //! | `filter` | a record → without its trend, filtered, with another time step |
 //! | `text` | bytes → lines and numbers |
+//! | `claims` | text of a header, options → unit and time step |
 //! | `raw` | content of a file in its own unit, options → a record |
 //! | `time_axis` | column of times → start and time step |
 //! | `clock` | date and time of day → seconds |
 //! | `channels` | file of several channels → the lines of one |
 //! | `table` | lines → separator, header row, first row of numbers |
 //! | `rows`, `volume` | layouts that several formats share → numbers of one channel |
-//! | `peer`, `smc`, `columns`, `cosmos`, `csmip`, `esm`, `knet`, `geonet`, `nsmn`, `unam`, `renadic`, `bhrc`, `usc`, `jma`, `cwb`, `fixed` | lines of a format → raw content |
+//! | `peer`, `smc`, `columns`, `cosmos`, `csmip`, `esm`, `knet`, `geonet`, `nsmn`, `unam`, `renadic`, `bhrc`, `usc`, `jma`, `cwb`, `csmnc`, `esd`, `npts`, `fixed` | lines of a format → raw content |
 //! | `plausibility` | a record → a reason for doubt |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
@@ -42,6 +43,8 @@ mod record;
 mod filter;
 
 mod text;
+
+mod claims;
 
 mod raw;
 
@@ -86,6 +89,12 @@ mod usc;
 mod jma;
 
 mod cwb;
+
+mod csmnc;
+
+mod esd;
+
+mod npts;
 
 mod fixed;
 
@@ -224,6 +233,9 @@ pub fn parse_with_doubt(
         Format::Usc => usc::read(&source),
         Format::Jma => jma::read(&source, channel),
         Format::Cwb => cwb::read(&source, channel),
+        Format::Csmnc => csmnc::read(&source),
+        Format::Esd => esd::read(&source),
+        Format::Npts => npts::read(&source),
         Format::Fixed => fixed::read(&source, options),
     }?;
     if let (Some(scale), Format::Columns | Format::Fixed) = (options.value_scale, format) {
@@ -254,7 +266,10 @@ fn detect(source: &FileText<'_>, options: &ReadOptions) -> Format {
         (any(nsmn::is_header_line), Format::Nsmn),
         (any(unam::is_header_line), Format::Unam),
         (any(cwb::is_header_line), Format::Cwb),
+        (any(csmnc::is_header_line), Format::Csmnc),
+        (any(esd::is_header_line), Format::Esd),
         (csmip::is_volume_one(first) || any(volume::is_block_line), Format::Csmip),
+        (!any(peer::has_npts) && npts::is_head(&head), Format::Npts),
         (any(peer::has_npts) || !columns_chosen && table::is_block(&head), Format::Peer),
     ];
     found.into_iter().find(|(is_found, _)| *is_found).map_or(Format::Columns, |(_, format)| format)

@@ -1,10 +1,11 @@
 //! Text files of the National Strong-Motion Network of Turkey, before DYNA: lines `KEY : value`, then rows of three components in gal.
 
 use super::channels;
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
 use super::options::Choice;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::rows::Rows;
 use super::text::{FileText, number};
 

@@ -62,6 +62,8 @@ pub struct ReadOptions {
     pub layout: Option<FixedLayout>,
     /// Number of lines before the first line of numbers, for [`Format::Fixed`].
     pub skip: Option<usize>,
+    /// Number of values to read, for [`Format::Fixed`]; all lines to the end without it.
+    pub npts: Option<usize>,
     /// Value of a printed 1, in the unit of the values, for [`Format::Fixed`] and [`Format::Columns`].
     pub value_scale: Option<f64>,
     /// Column of the times, for [`Format::Columns`] and [`Format::Fixed`].
@@ -84,6 +86,7 @@ impl Default for ReadOptions {
             gravity: 9.81,
             layout: None,
             skip: None,
+            npts: None,
             value_scale: None,
             time_column: None,
             acceleration_column: None,
@@ -104,6 +107,7 @@ impl ReadOptions {
             gravity: others.gravity,
             layout: self.layout.or(others.layout),
             skip: self.skip.or(others.skip),
+            npts: self.npts.or(others.npts),
             value_scale: self.value_scale.or(others.value_scale),
             time_column: self.time_column.clone().or_else(|| others.time_column.clone()),
             acceleration_column: self.acceleration_column.clone().or_else(|| others.acceleration_column.clone()),
@@ -127,6 +131,7 @@ impl ReadOptions {
             gravity: _,
             layout,
             skip,
+            npts,
             value_scale,
             time_column,
             acceleration_column,
@@ -140,6 +145,7 @@ impl ReadOptions {
             (Setting::Channel, channel.is_some()),
             (Setting::Layout, layout.is_some()),
             (Setting::Skip, skip.is_some()),
+            (Setting::Npts, npts.is_some()),
             (Setting::ValueScale, value_scale.is_some()),
             (Setting::TimeColumn, time_column.is_some()),
             (Setting::AccelerationColumn, acceleration_column.is_some()),
@@ -167,6 +173,8 @@ pub enum Setting {
     Layout,
     /// Number of lines before the numbers.
     Skip,
+    /// Number of values.
+    Npts,
     /// Value of a printed 1.
     ValueScale,
     /// Column of the times.
@@ -189,7 +197,7 @@ impl Setting {
             Setting::Format | Setting::Unit | Setting::TimeStep => true,
             Setting::Baseline | Setting::BandPass | Setting::Resample => true,
             Setting::Channel => format.has_channels(),
-            Setting::Layout | Setting::Skip => *format == Format::Fixed,
+            Setting::Layout | Setting::Skip | Setting::Npts => *format == Format::Fixed,
             Setting::ValueScale | Setting::TimeColumn | Setting::AccelerationColumn => {
                 matches!(format, Format::Columns | Format::Fixed)
             }
@@ -207,6 +215,7 @@ impl fmt::Display for Setting {
             Setting::Channel => "channel",
             Setting::Layout => "layout",
             Setting::Skip => "skip",
+            Setting::Npts => "npts",
             Setting::ValueScale => "value scale",
             Setting::TimeColumn => "time column",
             Setting::AccelerationColumn => "acceleration column",

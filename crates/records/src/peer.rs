@@ -3,24 +3,22 @@
 //! Four variants of that line exist, `NPTS=  4000, DT= .01000 SEC`, `NPTS=   7999, DT=   .0050 SEC,`,
 //! `NPTS=   1451, dt=  .02000` and `1991    0.0100    NPTS, DT`, on line 4 or later. Some files have no header.
 
+use super::claims::{self, StatedStep};
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
-use super::text::{FileText, HEAD_LINES, Values, is_end_mark, number, quoted, squeezed};
-use super::unit::Unit;
+use super::raw::{Raw, StatedCount};
+use super::text::{FileText, HEAD_LINES, Values, is_end_mark, number, squeezed};
 
 /// Reads the file; without a header the caller must give time step and unit.
 pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Peer);
     let head = source.head();
     let header_lines = head.iter().position(|line| has_npts(line)).map_or(0, |index| index + 1);
-    for (line, text) in source.lines().take(header_lines) {
-        raw.unit = unit_of(source, line, text)?.or(raw.unit);
-        if line == header_lines {
-            let (count, time_step) = npts_and_dt(source, line, text)?;
-            raw.count = Some(StatedCount { line, key: "NPTS", value: count });
-            raw.time_step = time_step.map(|value| StatedStep::exact(line, value));
-        }
+    raw.claims = claims::of_text(source.lines().take(header_lines));
+    if let Some((line, text)) = source.lines().take(header_lines).last() {
+        let (count, time_step) = npts_and_dt(source, line, text)?;
+        raw.count = Some(StatedCount { line, key: "NPTS", value: count });
+        raw.time_step = time_step.map(|value| StatedStep::exact(line, value));
     }
     raw.title = title(head.get(..header_lines).unwrap_or_default());
 
@@ -58,7 +56,11 @@ pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
 /// Returns whether this is the last line of a PEER header. A comment may name a file with this word.
 pub(super) fn has_npts(line: &str) -> bool {
     let upper = line.to_ascii_uppercase();
-    let after = upper.split_once("NPTS").map(|(_, after)| after.trim_start());
+    // A line without a number only names those of the next one.
+    let after = upper
+        .split_once("NPTS")
+        .filter(|_| line.contains(|c: char| c.is_ascii_digit()))
+        .map(|(_, after)| after.trim_start());
     after.is_some_and(|after| !line.starts_with('#') || after.starts_with(['=', ',', ':']))
 }
 
@@ -97,24 +99,4 @@ fn npts_and_dt(source: &FileText<'_>, line: usize, text: &str) -> Result<(usize,
         _ => None,
     };
     Ok((count, time_step))
-}
-
-/// Returns the unit stated in a header line, as "… IN UNITS OF G.". Others write "The units are (g)" or "Acceleration in g".
-fn unit_of(source: &FileText<'_>, line: usize, text: &str) -> Result<Option<(usize, Unit)>, RecordError> {
-    let upper = text.to_ascii_uppercase();
-    for (name, found) in [("VELOCITY", "a velocity"), ("DISPLACEMENT", "a displacement")] {
-        let time_history = [" TIME HIST", " TIME SERIES", " HISTORY", " IN "];
-        if time_history.iter().any(|rest| upper.contains(&format!("{name}{rest}"))) {
-            return Err(source.not_acceleration(line, format!("{found} ({})", quoted(text))));
-        }
-    }
-    let stated = ["UNITS OF ", "UNITS ARE ", "UNITS: ", "ACCELERATION IN "]
-        .iter()
-        .find_map(|key| upper.split_once(key))
-        .and_then(|(_, rest)| rest.split_whitespace().next());
-    let Some(stated) = stated else {
-        return Ok(None);
-    };
-    let stated = stated.trim_matches(['(', ')', '[', ']', '.', ',', ';', ':']);
-    source.stated_unit(line, text, stated, "a unit among g, m/s2, cm/s2").map(Some)
 }

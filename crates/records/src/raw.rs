@@ -1,5 +1,6 @@
 //! Content of a file in its own unit, caller's options → a record.
 
+use super::claims::{self, Claim, SAME_STEP, StatedStep};
 use super::error::RecordError;
 use super::format::Format;
 use super::options::{ReadOptions, Setting};
@@ -11,9 +12,6 @@ use super::unit::Unit;
 /// Largest accepted peak (g). The largest ever recorded are near 4 g, so a larger one means a wrong unit.
 const LARGEST_PEAK: f64 = 20.0;
 
-/// Relative difference below which two time steps are equal; no header prints more digits.
-const SAME_STEP: f64 = 1e-6;
-
 /// Relative difference below which two peaks are equal.
 const SAME_PEAK: f64 = 1e-4;
 
@@ -22,21 +20,6 @@ pub(super) struct StatedCount {
     /// Name of the count in the header.
     pub(super) key: &'static str,
     pub(super) value: usize,
-}
-
-pub(super) struct StatedStep {
-    pub(super) line: usize,
-    /// (s)
-    pub(super) value: f64,
-    /// Tolerance for the caller's time step [s].
-    pub(super) tolerance: f64,
-}
-
-impl StatedStep {
-    /// A time step printed in the header.
-    pub(super) fn exact(line: usize, value: f64) -> StatedStep {
-        StatedStep { line, value, tolerance: SAME_STEP * value.abs() }
-    }
 }
 
 pub(super) struct StatedPeak {
@@ -65,6 +48,8 @@ pub(super) struct Raw {
     pub(super) format: Format,
     pub(super) title: String,
     pub(super) unit: Option<(usize, Unit)>,
+    /// Statements of the text before the values.
+    pub(super) claims: Vec<Claim>,
     pub(super) time_step: Option<StatedStep>,
     pub(super) count: Option<StatedCount>,
     pub(super) peak: Option<StatedPeak>,
@@ -81,6 +66,7 @@ impl Raw {
             format,
             title: String::new(),
             unit: None,
+            claims: Vec::new(),
             time_step: None,
             count: None,
             peak: None,
@@ -110,34 +96,8 @@ impl Raw {
             let message = format!("found {} values, expected at least 2", self.values.len());
             return Err(RecordError::File { file: file(), message });
         }
-        let time_step = match (self.time_step, options.time_step) {
-            (Some(StatedStep { line, value, .. }), _) if !(value.is_finite() && value > 0.0) => {
-                return Err(source.header_error(line, &format!("time step {value} s"), "a time step above 0 s"));
-            }
-            (Some(StatedStep { line, value, tolerance }), Some(given)) if (given - value).abs() > tolerance => {
-                let found = format!("the file has a time step of {value} s but {given} s was given");
-                return Err(source.needs_setting(Some(line), found, Setting::TimeStep, value.to_string()));
-            }
-            (_, Some(given)) => given,
-            (Some(stated), None) => stated.value,
-            (None, None) => {
-                let found = "no time step in the file and none given";
-                return Err(source.needs_setting(None, found, Setting::TimeStep, "in seconds"));
-            }
-        };
-        let unit = match (self.unit, options.unit) {
-            (Some((line, found)), Some(given)) if found != given => {
-                let expected = found.to_string().replace('²', "2");
-                let found = format!("the file is in {found} but {given} was given");
-                return Err(source.needs_setting(Some(line), found, Setting::Unit, expected));
-            }
-            (Some((_, unit)), _) | (None, Some(unit)) => unit,
-            (None, None) => {
-                let found = "no unit in the file and none given";
-                return Err(source.needs_setting(None, found, Setting::Unit, "g, m/s2 or cm/s2"));
-            }
-        };
-        let unit_line = self.unit.map(|(line, _)| line);
+        let time_step = claims::time_step(source, self.time_step, &self.claims, options.time_step)?;
+        let (unit_line, unit) = claims::unit(source, self.unit, &self.claims, options)?;
         let doubt = self.doubt.or_else(|| {
             let stated = self.peak.as_ref()?;
             let found = self.values.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));

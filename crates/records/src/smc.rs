@@ -3,9 +3,10 @@
 //!
 //! "SMC- and BBF-format data files", USGS National Strong-Motion Program.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
 use super::format::Format;
-use super::raw::{Raw, StatedCount, StatedStep};
+use super::raw::{Raw, StatedCount};
 use super::text::{FileText, fixed_columns, fixed_width, quoted, title};
 use super::unit::Unit;
 

@@ -99,9 +99,11 @@ impl<'a> Heading<'a> {
         starts.iter().any(|start| word.starts_with(start))
     }
 
+    /// Returns whether this is the column of times, in whatever language. A unit of time says so too.
     pub(super) fn is_time(&self) -> bool {
-        let is_in_seconds = self.word.is_empty() && self.unit.is_some_and(is_second);
-        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time", "date", "utc"])
+        let is_in_seconds = !self.is_other_quantity() && self.unit.is_some_and(is_time_unit);
+        let words = ["time", "date", "utc", "zeit", "temps", "tempo", "tiempo"];
+        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&words)
     }
 
     /// Returns whether this is a velocity, a displacement, or the abscissa of a spectrum.
@@ -129,8 +131,8 @@ pub(super) struct Layout<'a> {
     /// Line of the header row.
     pub(super) header: usize,
     pub(super) names: Vec<Heading<'a>>,
-    /// Unit stated in a separate line, with the line number.
-    pub(super) stated: Option<(usize, &'a str)>,
+    /// Lines of names and units of columns.
+    pub(super) headings: Vec<usize>,
     pub(super) title: String,
 }
 
@@ -162,10 +164,13 @@ pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordE
             // A comment may be the header row, as "# t [s], a [m/s2]".
             let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
             let last = before.last().map(|&(line, text)| (line, bare(text)));
-            let stated = last.and_then(|(line, text)| Some((line, stated_unit(text)?)));
             let units = last.map(|(_, text)| units(text, separator, fields.len())).unwrap_or_default();
-            if stated.is_some() || !units.is_empty() {
+            let mut headings = Vec::new();
+            if let Some((of_units, text)) = last
+                && (states_unit(text) || !units.is_empty())
+            {
                 before.pop();
+                headings.extend((!units.is_empty()).then_some(of_units));
             }
             let header = before.last().map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
             let (mut header, mut names) = header.unwrap_or((line, Vec::new()));
@@ -176,6 +181,7 @@ pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordE
             for (name, unit) in names.iter_mut().zip(units) {
                 name.unit = name.unit.or(Some(unit));
             }
+            headings.extend((!names.is_empty()).then_some(header));
             // The title of a table of times and accelerations may speak of a spectrum.
             let is_history = names.iter().any(Heading::is_time) && names.iter().any(Heading::is_acceleration);
             if let Some(spectrum) = spectrum.filter(|_| !is_history) {
@@ -183,7 +189,16 @@ pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordE
             }
             let title = before.first().filter(|&&(first, _)| names.is_empty() || first != header);
             let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
-            return Ok(Layout { separator, first_row: line, width: fields.len(), dates, header, names, stated, title });
+            return Ok(Layout {
+                separator,
+                first_row: line,
+                width: fields.len(),
+                dates,
+                header,
+                names,
+                headings,
+                title,
+            });
         }
         let lower = text.to_lowercase();
         let spectral = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
@@ -204,11 +219,10 @@ pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordE
     Err(source.header_error(line, text, expected))
 }
 
-/// Returns the unit of a line such as `unit: g` or `Units = cm/s^2`.
-fn stated_unit(line: &str) -> Option<&str> {
-    let start = line.get(..4).filter(|start| start.eq_ignore_ascii_case("unit"))?;
-    let unit = line.get(start.len()..)?.trim_start_matches(['s', 'S', ' ', ':', '=']).trim();
-    is_unit(unit).then_some(unit)
+/// Returns whether a line is one such as `unit: g` or `Units = cm/s^2`.
+fn states_unit(line: &str) -> bool {
+    let unit = line.get(..4).filter(|start| start.eq_ignore_ascii_case("unit")).and_then(|_| line.get(4..));
+    unit.is_some_and(|rest| is_unit(rest.trim_start_matches(['s', 'S', ' ', ':', '=']).trim()))
 }
 
 /// Returns the units in a row such as `s, m/s2`, one per column. The list is empty for any other row.
@@ -225,25 +239,34 @@ fn is_unit(text: &str) -> bool {
 }
 
 pub(super) fn is_second(text: &str) -> bool {
-    matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
+    matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "seg" | "second" | "seconds")
+}
+
+fn is_time_unit(text: &str) -> bool {
+    is_second(text) || matches!(text.to_lowercase().as_str(), "ms" | "msec" | "µs" | "μs" | "min" | "h")
 }
 
 /// Returns the headings of the columns. The list is empty if the line does not fit the columns.
 fn names(line: &str, separator: Separator, width: usize) -> Vec<Heading<'_>> {
-    let split = match separator {
-        Separator::Byte(_) => separator.split(line),
-        Separator::Blanks if line.contains('\t') => Separator::Byte(b'\t').split(line),
-        Separator::Blanks => {
-            // One blank may separate a name from its unit; two blanks separate names.
-            let wide: Vec<&str> = line.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
-            let units: Vec<&str> = line.split_inclusive([']', ')']).map(str::trim).collect();
-            let words: Vec<&str> = line.split_whitespace().collect();
-            // Text with numbers in it, as "peak 0.131 mm", is a remark.
-            let are_names = |names: &Vec<&str>| names.len() == width && names.iter().all(|name| number(name).is_none());
-            [wide, units, words].into_iter().find(are_names).unwrap_or_default()
-        }
+    // One blank may separate a name from its unit; two blanks separate names.
+    let wide = || line.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
+    let units = || line.split_inclusive([']', ')']).map(str::trim).collect();
+    let words = || line.split_whitespace().collect();
+    let candidates: Vec<Vec<&str>> = match separator {
+        Separator::Byte(byte) if line.contains(char::from(byte)) => vec![separator.split(line)],
+        // Blanks between names whose numbers have another separator are those of a sentence, unless each has its unit.
+        Separator::Byte(_) => vec![units()],
+        Separator::Blanks if line.contains('\t') => vec![Separator::Byte(b'\t').split(line)],
+        // Text with numbers in it, as "peak 0.131 mm", is a remark. A unit in brackets is no name.
+        Separator::Blanks => [wide(), units(), words()]
+            .into_iter()
+            .filter(|names: &Vec<&str>| {
+                names.iter().all(|name| number(name).is_none() && !name.starts_with(['(', '[']))
+            })
+            .collect(),
     };
-    if split.len() == width { split.into_iter().map(Heading::new).collect() } else { Vec::new() }
+    let fitting = candidates.into_iter().find(|names| names.len() == width);
+    fitting.unwrap_or_default().into_iter().map(Heading::new).collect()
 }
 
 /// Returns whether a line among the numbers is a comment.

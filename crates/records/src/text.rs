@@ -198,6 +198,11 @@ impl<'s> Values<'s> {
         Ok(())
     }
 
+    /// Returns the number of values so far.
+    pub(super) fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
     /// Returns the numbers; refuses a file that ends within the last one.
     pub(super) fn finish(self) -> Result<Vec<f64>, RecordError> {
         let Some(others) = self.digits else {

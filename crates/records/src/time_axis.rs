@@ -1,7 +1,7 @@
 //! Column of evenly spaced times → start time and time step.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
-use super::raw::StatedStep;
 use super::text::FileText;
 
 /// Largest deviation from even spacing, as a fraction of the time step. It holds even if times are printed coarsely.

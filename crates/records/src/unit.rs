@@ -87,21 +87,53 @@ impl FromStr for Unit {
     fn from_str(text: &str) -> Result<Unit, UnknownUnit> {
         match plain(text).as_str() {
             "g" => Ok(Unit::G),
-            "m/s2" | "m/s/s" | "ms-2" => Ok(Unit::MetrePerSecondSquared),
-            "cm/s2" | "cm/s/s" | "cms/s/s" | "cms-2" | "gal" | "gals" => Ok(Unit::CentimetrePerSecondSquared),
-            "mm/s2" | "mm/s/s" | "mms-2" => Ok(Unit::MillimetrePerSecondSquared),
+            "m/s2" | "ms-2" => Ok(Unit::MetrePerSecondSquared),
+            "cm/s2" | "cms-2" | "gal" | "gals" => Ok(Unit::CentimetrePerSecondSquared),
+            "mm/s2" | "mms-2" => Ok(Unit::MillimetrePerSecondSquared),
             "g/10" => Ok(Unit::TenthOfG),
             _ => Err(UnknownUnit(text.to_owned())),
         }
     }
 }
 
+/// Quantity of values that are no accelerations in a [`Unit`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Velocity,
+    Displacement,
+    Readings,
+    /// Acceleration in a unit that is not read, as ft/s².
+    OtherAcceleration,
+}
+
+impl Quantity {
+    /// Whether a factor turns the values into accelerations in a [`Unit`].
+    pub(super) fn is_convertible(self) -> bool {
+        match self {
+            Quantity::Velocity | Quantity::Displacement => false,
+            Quantity::Readings | Quantity::OtherAcceleration => true,
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Quantity::Velocity => "a velocity",
+            Quantity::Displacement => "a displacement",
+            Quantity::Readings => "instrument readings",
+            Quantity::OtherAcceleration => "accelerations in a unit other than g, m/s2, cm/s2",
+        })
+    }
+}
+
 /// Returns the quantity that another known unit measures.
-pub(super) fn other_quantity(text: &str) -> Option<&'static str> {
+pub(super) fn other_quantity(text: &str) -> Option<Quantity> {
     match plain(text).as_str() {
-        "cm/s" | "m/s" | "mm/s" | "in/s" | "ft/s" => Some("a velocity"),
-        "cm" | "m" | "mm" | "in" | "ft" => Some("a displacement"),
-        "count" | "counts" => Some("instrument readings"),
+        "cm/s" | "m/s" | "mm/s" | "in/s" | "ft/s" | "cms-1" | "ms-1" | "kine" => Some(Quantity::Velocity),
+        "cm" | "m" | "mm" | "in" | "ft" => Some(Quantity::Displacement),
+        "count" | "counts" => Some(Quantity::Readings),
+        "mg" | "%g" | "ft/s2" | "in/s2" => Some(Quantity::OtherAcceleration),
         _ => None,
     }
 }
@@ -113,8 +145,13 @@ fn plain(text: &str) -> String {
         .replace("seconds", "s")
         .replace("second", "s")
         .replace("sec", "s")
+        .replace("seg", "s")
         .replace('²', "2")
-        .replace("**2", "2")
-        .replace("^2", "2")
-        .replace('·', "")
+        .replace("⁻", "-")
+        .replace('¹', "1")
+        .replace("**", "")
+        .replace(['^', '·', '.'], "")
+        .replace("cms/", "cm/")
+        .replace("s*s", "s2")
+        .replace("s/s", "s2")
 }

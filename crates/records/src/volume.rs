@@ -3,8 +3,9 @@
 //! Each channel has lines of text, integers and reals. Then follow evenly spaced accelerations below a line such as
 //! `3251 POINTS OF ACCEL DATA EQUALLY SPACED AT  .020 SEC.  (UNITS: CM/SEC/SEC)`, or pairs of a time and an acceleration.
 
+use super::claims::StatedStep;
 use super::error::RecordError;
-use super::raw::{Raw, StatedCount, StatedPeak, StatedStep};
+use super::raw::{Raw, StatedCount, StatedPeak};
 use super::text::{FileText, Values, before_end_mark, fixed_columns, fixed_width, number, print_quantum};
 use super::time_axis::TimeAxis;
 use super::unit::Unit;

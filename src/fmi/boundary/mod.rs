@@ -42,11 +42,11 @@ const FREE: u8 = 0;
 /// A call has the instance.
 const BUSY: u8 = 1;
 /// A step is in progress and has released the instance for an intermediate update.
-const LENT: u8 = 2;
+const RELEASED: u8 = 2;
 
 /// The target of the importer's handle.
 struct Outer<V: Version> {
-    /// [`FREE`], [`BUSY`] or [`LENT`]. The only field that a call reads while another one is in progress.
+    /// [`FREE`], [`BUSY`] or [`RELEASED`]. The only field that a call reads while another one is in progress.
     turn: AtomicU8,
     instance: Instance<V>,
 }
@@ -72,10 +72,10 @@ impl Turn<'_> {
     /// Runs `act` while other calls may use the instance.
     ///
     /// Waits for a call that another thread has not ended by then, which no standard allows.
-    fn lend<R>(&self, act: impl FnOnce() -> R) -> R {
-        self.turn.store(LENT, Ordering::Release);
+    fn release<R>(&self, act: impl FnOnce() -> R) -> R {
+        self.turn.store(RELEASED, Ordering::Release);
         let result = act();
-        while self.turn.load(Ordering::Acquire) != LENT {
+        while self.turn.load(Ordering::Acquire) != RELEASED {
             std::hint::spin_loop();
         }
         self.turn.store(BUSY, Ordering::Relaxed);
@@ -105,7 +105,7 @@ pub unsafe fn call<V: Version>(
     // SAFETY: not null, so by contract a live instance (standard, 2.1.5). The reference is to `turn` alone, which all calls
     // share and never borrow mutably.
     let turn = unsafe { &(*outer).turn };
-    let Some(_turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
+    let Some(_turn) = Turn::take(turn, &[FREE, RELEASED]) else { return Status::Error };
     // SAFETY: as before; until `_turn` is dropped, neither a call within this one nor `free` gets this far, and by contract no other
     // thread calls now, so that this is the only reference to the field `instance`.
     let instance = unsafe { &mut (*outer).instance };
@@ -131,12 +131,12 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
     }
     // SAFETY: as in `call`.
     let turn = unsafe { &(*outer).turn };
-    let Some(turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
+    let Some(turn) = Turn::take(turn, &[FREE, RELEASED]) else { return Status::Error };
     let mut reply = None;
     let mut admitted = false;
     loop {
         let mut requested = None;
-        // SAFETY: as in `call`; this reference is dropped before the turn is lent below.
+        // SAFETY: as in `call`; this reference is dropped before the turn is released below.
         let instance = unsafe { &mut (*outer).instance };
         let act = |instance: &mut Instance<V>| {
             Ok(match piece(instance, reply.take())? {
@@ -151,7 +151,7 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
         let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
         admitted = true;
         let Some(requested) = requested else { return status };
-        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(requested)))) {
+        match turn.release(|| catch_unwind(AssertUnwindSafe(|| between(requested)))) {
             Ok(answer) => reply = Some(answer),
             Err(panic) => {
                 let failed = |_: &mut Instance<V>| -> Answer { std::panic::resume_unwind(panic) };

@@ -185,7 +185,7 @@ impl Simulation {
             offsets = self.offsets(&now);
             jumped = true;
         }
-        self.run.peaks.include(&now.channels_called());
+        self.run.peaks.include(&now.channels_outlined());
         let (since, last, foreseen) = (self.run.pose.time, Some(self.run.pose), self.foresee(inputs, until));
         self.run.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
@@ -206,7 +206,7 @@ impl Simulation {
         }
         let (block, excitation) = (&self.setup.system.block, self.excitation(inputs));
         let there = self.run.now(block, &excitation);
-        let channels = there.channels_called();
+        let channels = there.channels_outlined();
         if !channels.candidates().iter().all(|(_, sample)| sample.re.is_finite() && sample.eps.is_finite()) {
             return;
         }

@@ -134,7 +134,7 @@ impl<'a, T: Elementary> PoseUpdate<'a, T> {
 
     /// Evaluates the block in the present pose.
     pub(super) fn now(&self) -> Evaluation<'a, T> {
-        Motion::from_pose(&self.system.block, &self.pose, self.excitation).at_called(self.pose.time, self.pose.state)
+        Motion::from_pose(&self.system.block, &self.pose, self.excitation).at_outlined(self.pose.time, self.pose.state)
     }
 
     /// Takes the state of a placement on the present contacts.

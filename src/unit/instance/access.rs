@@ -49,7 +49,7 @@ impl Unit {
         if let Some(states) = states.filter(|states| *states != self.states) {
             self.set_states(&states)?;
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 

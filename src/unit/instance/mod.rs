@@ -102,14 +102,14 @@ impl Unit {
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         let used = self.life.plan(tolerance, start, stop)?;
         self.inputs.time = start;
-        self.forget();
+        self.drop_preview();
         Ok(used)
     }
 
     /// Begins initialization.
     pub fn enter_initialization_mode(&mut self) {
         self.life.phase = Phase::InitializationMode;
-        self.forget();
+        self.drop_preview();
     }
 
     /// Makes a block of the values. A refusal lets the importer correct them.
@@ -232,7 +232,7 @@ impl Unit {
     /// # Errors
     /// The event leaves no regime that lasts.
     pub fn apply_pending_event(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
-        let acting = self.acting();
+        let acting = self.effective_inputs();
         let Unit { life, simulation, observed, .. } = self;
         let simulation = simulation.as_mut().ok_or_else(no_block)?;
         *observed = ObservationCache::default();
@@ -257,9 +257,9 @@ impl Unit {
     ///
     /// A changed rate alone also invalidates the observation, since it changes the rounding of inputs.
     #[inline(always)]
-    fn take_up_values(&mut self) {
+    fn invalidate(&mut self) {
         if !self.life.phase.is_initialized() {
-            return self.forget();
+            return self.drop_preview();
         }
         (self.acting, self.observed) = (None, ObservationCache::default());
         if self.life.interface == Interface::ModelExchange {
@@ -296,11 +296,11 @@ impl Unit {
     /// Drops the records after a change of their parameters.
     fn forget_ground(&mut self) {
         self.ground = None;
-        self.take_up_values();
+        self.invalidate();
     }
 
     /// Drops the preview after a change of values.
-    fn forget(&mut self) {
+    fn drop_preview(&mut self) {
         self.simulation = None;
         self.observed = ObservationCache::default();
     }
@@ -329,13 +329,13 @@ impl Unit {
             }
             self.simulation = Some(simulation);
         }
-        let acting = self.acting();
+        let acting = self.effective_inputs();
         let simulation = self.simulation.as_ref().ok_or_else(no_block)?;
         Ok((simulation, acting))
     }
 
     /// Returns the inputs plus the FMU's own records at the present time. A step overwrites them, and few importers read them before.
-    fn acting(&mut self) -> Inputs {
+    fn effective_inputs(&mut self) -> Inputs {
         let acting = self.acting.unwrap_or_else(|| self.with_records(&self.inputs, self.inputs.time).0);
         *self.acting.insert(acting)
     }

@@ -30,7 +30,7 @@ impl Unit {
                 self.inputs[*input].rate = value;
             }
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 

@@ -175,7 +175,7 @@ fn headers_of_numbers_are_not_read_as_values() {
     assert!(parsed("1 2 3 4 5\n3 7 8 9 10\n2\n\n", &cm).is_ok());
     assert_eq!(
         refusal("20 0.01\n1\n2\n", &ReadOptions { time_step: None, ..cm.clone() }),
-        "made-up, line 2: found \"1 columns\", expected 2 columns as in line 1"
+        "made-up, line 1: found 2 values in the file, expected 20, the header's count before the time step"
     );
     assert_eq!(
         refusal(&format!("25\n{}", "0.5\n".repeat(25)), &cm),
@@ -195,8 +195,8 @@ fn no_column_is_offered_for_a_block_under_text() {
         ReadOptions { time_step: Some(0.01), unit: Some(Unit::CentimetrePerSecondSquared), ..ReadOptions::default() };
     for options in [ReadOptions::default(), step.clone()] {
         let expected = format!(
-            "made-up, line 3: found 4 numbers a line under a header of text without names of columns, expected the header of a known \
-             format ({}), a line of names, or a layout",
+            "made-up, line 3: found 4 numbers a line under a header of text that is of no known format ({}) and names no columns; \
+             expected layout as 10F8.2, with the lines to skip before the numbers and npts, the count of them, if others follow",
             Format::NAMES
         );
         // The second line has a word for each column, but a number is no name.

@@ -2,6 +2,7 @@
 
 #[path = "../../../../tests/common/cases.rs"]
 mod cases;
+mod claims;
 mod columns;
 mod networks;
 mod real;

@@ -305,6 +305,61 @@ fn beginnings_of_files_are_not_read_in_silence() {
     }
 }
 
+/// Beginnings of files that once were misread or refused: each is read by its own header, or refused with the words of it.
+#[test]
+fn headers_of_the_second_list_are_believed() {
+    let Some(folder) = shared() else { return };
+    use Unit::{CentimetrePerSecondSquared as Cm, G, MetrePerSecondSquared as M};
+    let path = |name: &str| folder.join("formats").join(name);
+    for (name, format, unit, step, count) in [
+        ("csn_chile_head.txt", Format::Columns, M, 0.005, 53),
+        ("zeit_de.csv", Format::Columns, M, 0.01, 59),
+        ("rspmatch2.acc", Format::Peer, G, 0.01, 300),
+        ("isesd_002727xa.cor", Format::Esd, M, 0.01, 16),
+    ] {
+        let record = read(&path(name), &ReadOptions::default()).unwrap();
+        assert_eq!((record.format, record.unit, record.time_step), (format, unit, step), "{name}");
+        assert_eq!(record.acceleration.len(), count, "{name}");
+        for wrong in [Cm, G, M].into_iter().filter(|other| *other != unit) {
+            let error = read(&path(name), &ReadOptions { unit: Some(wrong), ..ReadOptions::default() }).unwrap_err();
+            assert!(
+                error.to_string().contains(&format!("the file is in {unit} but {wrong} was given")),
+                "{name}: {error}"
+            );
+        }
+        let error = read(&path(name), &ReadOptions { time_step: Some(0.04), ..ReadOptions::default() }).unwrap_err();
+        assert!(
+            error.to_string().contains(&format!("a time step of {step} s but 0.04 s was given")),
+            "{name}: {error}"
+        );
+    }
+    for (name, column, line, found) in [
+        ("scec_s02-lf_head.bbp", Some(2), 2, "a velocity (\"N-S(cm/s)\")"),
+        ("iris_tspair_velocity.txt", None, 1, "a velocity"),
+        ("iris_geocsv_velocity.csv", None, 17, "a velocity"),
+    ] {
+        let options =
+            ReadOptions { unit: Some(M), acceleration_column: column.map(Choice::Number), ..ReadOptions::default() };
+        let message = read(&path(name), &options).unwrap_err().to_string();
+        assert!(message.contains(&format!(", line {line}: found {found}")), "{message}");
+        assert!(message.contains("but m/s² was given"), "{message}");
+    }
+    // The counts in these headers are those of the whole files.
+    for (name, format, options, counts) in [
+        ("china_csmnc_head.dat", Format::Csmnc, ReadOptions::default(), ["12800", "80"]),
+        ("deepsoil_pystrata_head.txt", Format::Npts, unit_and_step(G, 0.005), ["11800", "29"]),
+    ] {
+        let text = std::fs::read_to_string(path(name)).unwrap();
+        let message = parse_with_doubt(name, text.as_bytes(), &options).unwrap_err().to_string();
+        assert!(message.contains(&format!(" values in the file, expected {}", counts[0])), "{message}");
+        let (record, doubt) =
+            parse_with_doubt(name, text.replacen(counts[0], counts[1], 1).as_bytes(), &options).unwrap();
+        assert_eq!((record.format, record.time_step), (format, 0.005), "{name}");
+        let stated = doubt.is_some_and(|doubt| doubt.ends_with("line 13 states 16.986 cm/s²"));
+        assert_eq!(stated, format == Format::Csmnc, "{name}");
+    }
+}
+
 /// Every file of the folder is read, or refused with one line.
 #[test]
 fn every_file_is_read_or_refused_in_one_line() {
@@ -324,11 +379,14 @@ fn every_file_is_read_or_refused_in_one_line() {
 /// The seeds of the fuzz target are valid files of every format, so that fuzzing passes the headers.
 #[test]
 fn the_seeds_of_the_fuzz_target_are_records() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/fuzz/seeds"));
     let expected = [
         ("bhrc.v1", Format::Bhrc),
         ("block.txt", Format::Peer),
         ("columns.csv", Format::Columns),
+        ("csmnc.dat", Format::Csmnc),
+        ("esd.cor", Format::Esd),
+        ("npts.txt", Format::Npts),
         ("cosmos.v2", Format::Cosmos),
         ("csmip.v1", Format::Csmip),
         ("csmip.v2", Format::Csmip),
@@ -348,7 +406,7 @@ fn the_seeds_of_the_fuzz_target_are_records() {
     ];
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), expected.len());
     for (name, format) in expected {
-        let bare = matches!(name, "block.txt" | "time.txt");
+        let bare = matches!(name, "block.txt" | "time.txt" | "npts.txt");
         let options = if bare { unit_and_step(Unit::G, 0.01) } else { ReadOptions::default() };
         let several = matches!(format, Format::Cwb | Format::Jma | Format::Nsmn | Format::Unam) || name == "knet.csv";
         let options = ReadOptions { channel: several.then_some(Choice::Number(2)), ..options };

@@ -69,7 +69,10 @@ fn units_that_disagree_are_refused() {
         &file("FURLONGS"),
         "made-up, line 2: found \"ACCELERATION TIME HISTORY IN UNITS OF FURLONGS\", expected a unit among g, m/s2, cm/s2",
     );
-    assert_refused(&file("CM/S"), "made-up, line 2: found a velocity in CM/S, expected an acceleration time history");
+    assert_refused(
+        &file("CM/S"),
+        "made-up, line 2: found a velocity (\"ACCELERATION TIME HISTORY IN UNITS OF CM/S\"), expected an acceleration time history",
+    );
     assert_refused(
         "TITLE\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n",
         "made-up: no unit in the file and none given; expected unit g, m/s2 or cm/s2",

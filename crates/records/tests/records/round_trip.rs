@@ -135,7 +135,7 @@ proptest! {
 
     /// A file of a national network, cut off anywhere, is refused or read in full; JMA states no count.
     #[test]
-    fn a_cut_file_of_a_network_is_never_misread(which in 0..14_usize, cut in 0.0..1.0_f64) {
+    fn a_cut_file_of_a_network_is_never_misread(which in 0..16_usize, cut in 0.0..1.0_f64) {
         let (format, text, channel) = all().into_iter().nth(which).unwrap();
         let options = options_of(channel);
         let whole = parse("whole", text.as_bytes(), &options).unwrap();
@@ -154,7 +154,7 @@ proptest! {
     /// A file of a national network with bytes overwritten is refused in one line, or read with finite values.
     #[test]
     fn a_damaged_file_of_a_network_does_not_panic(
-        which in 0..14_usize,
+        which in 0..16_usize,
         places in prop::collection::vec((0.0..1.0_f64, prop::sample::select(&b"\n 0179.-+,:/=#ENx\xE9"[..])), 1..12),
         read_as in prop::sample::select(formats()),
     ) {

@@ -204,7 +204,7 @@ prop_compose! {
             let excitation = case.lane.simulation.excitation(&inputs);
             let seen = Motion::from_pose(&block, pose, &excitation).at(time, instant::State::from(state));
             let mut peaks = Peaks::default();
-            peaks.include(&seen.channels_called());
+            peaks.include(&seen.channels_outlined());
             peaks
         };
         let (a, b) = (of(case.lane.simulation.run.pose.state.0), of(case.there));

@@ -135,7 +135,7 @@ impl Fmu for SpaceUnit {
                 }
             }
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 
@@ -156,7 +156,7 @@ impl Fmu for SpaceUnit {
             }
         }
         self.ground = None;
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 
@@ -202,7 +202,7 @@ impl Fmu for SpaceUnit {
             return Err(Fault::new(format!("{name} is set; expected a real parameter")));
         };
         places.copy_from_slice(values);
-        self.forget();
+        self.drop_preview();
         Ok(())
     }
 
@@ -213,7 +213,7 @@ impl Fmu for SpaceUnit {
     fn resize(&mut self, _: u32, size: u64) -> Result<(), Fault> {
         fmi3_metadata(Fmi3Variable::FootCount).admits(size as f64).map_err(Fault::new)?;
         self.values.resize(size as usize);
-        self.forget();
+        self.drop_preview();
         Ok(())
     }
 
@@ -228,13 +228,13 @@ impl Fmu for SpaceUnit {
     fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         let used = self.life.plan(tolerance, start, stop)?;
         self.inputs.time = start;
-        self.forget();
+        self.drop_preview();
         Ok(used)
     }
 
     fn enter_initialization_mode(&mut self) {
         self.life.phase = Phase::InitializationMode;
-        self.forget();
+        self.drop_preview();
     }
 
     fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
@@ -275,7 +275,7 @@ impl Fmu for SpaceUnit {
         for (&reference, &value) in references.iter().zip(values) {
             input(reference, "an input with derivatives")?.of(&mut self.inputs).rate = value;
         }
-        self.take_up_values();
+        self.invalidate();
         Ok(())
     }
 

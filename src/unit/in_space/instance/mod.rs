@@ -137,17 +137,17 @@ fn not_declared(what: &str) -> Fault {
 
 impl SpaceUnit {
     /// Drops the preview after a change of values.
-    fn forget(&mut self) {
+    fn drop_preview(&mut self) {
         self.run = None;
         self.observed = Cache::default();
     }
 
     /// Applies changed values: before initialization ends to the whole block, later to the observation.
-    fn take_up_values(&mut self) {
+    fn invalidate(&mut self) {
         if self.life.phase.is_initialized() {
             self.observed.is_stale = true;
         } else {
-            self.forget();
+            self.drop_preview();
         }
     }
 
@@ -179,7 +179,7 @@ impl SpaceUnit {
     }
 
     /// Returns the inputs and the FMU's own records at the present time.
-    fn acting(&self) -> SpaceInputs {
+    fn effective_inputs(&self) -> SpaceInputs {
         let inputs = self.inputs.moved_to(self.time());
         with_ground(&inputs, self.ground.as_deref(), self.time()).0
     }
@@ -188,7 +188,7 @@ impl SpaceUnit {
     fn observation(&mut self) -> Result<&SpaceObservation, Fault> {
         self.preview()?;
         self.observed.refresh();
-        let acting = self.acting();
+        let acting = self.effective_inputs();
         let run = self.run.as_ref().ok_or_else(no_block)?;
         Ok(self.observed.observation.get_or_init(|| {
             let observed = run.observe(&acting);

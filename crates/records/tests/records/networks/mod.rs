@@ -4,12 +4,14 @@ use rocking_records::{Choice, Format, ReadOptions, Record, parse_with_doubt};
 
 mod california;
 mod chile_and_iran;
+mod china_and_europe;
 mod japan;
 mod others;
 
 use super::parsed;
 pub use california::*;
 pub use chile_and_iran::*;
+pub use china_and_europe::*;
 pub use japan::*;
 pub use others::*;
 
@@ -48,7 +50,7 @@ fn assert_values(record: &Record, expected: &[f64], tolerance: f64) {
 }
 
 /// All files of this module, each with a channel.
-pub fn all() -> [(Format, String, &'static str); 14] {
+pub fn all() -> [(Format, String, &'static str); 16] {
     [
         (Format::Knet, knet("E-W"), "1"),
         (Format::Knet, knet_csv(), "E-W"),
@@ -64,6 +66,8 @@ pub fn all() -> [(Format, String, &'static str); 14] {
         (Format::Jma, jma(), "UD"),
         (Format::Cwb, cwb(), "E"),
         (Format::Esm, afad(), ""),
+        (Format::Csmnc, csmnc(), ""),
+        (Format::Esd, esd(), ""),
     ]
 }
 
