@@ -302,7 +302,7 @@ impl Fmu for SpaceUnit {
         self.preview()?;
         let run = self.run.as_ref().ok_or_else(no_block)?;
         let (now, is_rectangle, count) =
-            (run.rates(&self.acting()), self.values.is_rectangle(), self.values.foot_count());
+            (run.rates(&self.effective_inputs()), self.values.is_rectangle(), self.values.foot_count());
         let observed = now.observed.map(|x| x.eps);
         let mut rates = Vec::with_capacity(references.len());
         for &reference in references {
