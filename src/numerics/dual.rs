@@ -4,7 +4,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::numerics::scalar::Scalar;
+use crate::numerics::scalar::{Elementary, Scalar};
 
 /// `re + eps ε` with `ε² = 0`: a number and its derivative. It is with respect to time or a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -180,6 +180,36 @@ impl<R: Scalar> Scalar for Dual<R> {
     #[inline(always)]
     fn select_less(a: R::Real, b: R::Real, yes: Dual<R>, no: Dual<R>) -> Dual<R> {
         Dual::new(R::select_less(a, b, yes.re, no.re), R::select_less(a, b, yes.eps, no.eps))
+    }
+}
+
+impl Elementary for Dual {
+    fn asin(self) -> Dual {
+        Dual::new(libm::asin(self.re), self.eps / ((1.0 - self.re) * (1.0 + self.re)).sqrt())
+    }
+
+    /// The angle of the origin has no rate.
+    fn atan2(self, x: Dual) -> Dual {
+        let square = self.re * self.re + x.re * x.re;
+        let rate = if square == 0.0 { 0.0 } else { (x.re * self.eps - self.re * x.eps) / square };
+        Dual::new(libm::atan2(self.re, x.re), rate)
+    }
+
+    /// From zero it grows in any direction.
+    fn hypot(self, other: Dual) -> Dual {
+        let length = libm::hypot(self.re, other.re);
+        if length == 0.0 {
+            return Dual::new(0.0, libm::hypot(self.eps, other.eps));
+        }
+        Dual::new(length, (self.re * self.eps + other.re * other.eps) / length)
+    }
+
+    fn is_zero(self) -> bool {
+        self.re == 0.0 && self.eps == 0.0
+    }
+
+    fn slope(self) -> f64 {
+        self.eps
     }
 }
 

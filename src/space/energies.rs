@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::space::body::SpaceBody;
 use crate::space::forces::FootContact;
-use crate::space::motion::{BodyMotion, of_foot};
+use crate::space::motion::{BodyMotion, OMEGA, VELOCITY, WORKS, of_foot, three};
 
 /// Energy that a block has (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -58,4 +58,22 @@ pub(super) fn stored(body: &SpaceBody, state: &[f64], contacts: &[FootContact]) 
         }
     }
     StoredEnergy { kinetic, weight: body.mass * body.gravity * motion.displacement.z, supports }
+}
+
+/// Returns the rates of all energies (W) from a state and its rates.
+pub(super) fn energy_rates(body: &SpaceBody, state: &[f64], rates: &[f64], contacts: &[FootContact]) -> SpaceEnergies {
+    let motion = BodyMotion::of(state);
+    let [turning, accelerating] = [motion.omega, three(rates, OMEGA)].map(|v| motion.turn.rotate_back(&v));
+    let velocity = three(rates, 0);
+    let kinetic = body.mass * velocity.dot(&three(rates, VELOCITY)) + turning.dot(&(body.inertia * accelerating));
+    let mut supports = 0.0;
+    for (i, (foot, _)) in body.feet.iter().zip(contacts).enumerate().filter(|(_, (_, contact))| contact.touches()) {
+        let at = motion.foot(&foot.place);
+        let depth = foot.free_height - at.displacement.z;
+        let stretches = [0, 1].map(|axis| state[of_foot(i) + axis] * rates[of_foot(i) + axis]);
+        supports += body.horizontal_stiffness * (stretches[0] + stretches[1]) - body.stiffness * depth * at.velocity.z;
+    }
+    let stored = StoredEnergy { kinetic, weight: body.mass * body.gravity * velocity.z, supports };
+    let [input, dashpots, slip] = [0, 1, 2].map(|i| rates[WORKS + i]);
+    SpaceEnergies { stored, input, dashpots, slip, lift_off: 0.0, residual: stored.total() - input + dashpots + slip }
 }

@@ -2,45 +2,41 @@
 
 use nalgebra::Vector3;
 
-use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Elementary, greatest};
 use crate::space::body::SpaceBody;
-use crate::space::events::Poised;
 use crate::space::forces::{FootContact, FootForces, support_height};
 use crate::space::motion::{BodyMotion, Component, OMEGA, Turn, VELOCITY, constant, of_foot, three};
 
 /// Tilt and twist of a rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Attitude {
+pub struct Attitude<T = f64> {
     /// Angle of the body's axis n = R e_z to the vertical (rad).
-    pub tilt: f64,
+    pub tilt: T,
     /// Its component towards +x (rad).
-    pub tilt_x: f64,
+    pub tilt_x: T,
     /// Its component towards +y (rad).
-    pub tilt_y: f64,
+    pub tilt_y: T,
     /// Direction of the tilt (rad), from +x towards +y.
-    pub azimuth: f64,
+    pub azimuth: T,
     /// Twist about the vertical (rad).
-    pub twist: f64,
+    pub twist: T,
 }
 
-impl Attitude {
+impl<T: Component + Elementary> Attitude<T> {
     /// Returns tilt and twist of a rotation.
-    pub fn of(turn: &Turn<f64>) -> Attitude {
-        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| turn.rotate(&axis));
-        let across = libm::hypot(z.x, z.y);
-        let tilt = libm::atan2(across, z.z);
-        let [tilt_x, tilt_y] = [z.x, z.y].map(|n| if across > 0.0 { tilt * n / across } else { 0.0 });
-        Attitude { tilt, tilt_x, tilt_y, azimuth: libm::atan2(z.y, z.x), twist: libm::atan2(x.y - y.x, x.x + y.y) }
+    pub fn of(turn: &Turn<T>) -> Attitude<T> {
+        let z = turn.rotate(&constant(&Vector3::z()));
+        let across = z.x.hypot(z.y);
+        let tilt = across.atan2(z.z);
+        // An upright axis leaves along its rate.
+        let [tilt_x, tilt_y] = [z.x, z.y].map(|n| if across.value() > 0.0 { tilt * n / across } else { n + 0.0 });
+        Attitude { tilt, tilt_x, tilt_y, azimuth: z.y.atan2(z.x), twist: Attitude::twist_of(turn) }
     }
-}
 
-impl Attitude {
-    /// Returns the twist of a rotation (rad), with its rate.
-    pub(super) fn twist_of(turn: &Turn<Dual>) -> Dual {
+    /// Returns the twist of a rotation (rad).
+    pub(super) fn twist_of(turn: &Turn<T>) -> T {
         let [x, y] = [Vector3::x(), Vector3::y()].map(|axis| turn.rotate(&constant(&axis)));
-        let (sin, cos) = (x.y - y.x, x.x + y.y);
-        let rate = (cos.re * sin.eps - sin.re * cos.eps) / (sin.re * sin.re + cos.re * cos.re);
-        Dual::new(libm::atan2(sin.re, cos.re), rate)
+        (x.y - y.x).atan2(x.x + y.y)
     }
 }
 
@@ -57,17 +53,17 @@ pub(super) fn drift<T: Component>(body: &SpaceBody, motion: &BodyMotion<T>) -> [
 
 /// A foot at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FootObservation {
+pub struct FootObservation<T = f64> {
     /// Vertical force N (N).
-    pub normal: f64,
+    pub normal: T,
     /// Horizontal force on the block (N).
-    pub horizontal: [f64; 2],
+    pub horizontal: [T; 2],
     /// Height over the top of its support (m).
-    pub uplift: f64,
+    pub uplift: T,
     /// Length of its slip since the start (m).
-    pub slip: f64,
+    pub slip: T,
     /// |F|/N of a foot that touches (1).
-    pub friction_demand: f64,
+    pub friction_demand: T,
     /// Whether it touches.
     pub touches: bool,
     /// Whether it slides.
@@ -75,58 +71,65 @@ pub struct FootObservation {
 }
 
 /// The observed quantities.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SpaceObservation {
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceObservation<T = f64> {
     /// Time (s).
-    pub time: f64,
+    pub time: T,
     /// Tilt and twist.
-    pub attitude: Attitude,
+    pub attitude: Attitude<T>,
     /// Angular velocity (rad/s).
-    pub omega: Vector3<f64>,
+    pub omega: Vector3<T>,
     /// Displacement u, w, v of the centre of mass (m).
-    pub displacement: Vector3<f64>,
+    pub displacement: Vector3<T>,
     /// Its velocity (m/s).
-    pub velocity: Vector3<f64>,
+    pub velocity: Vector3<T>,
     /// Its acceleration relative to the ground (m/s²).
-    pub acceleration: Vector3<f64>,
+    pub acceleration: Vector3<T>,
     /// Angular acceleration (rad/s²).
-    pub angular_acceleration: Vector3<f64>,
+    pub angular_acceleration: Vector3<T>,
     /// Displacement of the middle of the base over the ground (m).
-    pub drift: [f64; 2],
+    pub drift: [T; 2],
     /// Sum of the forces on the feet (N).
-    pub force: Vector3<f64>,
+    pub force: Vector3<T>,
     /// Moment of these forces about the place of the base's middle at rest (N.m).
-    pub moment: Vector3<f64>,
+    pub moment: Vector3<T>,
     /// The feet.
-    pub feet: Vec<FootObservation>,
+    pub feet: Vec<FootObservation<T>>,
 }
 
-impl SpaceObservation {
-    /// Returns the quantities of a block.
-    pub fn of(now: &Poised) -> SpaceObservation {
-        let &Poised { body, time, state, rates, contacts } = now;
+impl<T: Component + Elementary> SpaceObservation<T> {
+    /// Returns the quantities of a block at a time (s), from its state and the rates of that.
+    pub fn of(body: &SpaceBody, contacts: &[FootContact], time: T, state: &[T], rates: &[T]) -> SpaceObservation<T> {
         let motion = BodyMotion::of(state);
         let BodyMotion { displacement, turn, velocity, omega } = motion;
-        let base = middle(body);
-        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        let base = constant(&middle(body));
+        let zero = T::from(0.0);
+        let (mut force, mut moment) = (Vector3::repeat(zero), Vector3::repeat(zero));
         let mut feet = Vec::with_capacity(body.count());
         for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
             let at = motion.foot(&foot.place);
             let slip = state[of_foot(i) + 2];
             if let FootContact::Lifted(creep) = contact {
-                let uplift = at.displacement.z - support_height(body, foot, creep, time).re;
+                let top = support_height(body, foot, creep, time.value());
+                let uplift = at.displacement.z - ((time - time.value()) * top.eps + top.re);
                 feet.push(FootObservation { uplift, slip, ..FootObservation::default() });
                 continue;
             }
             let forces = FootForces::of(body, foot, *contact, &at, [state[of_foot(i)], state[of_foot(i) + 1]]);
+            // The size of a force grows from zero in any direction.
+            let trial_size = if forces.trial_size.value() > 0.0 {
+                forces.trial_size
+            } else {
+                forces.trial[0].hypot(forces.trial[1])
+            };
             force += forces.force;
             moment += (displacement + at.arm - base).cross(&forces.force);
             feet.push(FootObservation {
                 normal: forces.normal,
                 horizontal: [forces.force.x, forces.force.y],
-                uplift: 0.0,
+                uplift: zero,
                 slip,
-                friction_demand: forces.trial_size / forces.normal,
+                friction_demand: trial_size / forces.normal,
                 touches: true,
                 slides: *contact == FootContact::Slides,
             });
@@ -143,6 +146,58 @@ impl SpaceObservation {
             force,
             moment,
             feet,
+        }
+    }
+
+    /// Returns an observation with `f` applied to all numbers.
+    pub fn map<U: Component>(&self, f: impl Fn(T) -> U) -> SpaceObservation<U> {
+        let Attitude { tilt, tilt_x, tilt_y, azimuth, twist } = self.attitude;
+        let [tilt, tilt_x, tilt_y, azimuth, twist] = [tilt, tilt_x, tilt_y, azimuth, twist].map(&f);
+        let foot = |foot: &FootObservation<T>| FootObservation {
+            normal: f(foot.normal),
+            horizontal: foot.horizontal.map(&f),
+            uplift: f(foot.uplift),
+            slip: f(foot.slip),
+            friction_demand: f(foot.friction_demand),
+            touches: foot.touches,
+            slides: foot.slides,
+        };
+        SpaceObservation {
+            time: f(self.time),
+            attitude: Attitude { tilt, tilt_x, tilt_y, azimuth, twist },
+            omega: self.omega.map(&f),
+            displacement: self.displacement.map(&f),
+            velocity: self.velocity.map(&f),
+            acceleration: self.acceleration.map(&f),
+            angular_acceleration: self.angular_acceleration.map(&f),
+            drift: self.drift.map(&f),
+            force: self.force.map(&f),
+            moment: self.moment.map(&f),
+            feet: self.feet.iter().map(foot).collect(),
+        }
+    }
+
+    /// Returns the greatest |F|/N of all feet (1), 0 if none touches.
+    pub fn friction_demand(&self) -> T {
+        let demands = self.feet.iter().map(|foot| foot.friction_demand);
+        demands.fold(T::from(0.0), greatest)
+    }
+
+    /// Returns what is left of a block that is held: it has a place, and neither motion nor forces.
+    #[must_use]
+    pub fn held(self) -> SpaceObservation<T> {
+        let zero = Vector3::repeat(T::from(0.0));
+        let foot =
+            |foot: FootObservation<T>| FootObservation { slip: foot.slip, uplift: foot.uplift, ..Default::default() };
+        SpaceObservation {
+            omega: zero,
+            velocity: zero,
+            acceleration: zero,
+            angular_acceleration: zero,
+            force: zero,
+            moment: zero,
+            feet: self.feet.into_iter().map(foot).collect(),
+            ..self
         }
     }
 

@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::dual::Dual;
+use crate::numerics::scalar::Elementary;
+use crate::simulation::peaks::rate_of_peak;
 use crate::space::body::SpaceBody;
 use crate::space::events::SpaceFunction;
 use crate::space::motion::{BodyMotion, of_foot};
-use crate::space::outputs::{Attitude, FootObservation, drift};
+use crate::space::outputs::{Attitude, FootObservation, SpaceObservation, drift};
 
 /// The greatest values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,6 +24,23 @@ pub struct SpacePeaks {
     /// Height of any foot over its support (m).
     pub uplift: f64,
     /// Length of the slip of any foot (m).
+    pub slip: f64,
+}
+
+/// Rates of the greatest values. Each is zero unless the present value is the greatest and grows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpacePeakRates {
+    /// Of the tilt (rad/s).
+    pub tilt: f64,
+    /// Of the twist (rad/s).
+    pub twist: f64,
+    /// Of the distance of the base's middle from its place at rest (m/s).
+    pub drift: f64,
+    /// Of N of any foot (N/s).
+    pub normal: f64,
+    /// Of the height of any foot over its support (m/s).
+    pub uplift: f64,
+    /// Of the length of the slip of any foot (m/s).
     pub slip: f64,
 }
 
@@ -77,6 +96,22 @@ impl SpacePeaks {
     pub(super) fn include_slips(&mut self, state: &[f64], feet: usize) {
         for foot in 0..feet {
             self.slip = self.slip.max(state[of_foot(foot) + 2]);
+        }
+    }
+
+    /// Returns the rates of the greatest values at an instant.
+    pub fn rates(&self, now: &SpaceObservation<Dual>) -> SpacePeakRates {
+        let of_feet = |peak: f64, of: fn(&FootObservation<Dual>) -> Dual| {
+            now.feet.iter().map(|foot| rate_of_peak(peak, of(foot))).fold(0.0, f64::max)
+        };
+        let [x, y] = now.drift;
+        SpacePeakRates {
+            tilt: rate_of_peak(self.tilt(), now.attitude.tilt),
+            twist: rate_of_peak(self.twist(), now.attitude.twist.abs()),
+            drift: rate_of_peak(self.drift(), x.hypot(y)),
+            normal: of_feet(self.normal, |foot| foot.normal),
+            uplift: of_feet(self.uplift, |foot| foot.uplift),
+            slip: of_feet(self.slip, |foot| foot.slip),
         }
     }
 

@@ -8,19 +8,20 @@
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::control::StepControl;
+use crate::numerics::dual::Dual;
 use crate::numerics::stepper::Stepper;
 use crate::simulation::{Ending, MAX_STEPS, OnOverturning, OnSeparation, Progress, Settings, SimulationError};
 use crate::space::beginning::SpaceInitial;
 use crate::space::body::SpaceBody;
-use crate::space::energies::{SpaceEnergies, stored};
-use crate::space::equations::SpaceEquations;
-use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceSample, topples};
+use crate::space::energies::{SpaceEnergies, energy_rates, stored};
+use crate::space::equations::{SpaceEquations, with_rates};
+use crate::space::events::{SpaceEvent, SpaceEventKind, SpaceSample, topples};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
 use crate::space::motion::{WORKS, dimension};
 use crate::space::outputs::SpaceObservation;
-use crate::space::peaks::SpacePeaks;
+use crate::space::peaks::{SpacePeakRates, SpacePeaks};
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,6 +79,17 @@ pub struct SpaceSetup {
     pub settings: Settings,
     /// The pulses.
     pub pulses: DirectedPulses,
+}
+
+/// What changes with time, and its rates.
+#[derive(Clone, Debug)]
+pub struct SpaceRates {
+    /// The observed quantities with their rates.
+    pub observed: SpaceObservation<Dual>,
+    /// Rates of the energies (W).
+    pub energies: SpaceEnergies,
+    /// Rates of the greatest values.
+    pub peaks: SpacePeakRates,
 }
 
 /// Memory of steps. A run forms it anew.
@@ -296,8 +308,32 @@ impl SpaceRun {
         let equations = SpaceEquations { body: &self.setup.body, contacts, excitation: &excitation };
         let mut rates = vec![0.0; numbers.len()];
         equations.rates(*time, numbers, &mut rates);
-        let now = Poised { body: &self.setup.body, time: *time, state: numbers, rates: &rates, contacts };
-        SpaceObservation::of(&now)
+        SpaceObservation::of(&self.setup.body, contacts, *time, numbers, &rates)
+    }
+
+    /// What changes with time under these inputs, with exact rates. Nothing does of a block that is held.
+    pub fn rates(&self, inputs: &SpaceInputs) -> SpaceRates {
+        let excitation = self.excitation(inputs);
+        let SpaceState { time, numbers, contacts, .. } = &self.state;
+        let body = &self.setup.body;
+        let equations = SpaceEquations { body, contacts, excitation: &excitation };
+        let mut rates = vec![0.0; numbers.len()];
+        if !self.is_frozen() {
+            equations.rates(*time, numbers, &mut rates);
+        }
+        let mut state = vec![Dual::default(); numbers.len()];
+        with_rates(numbers, &rates, &mut state);
+        let mut second = vec![Dual::default(); numbers.len()];
+        let clock = if self.is_frozen() { 0.0 } else { 1.0 };
+        let time = Dual::new(*time, clock);
+        equations.rates(time, &state, &mut second);
+        let observed = SpaceObservation::of(body, contacts, time, &state, &second);
+        let observed = if self.is_frozen() { observed.held() } else { observed };
+        SpaceRates {
+            peaks: self.state.peaks.rates(&observed),
+            energies: energy_rates(body, numbers, &rates, contacts),
+            observed,
+        }
     }
 
     pub(super) fn excitation(&self, inputs: &SpaceInputs) -> SpaceExcitation {

@@ -10,6 +10,7 @@ mod equations;
 mod excitation;
 mod parameters;
 mod random;
+mod rates;
 mod reference;
 mod rest;
 mod states;

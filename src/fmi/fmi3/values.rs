@@ -235,7 +235,7 @@ impl<U: Fmu> Instance<U> {
     /// # Errors
     /// A variable that is no Real output, an order other than 1, a wrong number of values, or a value that may not be read now.
     pub fn derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [MaybeUninit<f64>]) -> Answer {
-        fits(references.len(), values.len())?;
+        fits(self.value_count(references), values.len())?;
         self.may_read(references)?;
         self.output_derivatives(references, orders, values)
     }

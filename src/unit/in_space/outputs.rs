@@ -2,19 +2,39 @@
 
 use crate::space::energies::SpaceEnergies;
 use crate::space::outputs::{FootObservation, SpaceObservation};
+use crate::space::peaks::SpacePeakRates;
+use crate::space::run::SpaceRates;
 use crate::space::{SpaceBody, SpaceGround, SpaceRun};
 use crate::unit::in_space::variables::{Derived, Output};
 
-/// The source of an output's value.
+/// The source of an output's value and of its rate.
 pub enum SpaceSource {
-    /// A quantity of an observation.
+    /// A quantity of an observation. Applied to an observation of rates, its rate.
     Observed(fn(&SpaceObservation) -> f64),
     /// A quantity of the foot of a rectangle with this number.
     Foot(usize, fn(&FootObservation) -> f64),
     /// An energy.
     Energy(fn(&SpaceEnergies) -> f64),
-    /// A quantity of the run.
-    Run(fn(&SpaceRun) -> f64),
+    /// The greatest friction demand of the feet.
+    FrictionDemand,
+    /// A greatest value since the start, and its rate.
+    Peak(fn(&SpaceRun) -> f64, fn(&SpacePeakRates) -> f64),
+    /// A quantity of the run that changes only at events.
+    Discrete(fn(&SpaceRun) -> f64),
+}
+
+impl SpaceSource {
+    /// Returns the rate of change, from the rates of a block and their observation alone.
+    pub fn rate(&self, now: &SpaceRates, observed: &SpaceObservation, is_rectangle: bool) -> f64 {
+        match self {
+            SpaceSource::Observed(of) => of(observed),
+            SpaceSource::Foot(number, of) => observed.feet.get(*number).filter(|_| is_rectangle).map_or(0.0, of),
+            SpaceSource::Energy(of) => of(&now.energies),
+            SpaceSource::FrictionDemand => now.observed.friction_demand().eps,
+            SpaceSource::Peak(_, of) => of(&now.peaks),
+            SpaceSource::Discrete(_) => 0.0,
+        }
+    }
 }
 
 /// Numbers of the feet of a rectangle.
@@ -25,7 +45,7 @@ const NE: usize = 3;
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> SpaceSource {
-    use SpaceSource::{Energy, Foot, Observed, Run};
+    use SpaceSource::{Discrete, Energy, Foot, FrictionDemand, Observed, Peak};
     match output {
         Output::Tilt => Observed(|at| at.attitude.tilt),
         Output::TiltX => Observed(|at| at.attitude.tilt_x),
@@ -66,7 +86,7 @@ pub fn source(output: Output) -> SpaceSource {
         Output::MBaseX => Observed(|at| at.moment.x),
         Output::MBaseY => Observed(|at| at.moment.y),
         Output::MBaseZ => Observed(|at| at.moment.z),
-        Output::FrictionDemand => Observed(|at| at.feet.iter().map(|foot| foot.friction_demand).fold(0.0, f64::max)),
+        Output::FrictionDemand => FrictionDemand,
         Output::DriftX => Observed(|at| at.drift[0]),
         Output::DriftY => Observed(|at| at.drift[1]),
         Output::EnergyTotal => Energy(|energies| energies.stored.total()),
@@ -78,19 +98,21 @@ pub fn source(output: Output) -> SpaceSource {
         Output::EnergySlip => Energy(|energies| energies.slip),
         Output::EnergyLiftOff => Energy(|energies| energies.lift_off),
         Output::EnergyResidual => Energy(|energies| energies.residual),
-        Output::PeakTilt => Run(SpaceRun::peak_tilt),
-        Output::PeakTwist => Run(|run| run.peaks().twist()),
-        Output::PeakDrift => Run(|run| run.peaks().drift()),
-        Output::PeakN => Run(|run| run.peaks().normal),
-        Output::PeakUplift => Run(|run| run.peaks().uplift),
-        Output::PeakSlip => Run(|run| run.peaks().slip),
-        Output::EventsLiftOffs => Run(|run| run.state().counts.lift_offs as f64),
-        Output::EventsLandings => Run(|run| run.state().counts.landings as f64),
-        Output::EventsSlides => Run(|run| run.state().counts.slides as f64),
-        Output::EventsSticks => Run(|run| run.state().counts.sticks as f64),
-        Output::EventsLastTime => Run(|run| run.state().last_event),
-        Output::Separated => Run(|run| flag(run.state().separated)),
-        Output::Overturned => Run(|run| flag(run.state().ending.is_some_and(|(ending, _)| ending.is_overturning()))),
+        Output::PeakTilt => Peak(SpaceRun::peak_tilt, |rates| rates.tilt),
+        Output::PeakTwist => Peak(|run| run.peaks().twist(), |rates| rates.twist),
+        Output::PeakDrift => Peak(|run| run.peaks().drift(), |rates| rates.drift),
+        Output::PeakN => Peak(|run| run.peaks().normal, |rates| rates.normal),
+        Output::PeakUplift => Peak(|run| run.peaks().uplift, |rates| rates.uplift),
+        Output::PeakSlip => Peak(|run| run.peaks().slip, |rates| rates.slip),
+        Output::EventsLiftOffs => Discrete(|run| run.state().counts.lift_offs as f64),
+        Output::EventsLandings => Discrete(|run| run.state().counts.landings as f64),
+        Output::EventsSlides => Discrete(|run| run.state().counts.slides as f64),
+        Output::EventsSticks => Discrete(|run| run.state().counts.sticks as f64),
+        Output::EventsLastTime => Discrete(|run| run.state().last_event),
+        Output::Separated => Discrete(|run| flag(run.state().separated)),
+        Output::Overturned => {
+            Discrete(|run| flag(run.state().ending.is_some_and(|(ending, _)| ending.is_overturning())))
+        }
     }
 }
 

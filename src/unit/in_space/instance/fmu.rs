@@ -6,13 +6,30 @@ use crate::space::{SpaceEvent, SpaceInputs, SpaceRun};
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::{Fmu, Reached};
-use crate::unit::in_space::instance::{Cache, SpaceUnit, fmi3_variable, input, not_declared};
+use crate::unit::in_space::instance::{
+    Cache, SpaceUnit, first_order, fmi3_variable, input, no_block, not_declared, output,
+};
 use crate::unit::in_space::outputs::{derived, source};
 use crate::unit::in_space::values::SpaceValues;
 use crate::unit::in_space::variables::{
     FMI3_VARIABLES, Fmi3Variable, GUID, Metadata, Role, TOKEN, VARIABLES, fmi3_metadata,
 };
 use crate::unit::life_cycle::{Interface, LifeCycle, Phase};
+
+/// Returns the quantity of the feet that an array of FMI 3.0 has, if it is one.
+fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
+    match variable {
+        Fmi3Variable::N => Some(|foot| foot.normal),
+        Fmi3Variable::Uplift => Some(|foot| foot.uplift),
+        Fmi3Variable::Slip => Some(|foot| foot.slip),
+        Fmi3Variable::Time
+        | Fmi3Variable::FootCount
+        | Fmi3Variable::FootX
+        | Fmi3Variable::FootY
+        | Fmi3Variable::FootGap
+        | Fmi3Variable::IntermediateInterval => None,
+    }
+}
 
 impl Fmu for SpaceUnit {
     type Event = SpaceEvent;
@@ -159,29 +176,16 @@ impl Fmu for SpaceUnit {
 
     fn read_fmi3_variable(&mut self, reference: u32, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
         let Some(variable) = fmi3_variable(reference) else { return Ok(()) };
-        let count = self.values.foot_count();
-        let mut feet = |of: fn(&FootObservation) -> f64| {
+        if let Some(of) = of_feet(variable) {
+            let count = self.values.foot_count();
             let feet = &self.observation()?.feet;
             (0..count).for_each(|i| give(feet.get(i).map_or(0.0, of)));
-            Ok(())
-        };
-        match variable {
-            Fmi3Variable::N => feet(|foot| foot.normal),
-            Fmi3Variable::Uplift => feet(|foot| foot.uplift),
-            Fmi3Variable::Slip => feet(|foot| foot.slip),
-            Fmi3Variable::Time => {
-                give(self.time());
-                Ok(())
-            }
-            Fmi3Variable::FootCount
-            | Fmi3Variable::FootX
-            | Fmi3Variable::FootY
-            | Fmi3Variable::FootGap
-            | Fmi3Variable::IntermediateInterval => {
-                self.values.of_fmi3(variable).iter().copied().for_each(give);
-                Ok(())
-            }
+        } else if variable == Fmi3Variable::Time {
+            give(self.time());
+        } else {
+            self.values.of_fmi3(variable).iter().copied().for_each(give);
         }
+        Ok(())
     }
 
     fn set_fmi3_variable(&mut self, reference: u32, values: &[f64]) -> Result<(), Fault> {
@@ -259,9 +263,7 @@ impl Fmu for SpaceUnit {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             input(reference, "an input with derivatives")?;
             let name = find(&VARIABLES, reference, Kind::Real)?.name;
-            if order != 1 {
-                return Err(Fault::new(format!("derivative of {name} of order {order}; expected 1")));
-            }
+            first_order(name, order)?;
             if !value.is_finite() {
                 return Err(Fault::new(format!("derivative of {name} = {value}; expected a finite number")));
             }
@@ -277,8 +279,39 @@ impl Fmu for SpaceUnit {
         Ok(())
     }
 
-    fn output_derivatives(&mut self, _: &[u32], _: &[i32]) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault> {
-        Err::<std::iter::Empty<_>, _>(not_declared("derivatives of outputs in time"))
+    fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault> {
+        for (&reference, &order) in references.iter().zip(orders) {
+            match fmi3_variable(reference) {
+                Some(variable) if of_feet(variable).is_some() => first_order(fmi3_metadata(variable).name, order)?,
+                Some(variable) => {
+                    let name = fmi3_metadata(variable).name;
+                    return Err(Fault::new(format!(
+                        "{name} is no output; expected an output with derivatives in time"
+                    )));
+                }
+                None => {
+                    output(reference, "an output with derivatives in time")?;
+                    first_order(find(&VARIABLES, reference, Kind::Real)?.name, order)?;
+                }
+            }
+        }
+        self.preview()?;
+        let run = self.run.as_ref().ok_or_else(no_block)?;
+        let (now, is_rectangle, count) =
+            (run.rates(&self.effective_inputs()), self.values.is_rectangle(), self.values.foot_count());
+        let observed = now.observed.map(|x| x.eps);
+        let mut rates = Vec::with_capacity(references.len());
+        for &reference in references {
+            match fmi3_variable(reference).and_then(of_feet) {
+                Some(of) => rates.extend((0..count).map(|i| observed.feet.get(i).map_or(0.0, of))),
+                None => rates.push(source(output(reference, "an output")?).rate(&now, &observed, is_rectangle)),
+            }
+        }
+        Ok(rates.into_iter().map(Ok))
     }
 
     fn has_ended(&self) -> bool {

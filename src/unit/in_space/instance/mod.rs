@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::simulation::Progress;
 use crate::space::energies::SpaceEnergies;
-use crate::space::outputs::{FootObservation, SpaceObservation};
+use crate::space::outputs::SpaceObservation;
 use crate::space::{SpaceBody, SpaceEvent, SpaceGround, SpaceInputs, SpaceRun, SpaceState};
 use crate::unit::attributes::{Kind, find};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::Fmu;
 use crate::unit::in_space::outputs::{SpaceDerived, SpaceSource};
 use crate::unit::in_space::values::SpaceValues;
-use crate::unit::in_space::variables::{FMI3_VARIABLES, Fmi3Variable, Input, Metadata, Role, VARIABLES};
+use crate::unit::in_space::variables::{FMI3_VARIABLES, Fmi3Variable, Input, Metadata, Output, Role, VARIABLES};
 use crate::unit::life_cycle::{LifeCycle, Phase};
 
 /// An instance as a safe state machine, without pointers and messages. A copy of it is a saved state.
@@ -100,6 +100,25 @@ fn fmi3_variable(reference: u32) -> Option<Fmi3Variable> {
     FMI3_VARIABLES.get(index).map(|metadata| metadata.variable)
 }
 
+/// Refuses a derivative that is not of order 1.
+fn first_order(name: &str, order: i32) -> Result<(), Fault> {
+    if order == 1 {
+        return Ok(());
+    }
+    Err(Fault::new(format!("derivative of {name} of order {order}; expected 1")))
+}
+
+/// Returns the output with this value reference.
+fn output(reference: u32, wanted: &str) -> Result<Output, Fault> {
+    let Metadata { name, causality, role, .. } = find(&VARIABLES, reference, Kind::Real)?;
+    match role {
+        Role::Output(output) => Ok(*output),
+        Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Input(_) => {
+            Err(Fault::new(format!("{name} is {}; expected {wanted}", causality.one())))
+        }
+    }
+}
+
 /// Returns the input with this value reference.
 fn input(reference: u32, wanted: &str) -> Result<Input, Fault> {
     let Metadata { name, causality, role, .. } = find(&VARIABLES, reference, Kind::Real)?;
@@ -173,19 +192,7 @@ impl SpaceUnit {
         let run = self.run.as_ref().ok_or_else(no_block)?;
         Ok(self.observed.observation.get_or_init(|| {
             let observed = run.observe(&acting);
-            if !run.is_frozen() {
-                return observed;
-            }
-            let held =
-                |foot: &FootObservation| FootObservation { slip: foot.slip, uplift: foot.uplift, ..Default::default() };
-            SpaceObservation {
-                time: observed.time,
-                attitude: observed.attitude,
-                displacement: observed.displacement,
-                drift: observed.drift,
-                feet: observed.feet.iter().map(held).collect(),
-                ..SpaceObservation::default()
-            }
+            if run.is_frozen() { observed.held() } else { observed }
         }))
     }
 
@@ -202,7 +209,8 @@ impl SpaceUnit {
                 let run = self.run.as_ref().ok_or_else(no_block)?;
                 Ok(of(self.observed.energies.get_or_init(|| run.energies())))
             }
-            SpaceSource::Run(of) => Ok(of(self.preview()?)),
+            SpaceSource::FrictionDemand => Ok(self.observation()?.friction_demand()),
+            SpaceSource::Peak(of, _) | SpaceSource::Discrete(of) => Ok(of(self.preview()?)),
         }
     }
 
