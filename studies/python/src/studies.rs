@@ -32,7 +32,7 @@ use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::blocks::Blocks;
 use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, unspelled, warn};
-use crate::record::{Pair, Record, ground, measures};
+use crate::record::{Pair, ground, measures};
 use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
 
