@@ -60,7 +60,7 @@ pub(super) fn is_head(head: &[&str]) -> bool {
     counted(head).is_some()
 }
 
-/// Reads the values, all of which belong to one record.
+/// Reads the values of the one record in the file.
 pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Npts);
     let head = source.head();

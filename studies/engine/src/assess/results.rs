@@ -108,7 +108,7 @@ pub struct ObjectResult {
     pub ties: usize,
     /// Number of dampers.
     pub dampers: usize,
-    /// Whether a parameter is a list of an even number of values, of which the one after the middle was taken.
+    /// Whether a parameter is a list of an even number of values, so that the upper of its two middle values was taken.
     pub is_beside_the_middle: bool,
     /// Horizontal acceleration (m/s²) that slowly lifts a corner of the block. `None` for a block with ties.
     pub static_threshold: Option<f64>,

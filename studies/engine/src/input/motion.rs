@@ -24,7 +24,7 @@ impl fmt::Display for Motion {
 }
 
 impl Motion {
-    /// The motion of a horizontal and a vertical record with these names, of which either may be empty. `None` without both.
+    /// Returns the motion of a horizontal and a vertical record by their names; an empty name stands for no record. `None` without any.
     pub fn of_names([horizontal, vertical]: [&str; 2]) -> Option<Motion> {
         let name = if horizontal.is_empty() { vertical } else { horizontal };
         (!name.is_empty()).then(|| Motion::of_title(name).unwrap_or_else(|| Motion(as_recorded(name))))

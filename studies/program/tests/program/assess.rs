@@ -296,7 +296,7 @@ fn the_page_is_written_for_its_reader() {
     assert!(slip > report["variants"][0]["anchor_distance"].as_f64().unwrap(), "{slip} m");
 }
 
-/// Doubts of which `rocking fragility` warns are on the page, too, and a falling curve has no median.
+/// The page remarks on what `rocking fragility` warns of, and gives a falling curve no median.
 #[test]
 fn doubts_about_curves_are_remarks() {
     let assess = "[assess]\ntitle = \"a\"\npulse_periods = [1]\nim = \"PGA\"\nvariants = [{ name = \"wider\", width = 1.1 }]\n\
