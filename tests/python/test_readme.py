@@ -111,3 +111,10 @@ def test_the_model_in_modelica(tmp_path, fmu):
     (tmp_path / "run.mos").write_text(script)
     made = subprocess.run(["omc", "run.mos"], cwd=tmp_path, capture_output=True, text=True)
     assert (tmp_path / "Shaken_res.csv").exists(), made.stdout
+
+
+def test_links_in_the_tree_lead_to_files():
+    """The licences of the Python package are links, and its wheel is built without those that lead nowhere."""
+    listed = subprocess.run(["git", "ls-files", "--stage"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    links = [ROOT / line.split("\t")[1] for line in listed.splitlines() if line.startswith("120000")]
+    assert links and all(link.exists() for link in links), links
