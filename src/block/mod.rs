@@ -9,11 +9,11 @@
 //! | [`contact`] | the contact of each corner → the regime |
 //! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, event functions |
 
-pub mod body;
-pub mod contact;
-pub mod foundation;
-pub mod geometry;
-pub mod parameters;
+pub(crate) mod body;
+pub(crate) mod contact;
+pub(crate) mod foundation;
+pub(crate) mod geometry;
+pub(crate) mod parameters;
 pub mod restraints;
 
 use serde::{Deserialize, Serialize};

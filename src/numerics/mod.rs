@@ -15,18 +15,18 @@
 //! | [`bernstein`] | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
 //! | `wide` | several numbers side by side → the same operations on each, by the processor's vectors |
 
-pub mod bernstein;
+pub(crate) mod bernstein;
 mod coefficients;
 pub mod control;
 pub mod dop853;
 pub mod dual;
-pub mod gradient;
-pub mod numbers;
-pub mod repeat;
+pub(crate) mod gradient;
+pub(crate) mod numbers;
+pub(crate) mod repeat;
 pub mod roots;
 pub mod scalar;
 pub mod short;
-pub mod stepper;
+pub(crate) mod stepper;
 #[cfg(test)]
 mod tests;
 #[cfg(feature = "lanes")]

@@ -18,18 +18,18 @@
 //! | [`peaks`] | the ends of a step → the greatest values, also between them |
 //! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
 
-pub mod beginning;
-pub mod body;
+pub(crate) mod beginning;
+pub(crate) mod body;
 pub mod energies;
 pub mod equations;
-pub mod events;
+pub(crate) mod events;
 pub mod excitation;
-pub mod forces;
+pub(crate) mod forces;
 mod limits;
 pub mod motion;
 pub mod outputs;
 pub mod parameters;
-pub mod peaks;
+pub(crate) mod peaks;
 pub mod run;
 mod stepping;
 

@@ -19,7 +19,7 @@ pub mod events;
 pub mod forces;
 pub mod impact;
 pub mod instant;
-pub mod motion_mode;
+pub(crate) mod motion_mode;
 pub mod swing;
 
 use serde::{Deserialize, Serialize};

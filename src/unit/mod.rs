@@ -25,19 +25,19 @@ pub mod attributes;
 
 pub mod variables;
 
-pub mod fmi3_variables;
+pub(crate) mod fmi3_variables;
 
-pub mod inputs;
+pub(crate) mod inputs;
 
 pub mod links;
 
 pub mod values;
 
-pub mod records;
+pub(crate) mod records;
 
-pub mod derived;
+pub(crate) mod derived;
 
-pub mod outputs;
+pub(crate) mod outputs;
 
 pub mod life_cycle;
 

@@ -10,7 +10,7 @@
 //! Computer Aided Geometric Design 29 (2012) 379–419).
 
 #[cfg(feature = "lanes")]
-pub mod lanes;
+pub(crate) mod lanes;
 
 use crate::numerics::scalar::Real;
 

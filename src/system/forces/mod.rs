@@ -10,10 +10,10 @@
 //! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). The functions here combine them
 //! with [restraints], the forces between block and ground that switch, of any kind.
 
-pub mod friction;
-pub mod load;
-pub mod support;
-pub mod weight;
+pub(crate) mod friction;
+pub(crate) mod load;
+pub(crate) mod support;
+pub(crate) mod weight;
 
 use crate::block::restraints::{self, MAX, ObservedRestraint, States};
 use crate::block::{Body, Kinematics, Regime};

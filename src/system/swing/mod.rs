@@ -24,9 +24,9 @@
 
 mod events;
 #[cfg(feature = "lanes")]
-pub mod lanes;
+pub(crate) mod lanes;
 #[cfg(feature = "lanes")]
-pub mod tangent;
+pub(crate) mod tangent;
 
 use crate::block::{Body, Corner, Lever};
 use crate::excitation::{Excitation, Forcing, ForcingSeries};

@@ -10,12 +10,12 @@
 
 pub mod variables;
 
-pub mod feet;
+pub(crate) mod feet;
 
-pub mod values;
+pub(crate) mod values;
 
-pub mod outputs;
+pub(crate) mod outputs;
 
-pub mod instance;
+pub(crate) mod instance;
 
 pub use instance::SpaceUnit;

@@ -1,12 +1,12 @@
 //! Calls of an importer, of any version of FMI → a block in motion. Messages are in [`crate::fmi`].
 
 mod access;
-pub mod derivatives;
-pub mod exchange;
+pub(crate) mod derivatives;
+pub(crate) mod exchange;
 mod fmi3_variables;
 mod fmu;
 mod rates;
-pub mod substeps;
+pub(crate) mod substeps;
 
 use std::sync::Arc;
 

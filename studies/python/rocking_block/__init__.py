@@ -22,6 +22,7 @@ from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, export_fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._ida import Ida, IdaCurve, ida
+from rocking_block._in_space import BlockInSpace, CountsInSpace, EventInSpace, PeakInSpace, RunInSpace
 from rocking_block._pulse import Pulse, PulseFit, fit_pulse
 from rocking_block._pushover import Cycle, Landmark, Pushover
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
@@ -36,15 +37,18 @@ __all__ = [
     "AnnualRate",
     "Assessment",
     "Block",
+    "BlockInSpace",
     "Building",
     "Cloud",
     "Combination",
     "Counts",
+    "CountsInSpace",
     "Cycle",
     "Damper",
     "Energy",
     "Estimate",
     "Event",
+    "EventInSpace",
     "Fit",
     "FloorMotions",
     "Fragility",
@@ -57,11 +61,13 @@ __all__ = [
     "IdaCurve",
     "Landmark",
     "Peak",
+    "PeakInSpace",
     "Pulse",
     "PulseFit",
     "Pushover",
     "Record",
     "Run",
+    "RunInSpace",
     "Search",
     "Share",
     "Stripes",

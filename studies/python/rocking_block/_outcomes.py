@@ -57,7 +57,7 @@ def table_of_outcomes(
     executor: Executor | None = None,
 ) -> Table:
     """Returns the table of the outcomes; `more` has further columns of the blocks, which an executor needs one by one."""
-    horizontal, vertical_records = _read("records", records, g), _read("vertical", vertical, g)
+    horizontal, vertical_records = read_several("records", records, g), read_several("vertical", vertical, g)
     pulse = as_pulse(pulse)
     if not horizontal and not vertical_records and pulse is None:
         raise ValueError("nothing moves the ground; expected records or a pulse")
@@ -89,7 +89,7 @@ def table_of_outcomes(
         return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
 
     columns: dict[str, npt.ArrayLike] = {}
-    names, vertical_names = _names(horizontal), _names(vertical_records)
+    names, vertical_names = named(horizontal), named(vertical_records)
     _warn_of_records(horizontal, names, factors)
     if horizontal:
         columns["record"] = motion_column(names, len(factors))
@@ -132,7 +132,7 @@ def varying(blocks: Sequence[_engine.Block]) -> dict[str, Floats]:
     return {name: column for name, column in columns.items() if len(np.unique(column)) > 1}
 
 
-def _read(name: str, records: Records | None, g: float) -> list[Record]:
+def read_several(name: str, records: Records | None, g: float) -> list[Record]:
     if records is None:
         return []
     several = [records] if isinstance(records, Record | str | os.PathLike) else records
@@ -142,7 +142,7 @@ def _read(name: str, records: Records | None, g: float) -> list[Record]:
     return listed
 
 
-def _names(records: Sequence[Record]) -> list[str]:
+def named(records: Sequence[Record]) -> list[str]:
     """Returns names that tell different contents apart, here and in other tables: a missing name is a checksum of the content, and
     repeated names of different contents have it appended.
     """

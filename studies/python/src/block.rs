@@ -204,7 +204,7 @@ impl BlockNumbers {
 }
 
 /// Returns a number; the error names it.
-fn number(name: &str, value: &Bound<PyAny>) -> PyResult<f64> {
+pub fn number(name: &str, value: &Bound<PyAny>) -> PyResult<f64> {
     let found = || value.repr().map_or_else(|_| "an object".into(), |found| found.to_string());
     value.extract().map_err(|_| PyTypeError::new_err(format!("{name} = {}; expected a number", found())))
 }
@@ -225,7 +225,7 @@ pub fn set(spec: &mut BlockSpec, name: &str, value: &Bound<PyAny>) -> PyResult<(
 }
 
 /// Returns the error with the names of Python.
-fn refused(error: SpecError) -> PyErr {
+pub fn refused(error: SpecError) -> PyErr {
     PyValueError::new_err(error.spelled(|name| match name.split_once(" = ") {
         Some((name, value)) => format!("{name}=\"{value}\""),
         None => name.into(),

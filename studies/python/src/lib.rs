@@ -19,6 +19,7 @@
 //! | `fit` | a block, measured tests, free parameters → estimates with their intervals |
 //! | `assess` | a study file with an object → the numbers and the files of a report |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
+//! | `space` | a block in space and its excitation → columns over time, or outcomes of many motions |
 //! | `search` | a range → the values at which the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
 
@@ -40,6 +41,7 @@ mod pushover;
 mod record;
 mod risk;
 mod search;
+mod space;
 mod studies;
 mod table;
 mod tie;
@@ -71,6 +73,7 @@ mod _engine {
         record::{Record, fit_pulse, intensity, motion_words, read_record, rot_d, rotate, unit_factor},
         risk::{AnnualRate, check_hazard, hazard_over, read_hazard},
         search::{search_damping, search_overturning},
+        space::{BlockInSpace, history_in_space, outcomes_in_space},
         studies::{Study, outcomes, part_file_name, part_format},
         table::{is_needed, read_batches, read_table, table_files},
         tie::link_numbers,

@@ -44,7 +44,7 @@ fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
 }
 
 /// Makes rows of several runs each in batches, in order. The thread unwinds once they are abandoned.
-fn batches<T: Send>(
+pub fn batches<T: Send>(
     pool: &ThreadPool,
     count: u64,
     runs_in_a_row: u64,

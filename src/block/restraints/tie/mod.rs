@@ -8,7 +8,7 @@
 //! A damper is a tie that also pushes.
 
 pub mod pull;
-pub mod switching;
+pub(crate) mod switching;
 
 use serde::{Deserialize, Serialize};
 

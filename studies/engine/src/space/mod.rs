@@ -2,9 +2,13 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`facts`] | a block or a history in space → the numbers that summaries state, by name |
+//! | [`ground`] | records of the components → the motion of the ground, or why they do not belong together |
 //! | `stopping_rule` | a block in space after the ground has come to rest → the end of its run |
 //! | [`table`] | a history in space → a CSV table |
 
+pub mod facts;
+pub mod ground;
 mod stopping_rule;
 pub mod table;
 

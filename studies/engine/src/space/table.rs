@@ -56,10 +56,10 @@ const COLUMNS: [Column; 43] = [
 ];
 
 /// A column of each foot: the prefix of its name, its unit and its value.
-type FootColumn = (&'static str, &'static str, fn(&FootObservation) -> f64);
+type OfFoot = (&'static str, &'static str, fn(&FootObservation) -> f64);
 
 /// The columns of each foot.
-const OF_FOOT: [FootColumn; 4] = [
+const OF_FOOT: [OfFoot; 4] = [
     ("N", "N", |foot| foot.normal),
     ("uplift", "m", |foot| foot.uplift),
     ("slip", "m", |foot| foot.slip),
@@ -71,21 +71,59 @@ fn greatest(row: &RowInSpace, of: fn(&FootObservation) -> f64) -> f64 {
     row.observation.feet.iter().map(of).fold(0.0, f64::max)
 }
 
+/// A column of a table: of the whole block, or of a foot by its number.
+#[derive(Clone, Debug)]
+pub struct ColumnInSpace {
+    /// Name.
+    pub name: String,
+    /// Unit, "1" for pure numbers.
+    pub unit: &'static str,
+    value: Value,
+}
+
+#[derive(Clone, Debug)]
+enum Value {
+    OfBlock(fn(&RowInSpace) -> f64),
+    OfFoot(usize, fn(&FootObservation) -> f64),
+}
+
+impl ColumnInSpace {
+    /// Returns the value in a row.
+    pub fn value(&self, row: &RowInSpace) -> f64 {
+        match self.value {
+            Value::OfBlock(value) => value(row),
+            Value::OfFoot(foot, value) => value(&row.observation.feet[foot]),
+        }
+    }
+}
+
+/// Returns the columns of the table of a block: those of every table, then those of each foot.
+pub fn columns(parameters: &SpaceParameters) -> Vec<ColumnInSpace> {
+    let of_block = COLUMNS.iter().map(|&(name, unit, value)| ColumnInSpace {
+        name: name.into(),
+        unit,
+        value: Value::OfBlock(value),
+    });
+    let of_feet = foot_names(parameters).into_iter().enumerate().flat_map(|(i, foot)| {
+        OF_FOOT.map(|(name, unit, value)| ColumnInSpace {
+            name: format!("{name}_{foot}"),
+            unit,
+            value: Value::OfFoot(i, value),
+        })
+    });
+    of_block.chain(of_feet).collect()
+}
+
 /// Returns the rows as CSV, after a line that says what they are. Numbers have the digits that restore them exactly.
 ///
 /// # Errors
 /// None in practice: the text is written to memory.
 pub fn csv(parameters: &SpaceParameters, history: &HistoryInSpace) -> Result<Vec<u8>, csv::Error> {
-    let names = foot_names(parameters);
-    let of_feet =
-        names.iter().flat_map(|foot| OF_FOOT.iter().map(move |(name, unit, _)| format!("{name}_{foot} [{unit}]")));
-    let headings = COLUMNS.iter().map(|(name, unit, _)| format!("{name} [{unit}]")).chain(of_feet);
-    let mut writer = csv::Writer::from_writer(format!("# block in space on {} feet\n", names.len()).into_bytes());
-    writer.write_record(headings)?;
+    let (columns, feet) = (columns(parameters), foot_names(parameters).len());
+    let mut writer = csv::Writer::from_writer(format!("# block in space on {feet} feet\n").into_bytes());
+    writer.write_record(columns.iter().map(|column| format!("{} [{}]", column.name, column.unit)))?;
     for row in &history.rows {
-        let of_row = COLUMNS.iter().map(|(.., value)| value(row));
-        let of_feet = row.observation.feet.iter().flat_map(|foot| OF_FOOT.iter().map(|(.., value)| value(foot)));
-        writer.write_record(of_row.chain(of_feet).map(|value| value.to_string()))?;
+        writer.write_record(columns.iter().map(|column| column.value(row).to_string()))?;
     }
     Ok(writer.into_inner().map_err(csv::IntoInnerError::into_error)?)
 }

@@ -107,6 +107,20 @@ impl SpaceSpec {
         self.depth.is_some() || self.depth_ratio.is_some() || self.base.is_some() || self.feet.is_some()
     }
 
+    /// Returns the numbers by their names, to set them.
+    pub fn numbers_mut(&mut self) -> [(&'static str, &mut Option<f64>); 6] {
+        let SpaceSpec { depth, depth_ratio, base: _, feet: _, eccentricity_y, inertia_tensor: _, omega_v, kappa, xi_h } =
+            self;
+        [
+            ("depth", depth),
+            ("depth_ratio", depth_ratio),
+            ("eccentricity_y", eccentricity_y),
+            ("omega_v", omega_v),
+            ("kappa", kappa),
+            ("xi_h", xi_h),
+        ]
+    }
+
     /// Returns the parameters of a block; `read_feet` reads a table of feet.
     ///
     /// # Errors
@@ -228,15 +242,12 @@ impl SpaceSpec {
     fn refuse_without_effect(&self, block: &BlockSpec) -> Result<(), SpecError> {
         let is_list = matches!(self.feet, Some(FeetSpec::File(_)));
         let is_circle = self.base == Some(BaseShape::Circle);
-        let shared = block.numbers();
+        let own = self.clone().numbers_mut().map(|(name, value)| (name, *value));
+        let numbers: Vec<_> = block.numbers().into_iter().chain(own).collect();
         let is_given = |name: &str| match name {
-            "depth" => self.depth.is_some(),
-            "depth_ratio" => self.depth_ratio.is_some(),
             "base" => self.base.is_some(),
             "feet" => self.feet.is_some(),
-            "eccentricity_y" => self.eccentricity_y.is_some(),
-            "omega_v" => self.omega_v.is_some(),
-            name => shared.iter().any(|(known, value)| *known == name && value.is_some()),
+            name => numbers.iter().any(|(known, value)| *known == name && value.is_some()),
         };
         let of_size = [
             "alpha",

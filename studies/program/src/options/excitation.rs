@@ -17,6 +17,7 @@ use rocking_charts::numerals::significant;
 use rocking_records::Record;
 use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
+use rocking_studies::space::ground::{ComponentNames, of_components};
 use rocking_studies::spec::PulseSpec;
 use rocking_studies::spec::pulse::text;
 use rocking_studies::spectrum::statistics::direction;
@@ -129,10 +130,8 @@ impl SecondComponentOptions {
         check("azimuth", self.azimuth, |_| true, "a finite angle")?;
         check_scale(explicit, first.scale, has_record)?;
         let files = first.accelerograms.files()[0];
-        anyhow::ensure!(
-            self.record_y.is_none() || files.horizontal.is_some(),
-            "--record-y without --record; expected both horizontal components"
-        );
+        let has_x = files.horizontal.is_some();
+        OPTIONS.check_pair(has_x, self.record_y.is_some()).map_err(anyhow::Error::msg)?;
         let (mut grounds, y) = first.accelerograms.read_with_y(gravity, self.record_y.as_deref())?;
         let ground = grounds.swap_remove(0);
         anyhow::ensure!(
@@ -141,15 +140,6 @@ impl SecondComponentOptions {
         );
         let records = [ground.horizontal.or(default), y, ground.vertical];
         let records = records.map(|record| record.map(|record| record.scaled(first.scale)));
-        let options = ["--record", "--record-y", "--vertical"];
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            if let (Some(first), Some(second)) = (&records[i], &records[j])
-                && first.acceleration == second.acceleration
-                && first.acceleration.iter().any(|acceleration| *acceleration != 0.0)
-            {
-                anyhow::bail!("{} has the samples of {}; expected each component once", options[j], options[i]);
-            }
-        }
         let pulse = first.pulse.pulse().map_err(in_options)?;
         warn(doubts::of_pulses([(pulse, gravity)], has_record));
         let paths = [files.horizontal, self.record_y.as_deref(), files.vertical];
@@ -162,8 +152,7 @@ impl SecondComponentOptions {
             parts.push(format!("azimuth {}°", self.azimuth));
         }
         let azimuth = self.azimuth.to_radians();
-        let ground =
-            SpaceGround { records, azimuth }.checked().map_err(|error| anyhow::anyhow!(in_components(&error)))?;
+        let ground = of_components(records, azimuth, OPTIONS).map_err(anyhow::Error::msg)?;
         Ok(ExcitationInSpace {
             ground,
             pulse: DirectedPulse::horizontal(pulse, azimuth),
@@ -172,17 +161,11 @@ impl SecondComponentOptions {
     }
 }
 
-/// Returns an error of components with the names of options, and what to do.
-fn in_components(error: &str) -> String {
-    let named = [("record.x", "--record"), ("record.y", "--record-y"), ("record.z", "--vertical")];
-    let error = named.iter().fold(error.to_string(), |error, (name, option)| error.replace(name, option));
-    let advice = if error.contains(" time step of ") {
-        "--resample gives all components one step"
-    } else {
-        "cut the components to the samples that all have"
-    };
-    format!("{error}; {advice}")
-}
+/// The components by their options.
+const OPTIONS: ComponentNames = ComponentNames {
+    names: ["--record", "--record-y", "--vertical"],
+    resample: "--resample gives all components one step",
+};
 
 fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyhow::Result<()> {
     check("scale", scale, |_| true, "a finite factor")?;

@@ -15,11 +15,11 @@ use crate::output::summary::{Object, Summary};
 use rocking_block::simulation::{Ending, OnSeparation};
 use rocking_block::space::excitation::MAX_PULSES;
 use rocking_block::space::{
-    DirectedPulse, SpaceBody, SpaceEvent, SpaceEventKind, SpaceInitial, SpaceParameters, SpaceSetup,
+    DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup,
 };
 use rocking_charts::history_in_space::{block_line, history as picture};
 use rocking_studies::run::outcome::End;
-use rocking_studies::space::{HistoryInSpace, RunInSpace, foot_names, table};
+use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
 use rocking_studies::spec::space::{MAKES_SPACE, feet_of_table};
 use rocking_studies::spec::{SpaceSpec, option};
 
@@ -196,7 +196,7 @@ fn summary_of(run: &RunInSpace, history: &HistoryInSpace, excitation: &str, with
     if with_events {
         let names = foot_names(&run.parameters);
         for event in &history.events {
-            let (word, foot) = word(event.kind);
+            let (word, foot) = facts::word(event.kind);
             let foot = foot.map(|foot| format!(" of foot {}", names[foot])).unwrap_or_default();
             summary.line("", format!("{:.9} s  {word}{foot}", event.time));
         }
@@ -206,29 +206,8 @@ fn summary_of(run: &RunInSpace, history: &HistoryInSpace, excitation: &str, with
 
 /// The parameters of a block.
 fn parameters(parameters: &SpaceParameters, body: &SpaceBody) -> Object {
-    let feet: Vec<[f64; 3]> =
-        body.feet.iter().map(|foot| [foot.place.x, foot.place.y, foot.place.z + body.center_height]).collect();
-    let inertia = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| body.inertia[place]);
-    Object::default()
-        .with("alpha", body.alpha)
-        .with("alpha_edge", body.edge_angle())
-        .with("p", body.p)
-        .with("omega_v", body.omega_v)
-        .with("xi_v", body.xi_v)
-        .with("kappa", parameters.kappa)
-        .with("xi_h", parameters.xi_h.unwrap_or(body.xi_v))
-        .with("friction", body.friction)
-        .with("R0", body.r0)
-        .with("width", 2.0 * body.half_width)
-        .with("center_height", body.center_height)
-        .with("mass", body.mass)
-        .with("g", body.gravity)
-        .with("inertia", inertia)
-        .with("K", body.stiffness)
-        .with("C", body.damping)
-        .with("K_h", body.horizontal_stiffness)
-        .with("C_h", body.horizontal_damping)
-        .with("feet", feet)
+    let numbers: Object = facts::of_block(parameters, body).into_iter().collect();
+    numbers.with("inertia", facts::inertia(body)).with("feet", facts::feet(body))
 }
 
 /// Adds how the run ended.
@@ -265,16 +244,7 @@ fn add_peaks(summary: &mut Summary, body: &SpaceBody, history: &HistoryInSpace) 
     let edge = body.edge_angle();
     summary.item(
         "peak",
-        Object::from([
-            ("tilt", peaks.tilt()),
-            ("tilt/alpha", peaks.tilt() / body.alpha),
-            ("tilt/alpha_edge", peaks.tilt() / edge),
-            ("twist", peaks.twist()),
-            ("uplift", peaks.uplift),
-            ("N", peaks.normal),
-            ("slip", peaks.slip),
-            ("drift", peaks.drift()),
-        ]),
+        facts::of_peaks(body, peaks).into_iter().collect::<Object>(),
         "peak",
         format!(
             "θ/α = {:.4} ({:.4} of the balance over the nearest edge), twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
@@ -312,7 +282,7 @@ fn add_events(summary: &mut Summary, run: &RunInSpace, history: &HistoryInSpace,
     let last = events.last().map(|event| event.time);
     let names = foot_names(&run.parameters);
     let event = |event: &SpaceEvent| {
-        let (word, foot) = word(event.kind);
+        let (word, foot) = facts::word(event.kind);
         Object::default().with("t", event.time).with("event", word).with("foot", foot.map(|foot| names[foot].as_str()))
     };
     let at = last.map(|time| format!(", the last at t = {time:.4} s")).unwrap_or_default();
@@ -332,15 +302,4 @@ fn add_events(summary: &mut Summary, run: &RunInSpace, history: &HistoryInSpace,
             counts.lift_offs, counts.landings, counts.slides, counts.sticks
         ),
     );
-}
-
-/// The word of an event, and its foot.
-fn word(kind: SpaceEventKind) -> (&'static str, Option<usize>) {
-    match kind {
-        SpaceEventKind::LiftOff(foot) => ("lift-off", Some(foot)),
-        SpaceEventKind::Landing(foot) => ("landing", Some(foot)),
-        SpaceEventKind::Slides(foot) => ("slides", Some(foot)),
-        SpaceEventKind::Sticks(foot) => ("sticks", Some(foot)),
-        SpaceEventKind::Overturning => ("overturning", None),
-    }
 }
