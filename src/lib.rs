@@ -33,21 +33,28 @@
 //! | [`fmi`] | the calls of an importer → the unit: code shared by the C interfaces, [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
 //! Dependencies run one way: a block is independent of its integration, and both are independent of the interfaces.
+//!
+//! Other crates may build on [`block`], [`excitation`], [`simulation`] and [`space`]. The other modules are public for the FMUs, studies and
+//! tests of the repository: docs.rs does not show them, and any release may change them.
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+#[cfg_attr(docsrs, doc(hidden))]
 pub mod numerics;
 
 pub mod block;
 
 pub mod excitation;
 
+#[cfg_attr(docsrs, doc(hidden))]
 pub mod system;
 
 pub mod simulation;
 
 pub mod space;
 
+#[cfg_attr(docsrs, doc(hidden))]
 pub mod unit;
 
+#[cfg_attr(docsrs, doc(hidden))]
 pub mod fmi;

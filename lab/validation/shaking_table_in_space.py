@@ -12,8 +12,8 @@ The rule was stated before any outcome was compared with a run:
   takes the sixteen feet that stand for the hull, with its second resting facet where a scan has such a set; `all` its 50 to 86 points.
 - Unit of prediction: an ensemble of `--members` blocks for each scan, each shaken by all motions. Each number below takes the midpoints of
   equally likely parts of its distribution, in an order of its own (a Latin hypercube, seed 1).
-- Supports: η uniform in its logarithm from 100 to 300, a hard base; ξ_v from 0.05 to 0.5 and κ from 0.5 to 2, likewise;
-  μ uniform from 0.5 to 0.8, rock on a table.
+- Supports: η = ω_v/p uniform in its logarithm from 60 to 200, with p = √(3 g/(4 R0)): the rock sinks by 0.01 to 0.1 mm; ξ_v from 0.05 to 0.5
+  and κ from 0.5 to 2, likewise; μ uniform from 0.5 to 0.8, rock on a table.
 - Scan: an independent normal error of each foot's gap of 0.3 mm, with which the barrier is as uncertain as the scans leave it (20 to 30 %);
   the block then settles on the three feet that carry it.
 - Table: yaw −10°, 0 and 10° in equal parts, each the given way and turned by 180°, since the sign of the motion is not known.
@@ -47,7 +47,7 @@ def ensemble(members, seed=1):
     logarithmic = lambda least, greatest: least * (greatest / least) ** parts()
     normal = np.array([NormalDist().inv_cdf(part) for part in parts()])
     return {
-        "eta": logarithmic(100, 300),
+        "eta": logarithmic(60, 200),
         "xi_v": logarithmic(0.05, 0.5),
         "kappa": logarithmic(0.5, 2),
         "friction": 0.5 + 0.3 * parts(),
@@ -114,6 +114,7 @@ def in_space(folder, scans, rock, members, which):
             overturned += outcome == "overturned"
             unknown += (outcome == "undecided") | (outcome == "failed")
             count += 1
+            print(f"{rock}: {count} of {len(SCANS[rock]) * members} blocks", file=sys.stderr, flush=True)
     return (overturned + 0.5 * unknown + 0.5) / (count + 1), float(unknown.sum()) / (count * len(folder.records))
 
 
@@ -172,7 +173,7 @@ def draw(results, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", help="tests, motions and feet")
-    parser.add_argument("--members", type=int, default=24, help="blocks of each scan (default: %(default)s)")
+    parser.add_argument("--members", type=int, default=6, help="blocks of each scan (default: %(default)s)")
     parser.add_argument("--feet", choices=["16", "all"], default="16", help="feet of a scan (default: %(default)s)")
     parser.add_argument("--plot", metavar="FILE", help="reliability as a picture (needs matplotlib)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -183,10 +184,10 @@ def main():
     if arguments.plot:
         draw(results, arguments.plot)
     if arguments.json:
-        return print(json.dumps(results))
-    print(f"{len(folder.rows)} tests ({folder.left_out} without a motion left out), {arguments.members} members for each of two scans")
-    show(results)
-    return None
+        print(json.dumps(results))
+    else:
+        print(f"{len(folder.rows)} tests ({folder.left_out} without a motion left out), {arguments.members} members for each of two scans")
+        show(results)
 
 
 if __name__ == "__main__":

@@ -71,11 +71,6 @@ impl Stepper {
         }
     }
 
-    /// Returns the dimension of the state.
-    pub fn dimension(&self) -> usize {
-        self.state.len()
-    }
-
     /// Begins a step at a state with these rates.
     pub fn begin(&mut self, time: f64, state: &[f64], rates: &[f64]) {
         self.time = time;

@@ -15,7 +15,7 @@ use crate::space::body::SpaceBody;
 use crate::space::forces::{FootContact, FootForces};
 use crate::space::motion::{BodyMotion, FEET_FROM, FootMotion, of_foot};
 
-pub use toppling::{is_outside, topples};
+pub use toppling::topples;
 
 /// A function whose fall through zero is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

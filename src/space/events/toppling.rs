@@ -19,7 +19,7 @@ pub fn topples(body: &SpaceBody, state: &[f64]) -> bool {
 /// Whether the origin is outside the convex hull of some points: a line through it has all of them on one side.
 ///
 /// If there is such a line, one along a point is.
-pub fn is_outside<I: Iterator<Item = [f64; 2]>>(points: impl Fn() -> I) -> bool {
+fn is_outside<I: Iterator<Item = [f64; 2]>>(points: impl Fn() -> I) -> bool {
     points().any(|[x, y]| {
         let side = |[a, b]: [f64; 2]| x * b - y * a;
         // Points on the line itself have to be on the same half of it.

@@ -160,6 +160,7 @@ pub struct NumbersInSpace {
 }
 
 impl NumbersInSpace {
+    #[allow(non_snake_case)]
     fn of(parameters: &SpaceParameters, body: &SpaceBody) -> NumbersInSpace {
         let [alpha, alpha_edge, p, omega_v, xi_v, kappa, xi_h, friction, R0, width, center_height, mass, g, K, C, K_h, C_h] =
             facts::of_block(parameters, body).map(|(_, value)| value);

@@ -1,0 +1,149 @@
+"""The block in space: the program's numbers to the last bit, outcomes, values, and what is refused."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from conftest import RECORDS, numbers, same
+
+import rocking_block as rb
+
+X, Y = RECORDS["np01002p_4225a_a.smc"], RECORDS["0111a.smc"]
+STONE = {"width": 0.5, "depth": 0.8, "height": 2.0, "eta": 60.0}
+SINE = rb.Pulse("one-sine", 4.0, 0.7)
+FEET = [[-0.2, -0.3, 0.0], [0.25, -0.3, 0.0], [0.0, 0.35, 0.0], [0.2, 0.3, 0.002]]
+
+
+def crossed():
+    """Two components of equal length, of different records."""
+    x, y = (rb.read_record(path) for path in (X, Y))
+    count = min(len(x), len(y))
+    return rb.Record(x.acceleration[:count], 0.005, "x"), rb.Record(y.acceleration[:count], 0.005, "y")
+
+
+RUNS = {
+    "a rectangle under two components": (
+        STONE | {"friction": 0.4},
+        {"scale": 2, "azimuth": 30, "duration": 12},
+        "--width=0.5 --depth=0.8 --height=2 --eta=60 --friction=0.4 --scale=2 --azimuth=30 --duration=12".split(),
+    ),
+    "a circle under a pulse": (
+        {"base": "circle", "feet": 12, "alpha": 0.2, "p": 2.0, "kappa": 0.5, "xi_h": 0.3},
+        {"pulse": SINE, "azimuth": 15},
+        "--base=circle --feet=12 --alpha=0.2 --p=2 --kappa=0.5 --xi-h=0.3 --pulse=one-sine --amplitude=4 --period=0.7 --azimuth=15".split(),
+    ),
+    "free motion": (
+        {"depth_ratio": 1.5},
+        {"tilt_x": 0.05, "tilt_y": -0.02, "twist": 0.1, "omega_z": 0.2, "duration": 2},
+        "--depth-ratio=1.5 --tilt-x=0.05 --tilt-y=-0.02 --twist=0.1 --omega-z=0.2 --duration=2".split(),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_is_that_of_the_program(name, rocking, tmp_path):
+    parameters, options, said = RUNS[name]
+    if "components" in name:
+        components = dict(zip("xy", crossed()))
+        for record in components.values():
+            rows = zip(np.arange(len(record)) * record.dt, record.acceleration)
+            (tmp_path / f"{record.name}.csv").write_text("t [s],a [m/s2]\n" + "".join(f"{t!r},{a!r}\n" for t, a in rows))
+        said = [*said, "--record", tmp_path / "x.csv", "--record-y", tmp_path / "y.csv"]
+        options = options | {name: rb.read_record(tmp_path / f"{name}.csv") for name in "xy"}
+    run = rb.BlockInSpace(**parameters).run(**options)
+    table = rocking("simulate", *said)
+    assert [f"{name} [{run.units[name]}]" for name in run.columns] == list(table)
+    for name, column in table.items():
+        assert same(run[name.split(" [")[0]], numbers(column)), name
+    summary = rocking.json("simulate", *said)
+    assert summary["outcome"] == run.outcome and summary["end_time"] == run.end_time
+    assert list(summary["peak"].values()) == list(vars(run.peak).values())
+    assert summary["block"]["feet"] == run.block.feet.tolist()
+    assert all(summary["block"][name] == getattr(run.block, name) for name in ("alpha", "alpha_edge", "p", "K", "C_h", "friction"))
+
+
+def test_outcomes_are_those_of_single_runs():
+    block = rb.BlockInSpace(**STONE | {"friction": 0.5})
+    x, y = crossed()
+    table = block.outcomes([x, y], y=[y, x], scale=[1, 3], azimuth=[0, 60], tolerance=1e-8, threads=2)
+    assert len(table["outcome"]) == 8 and table["record"][:5].tolist() == ["x"] * 4 + ["y"]
+    assert table["scale"][:4].tolist() == [1, 1, 3, 3] and table["azimuth"][:4].tolist() == [0, 60, 0, 60]
+    run = block.run(x, y=y, scale=3, azimuth=60)
+    assert table["outcome"][3] == run.outcome and table["end_time"][3] == run.end_time
+    assert table["peak.tilt"][3] == run.peak.tilt and table["peak.slip"][3] == run.peak.slip
+    assert table.units["peak.slip"] == "m" and table.units["azimuth"] == "deg"
+
+
+def test_a_motion_along_y_turns_the_block_along_y():
+    """A square block shaken along y is one shaken along x."""
+    block = rb.BlockInSpace(alpha=0.2, p=2.0)
+    x, y = (block.run(pulse=SINE, azimuth=azimuth) for azimuth in (0, 90))
+    assert np.abs(x["tilt_x"] - y["tilt_y"]).max() < 1e-9 < x.peak.tilt and np.abs(y["tilt_x"]).max() < 1e-9
+
+
+def test_feet_and_inertia_may_be_given():
+    given = {"feet": FEET, "center_height": 0.9, "mass": 500.0, "omega_v": 150.0, "inertia_tensor": [150, 160, 60, 1, 2, -3]}
+    block = rb.BlockInSpace(**given)
+    assert block.feet.tolist() == pytest.approx(np.array(FEET)) and block.foot_names == ["1", "2", "3", "4"]
+    assert block.inertia[0].tolist() == [150, 1, 2] and np.array_equal(block.inertia, block.inertia.T)
+    assert block == rb.BlockInSpace(**given | {"feet": np.array(FEET)}) != block.replace(mass=501.0)
+    run = block.run(pulse=SINE)
+    assert {f"N_{foot}" for foot in block.foot_names} <= set(run.columns)
+    assert run.to_frame().shape == (len(run), len(run.columns) - 1)
+
+
+def test_a_file_of_feet_may_be_given(tmp_path):
+    (tmp_path / "feet.csv").write_text("x [m],y [m],gap [m]\n" + "".join(f"{x},{y},{gap}\n" for x, y, gap in FEET))
+    given = {"center_height": 0.9, "mass": 500.0, "omega_v": 150.0, "inertia_tensor": [150, 160, 60]}
+    assert rb.BlockInSpace(feet=tmp_path / "feet.csv", **given) == rb.BlockInSpace(feet=FEET, **given)
+
+
+def test_blocks_are_values():
+    block = rb.BlockInSpace(**STONE)
+    for other in (pickle.loads(pickle.dumps(block)), copy.copy(block), copy.deepcopy(block)):
+        assert type(other) is rb.BlockInSpace and other == block and hash(other) == hash(block) and repr(other) == repr(block)
+    with pytest.raises(AttributeError):
+        block.alpha = 0.1
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"foundation": "rigid"}, 'foundation="rigid" is for a block in the plane; in space a block stands on feet'),
+        ({"epsilon": 0.5}, "epsilon is for a block in the plane; in space feet land on their dashpots; expected xi_v"),
+        ({"depth": 0.0}, "depth = 0; expected a length > 0 m"),
+        ({"feet": 12}, "feet has no effect without base=\"circle\""),
+        ({"feet": [[0, 1, 2, 3]]}, "feet: found a row of 4 numbers"),
+        ({"depth": 1.0, "depth_ratio": 2.0}, "depth_ratio has no effect with depth"),
+        ({"base": "hexagon"}, 'base = "hexagon"; expected one of "rectangle", "circle"'),
+    ],
+)
+def test_a_wrong_parameter_is_named(given, message):
+    with pytest.raises(ValueError) as error:
+        rb.BlockInSpace(**given)
+    assert message in str(error.value)
+
+
+def test_an_unknown_parameter_is_named():
+    with pytest.raises(TypeError, match="a block has no parameter colour"):
+        rb.BlockInSpace(colour=1)
+
+
+def test_components_that_do_not_belong_together_are_refused():
+    block = rb.BlockInSpace(**STONE)
+    x, y = crossed()
+    slow = rb.Record(y.acceleration, 0.01)
+    for given, message in [
+        ({"x": x, "y": x}, "y has the samples of x; expected each component once"),
+        ({"y": y}, "y without x; expected both horizontal components"),
+        ({"x": x, "y": slow}, "y has a time step of 0.01 s; expected that of x, 0.005 s; Record.processed"),
+        ({"x": x, "azimuth": 30.0}, "azimuth without y; expected both horizontal components"),
+        ({}, "nothing moves the block"),
+        ({"x": x, "tilt_x": 2.0}, "tilt_x = 2; expected a tilt, with tilt_y, within 1.57 rad"),
+    ]:
+        with pytest.raises(ValueError) as error:
+            block.run(**given)
+        assert message in str(error.value)
+    with pytest.raises(ValueError, match="found 2 of x, 1 of y; expected equal numbers"):
+        block.outcomes([x, y], y=[x])
