@@ -24,8 +24,12 @@ fn rates(body: &SpaceBody, contacts: &[FootContact]) -> [(&'static str, f64); 4]
     let square = sum.min(body.fastest_square) * inclination;
     // Times of dashpots over those of springs (s).
     let retardation = body.damping / body.stiffness;
-    let horizontal = body.horizontal_damping / body.horizontal_stiffness;
-    let relaxation = if slides { 1.0 / horizontal } else { 0.0 };
+    let (horizontal, relaxation) = if body.is_frictionless() {
+        (0.0, 0.0)
+    } else {
+        let horizontal = body.horizontal_damping / body.horizontal_stiffness;
+        (horizontal, if slides { 1.0 / horizontal } else { 0.0 })
+    };
     [
         ("the stiffness of the feet", square.sqrt()),
         ("the vertical damping of the feet", retardation * square),
