@@ -7,7 +7,7 @@ use std::ops::{Index, IndexMut};
 use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Pulse, PulseShape};
-use crate::simulation::{OnOverturning, OnSeparation, Settings};
+use crate::run::{OnOverturning, OnSeparation, Settings};
 use crate::space::excitation::MAX_PULSES;
 use crate::space::{
     Base, BaseSize, DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,

@@ -1,6 +1,6 @@
 //! What the C interfaces call → the instance.
 
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::space::outputs::FootObservation;
 use crate::space::{SpaceEvent, SpaceInputs, SpaceRun};
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
