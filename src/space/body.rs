@@ -166,6 +166,11 @@ impl SpaceBody {
         self.friction == 0.0
     }
 
+    /// Returns the greater of the stiffnesses of a foot that act, K and K_h (N/m).
+    pub(super) fn greater_stiffness(&self) -> f64 {
+        self.stiffness.max(if self.is_frictionless() { 0.0 } else { self.horizontal_stiffness })
+    }
+
     /// Returns K/C, the rate at which a lifted support creeps back (1/s).
     #[inline]
     pub fn creep_rate(&self) -> f64 {
@@ -190,8 +195,7 @@ impl SpaceBody {
 
     /// Finds the greatest circular frequencies, with the stiffer spring of a foot that acts in all directions: bounds for any rotation.
     fn find_frequencies(&mut self, root: &Cholesky<f64, Const<3>>) {
-        let horizontal = if self.is_frictionless() { 0.0 } else { self.horizontal_stiffness };
-        let stiffness = self.stiffness.max(horizontal);
+        let stiffness = self.greater_stiffness();
         let mut sum = Matrix6::zeros();
         for foot in &mut self.feet {
             // The foot's displacement as the body moves and turns, each with the same kinetic energy.

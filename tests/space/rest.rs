@@ -165,11 +165,12 @@ fn pulses_without_amplitude_have_no_effect() {
 fn frictionless_feet_have_no_horizontal_springs() {
     let (_, pulses) = two_axis(0.0);
     let states = [0.02, 0.5].map(|xi_h| {
-        let mut run = run(frictionless(xi_h), 1e-8, pulses, &crate::AT_REST);
+        let released = SpaceInitial { tilt: [0.1, 0.05], vertical: None, ..crate::AT_REST };
+        let mut run = run(frictionless(xi_h), 1e-8, pulses, &released);
         advance(&mut run, 3.0, &SpaceInputs::default());
         run.state().clone()
     });
     assert!(states[0].counts.lift_offs > 0 && states[0].peaks.slip > 0.01, "{:?}", states[0]);
-    assert!(states[0].counts.steps < 3_000, "{:?}", states[0].counts);
+    assert!(states[0].counts.steps < 5_000, "{:?}", states[0].counts);
     assert_eq!(states[0], states[1]);
 }
