@@ -102,12 +102,11 @@ class Space:
         omega = dict(zip(("initial.omega_x", "initial.omega_y", "initial.omega_z"), initial.get("omega", ())))
         return {
             "base": {"Rectangle": 1, "Circle": 2}[given["base"]],
-            "feet": given.get("feet", 4),
+            **({"feet": given["feet"]} if given["base"] == "Circle" else {"dimensionless.depth_ratio": given.get("depth_ratio", 1.0)}),
             "mass": case["numbers"]["M"],
             "friction": given["friction"],
             "kappa": given["kappa"],
             **{f"dimensionless.{name}": given[name] for name in ("alpha", "p", "eta", "xi_v")},
-            "dimensionless.depth_ratio": given.get("depth_ratio", 1.0),
             "initial.tilt_x": initial.get("tilt_x", 0.0),
             "initial.tilt_y": initial.get("tilt_y", 0.0),
             **omega,
