@@ -26,6 +26,7 @@
 //! | [`numerics`] | a right-hand side → steps, their errors, roots; numbers with derivatives, lanes: knows nothing of blocks |
 //! | [`block`] | parameters → all that the equations need; the contact of each corner → the regime |
 //! | [`excitation`] | records, inputs over a step, pulses → the excitation at any time |
+//! | [`run`] | what runs of both bodies below share: settings, endings, the steps that a call may take |
 //! | [`system`] | pose and excitation → accelerations, reactions, and resets at events; without a clock or counters |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
 //! | [`space`] | a body on n feet, shaken in three directions → its run: a second core beside block, system and simulation |
@@ -45,6 +46,8 @@ pub mod numerics;
 pub mod block;
 
 pub mod excitation;
+
+pub mod run;
 
 #[cfg_attr(docsrs, doc(hidden))]
 pub mod system;

@@ -275,7 +275,7 @@ fn steps_of_fmi_3_allocate_nothing() {
 #[test]
 fn steps_in_space_allocate_nothing() {
     use rocking_block::excitation::{Pulse, PulseShape};
-    use rocking_block::simulation::{OnSeparation, Settings};
+    use rocking_block::run::{OnSeparation, Settings};
     use rocking_block::space::{
         DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup,
     };

@@ -83,6 +83,11 @@ impl Pulse {
     pub const NONE: Pulse =
         Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0, phase: 0.0, cycles: 2.0 };
 
+    /// Whether it has no shape or no amplitude. Derivatives with respect to the amplitude need it nevertheless.
+    pub fn is_none(&self) -> bool {
+        self.shape == PulseShape::None || self.amplitude == 0.0
+    }
+
     /// Returns the time at which it ends (s).
     pub fn end(&self) -> f64 {
         self.start + self.duration()

@@ -10,14 +10,13 @@
 use crate::block::{Block, Corner, Regime, restraints};
 use crate::excitation::{Inputs, Pulse};
 use crate::numerics::control::StepControl;
-use crate::simulation::ending::{Ending, Progress, SimulationError};
+use crate::run::{Ending, MAX_STEPS, OnOverturning, OnSeparation, Progress, Settings, SimulationError};
 use crate::simulation::energies::EnergySums;
 #[cfg(feature = "lanes")]
 use crate::simulation::follow::Rates;
 use crate::simulation::peaks::{Peaks, greater};
-use crate::simulation::settings::{OnOverturning, OnSeparation, Settings};
 use crate::simulation::state::{Counts, Pending, RunState, Setup, Simulation, Slip};
-use crate::simulation::step::{MAX_STEPS, StepsInput, StepsOutcome};
+use crate::simulation::step::{StepsInput, StepsOutcome};
 use crate::system::System;
 use crate::system::beginning::Initial;
 use crate::system::evaluation::{Evaluation, Motion};
@@ -36,11 +35,9 @@ impl Simulation {
         time: f64,
         inputs: &Inputs,
     ) -> Simulation {
-        let [least, most] = Settings::TOLERANCES;
         let flies = settings.on_separation == OnSeparation::Fly;
         let system = System { block, flies };
-        let settings = Settings { tolerance: settings.tolerance.clamp(least, most), ..settings };
-        let setup = Setup { system, settings, pulse };
+        let setup = Setup { system, settings: settings.within_limits(), pulse };
         let excitation = setup.excitation(time, inputs);
         let mut run = RunState {
             pose: system.beginning(initial, time, &excitation),

@@ -2,7 +2,6 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | `settings`, `ending` | choices of a run; the ways in which it ends |
 //! | [`outputs`], `energies`, [`peaks`], `force_peaks` | an instant, or a step → quantities that users see, energies, greatest values |
 //! | `state` | the data of a run, and views of them |
 //! | `limits`, `step_interior` | a mode → the longest step; a step → the motion and the first event inside |
@@ -15,7 +14,6 @@
 //! | `initial_sensitivity` | derivatives of the beginning |
 
 mod driver;
-mod ending;
 mod energies;
 pub mod exchange;
 #[cfg(feature = "lanes")]
@@ -28,17 +26,14 @@ mod limits;
 pub mod outputs;
 pub mod peaks;
 mod rest;
-mod settings;
 mod state;
 mod step;
 mod step_interior;
 mod stepping;
 mod swings;
 
+pub use crate::run::{Ending, OnOverturning, OnSeparation, Progress, Settings, SimulationError};
 pub use crate::system::beginning::Initial;
-pub use ending::{Ending, Progress, SimulationError};
 pub use energies::{Energies, EnergySums};
 pub use initial_sensitivity::{InitialDerivatives, Start};
-pub use settings::{OnOverturning, OnSeparation, Settings};
 pub use state::{Counts, Simulation, Slip};
-pub(crate) use step::MAX_STEPS;

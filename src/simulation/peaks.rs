@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Body, Corner, Foundation, restraints};
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::{self, may_rise_inside};
+use crate::numerics::roots::{self, may_rise_inside, rate_of_peak};
 use crate::numerics::scalar::{CombinesWith, Real, Runs, Scalar, greatest};
 use crate::simulation::outputs::Channels;
 use crate::system::evaluation::Evaluation;
@@ -285,13 +285,6 @@ impl Channels {
             ..Peaks::default()
         }
     }
-}
-
-/// The rate of a value that equals its `peak` and grows, otherwise zero.
-pub fn rate_of_peak(peak: f64, value: Dual) -> f64 {
-    // The value at the step's last instant and the observed one are the same number up to rounding.
-    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
-    if value.re >= AT_PEAK * peak && value.eps > 0.0 { value.eps } else { 0.0 }
 }
 
 /// The greater value; of 0 and −0 the first one. `f64::max` may return either, depending on processor and compiler.

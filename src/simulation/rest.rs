@@ -3,7 +3,7 @@
 use crate::block::{Body, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
 use crate::numerics::bernstein::{Pair, Zero};
-use crate::simulation::SimulationError;
+use crate::run::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, UNITS, visible};
 use crate::simulation::outputs::Channels;
 use crate::simulation::state::{Committed, RunState};

@@ -7,13 +7,12 @@ use crate::block::{Block, Body, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::numerics::dual::Dual;
-use crate::simulation::ending::Ending;
+use crate::run::{Ending, Settings};
 use crate::simulation::energies::{Energies, EnergySums, powers};
 use crate::simulation::exchange::piece::ExchangePiece;
 use crate::simulation::initial_sensitivity::{InitialDerivatives, Start};
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::settings::{OnOverturning, OnSeparation, Settings};
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::EventFunction;
@@ -276,11 +275,7 @@ impl Simulation {
 
     /// Whether the run has ended and the block is held, without motion or support.
     pub fn is_frozen(&self) -> bool {
-        match self.run.ending {
-            None => false,
-            Some((Ending::Separated | Ending::Toppled, _)) => self.setup.settings.on_separation == OnSeparation::Hold,
-            Some((Ending::Overturned, _)) => self.setup.settings.on_overturning == OnOverturning::Hold,
-        }
+        self.run.ending.is_some_and(|(ending, _)| self.setup.settings.holds(ending))
     }
 
     /// The states of the restraints.

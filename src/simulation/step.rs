@@ -4,10 +4,11 @@ use std::cell::Cell;
 
 use crate::block::Block;
 use crate::excitation::Excitation;
-use crate::numerics::control::{Attempt, is_resolved};
+use crate::numerics::control::Attempt;
 use crate::numerics::dop853::DenseStep;
+use crate::run::{SimulationError, spend_step};
+use crate::simulation::limits;
 use crate::simulation::state::Setup;
-use crate::simulation::{SimulationError, limits};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::EventFunction;
 use crate::system::swing::Swing;
@@ -28,9 +29,6 @@ pub enum StepKind {
     /// The block rests to the stop.
     Rested,
 }
-
-/// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
-pub(crate) const MAX_STEPS: u64 = 2_000_000;
 
 /// Steps over a smooth piece of the excitation, beside the state of the run.
 #[derive(Clone, Copy)]
@@ -98,11 +96,6 @@ impl<'a> StepsInput<'a> {
     /// # Errors
     /// The budget is spent, or the clock does not resolve steps of `longest` (s) at `time`.
     pub(super) fn spend(&self, budget: &mut u64, time: f64, longest: f64) -> Result<(), SimulationError> {
-        if *budget == 0 || !is_resolved(time, longest) {
-            let (steps, fastest) = (MAX_STEPS - *budget, limits::fastest_number(self.block()));
-            return Err(SimulationError::TooManySteps { time, until: self.stop, steps, fastest });
-        }
-        *budget -= 1;
-        Ok(())
+        spend_step(budget, [time, self.stop], longest, || limits::fastest_number(self.block()))
     }
 }

@@ -5,7 +5,7 @@ use crate::numerics::control::{Attempt, ShortStepTo, eighth_root, near_a_peak, s
 use crate::numerics::dop853::{DenseStep, EVALUATIONS_PER_STEP};
 use crate::numerics::roots::{SHORTENED, may_shorten};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
-use crate::simulation::SimulationError;
+use crate::run::SimulationError;
 use crate::simulation::limits::Limits;
 use crate::simulation::peaks::greater;
 use crate::simulation::state::{Committed, RunState};

@@ -5,7 +5,7 @@ use crate::excitation::Excitation;
 use crate::numerics::bernstein::{Searched, Zero};
 use crate::numerics::control::LONGEST;
 use crate::numerics::scalar::Runs;
-use crate::simulation::SimulationError;
+use crate::run::SimulationError;
 use crate::simulation::force_peaks::{ForcePeaks, ForceSegment, PRESSED, UNITS, visible};
 use crate::simulation::state::{Committed, RunState};
 use crate::simulation::step::{FirstStep, StepKind, StepsInput, StepsOutcome};

@@ -160,6 +160,17 @@ impl SpaceBody {
         self.feet.len()
     }
 
+    /// Whether its feet are frictionless: no horizontal force acts on them, and their horizontal springs have no stretch.
+    #[inline(always)]
+    pub fn is_frictionless(&self) -> bool {
+        self.friction == 0.0
+    }
+
+    /// Returns the greater of the stiffnesses of a foot that act, K and K_h (N/m).
+    pub(super) fn greater_stiffness(&self) -> f64 {
+        self.stiffness.max(if self.is_frictionless() { 0.0 } else { self.horizontal_stiffness })
+    }
+
     /// Returns K/C, the rate at which a lifted support creeps back (1/s).
     #[inline]
     pub fn creep_rate(&self) -> f64 {
@@ -182,9 +193,9 @@ impl SpaceBody {
         self.mass * self.gravity * self.r0
     }
 
-    /// Finds the greatest circular frequencies, with the stiffer spring of a foot in all directions: bounds for any rotation.
+    /// Finds the greatest circular frequencies, with the stiffer spring of a foot that acts in all directions: bounds for any rotation.
     fn find_frequencies(&mut self, root: &Cholesky<f64, Const<3>>) {
-        let stiffness = self.stiffness.max(self.horizontal_stiffness);
+        let stiffness = self.greater_stiffness();
         let mut sum = Matrix6::zeros();
         for foot in &mut self.feet {
             // The foot's displacement as the body moves and turns, each with the same kinetic energy.

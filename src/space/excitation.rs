@@ -89,9 +89,14 @@ impl DirectedPulse {
 /// The pulses of a run, which act together.
 pub type DirectedPulses = [DirectedPulse; MAX_PULSES];
 
+/// Returns the pulses that move the ground at some time.
+fn acting(pulses: &DirectedPulses) -> impl Iterator<Item = &DirectedPulse> {
+    pulses.iter().filter(|directed| !directed.pulse.is_none())
+}
+
 /// Returns the first beginning or end of a pulse later than `time` (s).
 pub fn next_kink(pulses: &DirectedPulses, time: f64) -> Option<f64> {
-    pulses.iter().filter_map(|directed| directed.pulse.next_kink(time)).reduce(f64::min)
+    acting(pulses).filter_map(|directed| directed.pulse.next_kink(time)).reduce(f64::min)
 }
 
 /// Forcing at one instant.
@@ -122,7 +127,7 @@ impl SpaceExcitation {
         }
         let mut waves = [(None, [0.0; 3]); MAX_PULSES];
         let mut frequency: f64 = 0.0;
-        for (wave, DirectedPulse { pulse, direction }) in waves.iter_mut().zip(pulses) {
+        for (wave, DirectedPulse { pulse, direction }) in waves.iter_mut().zip(acting(pulses)) {
             if !pulse.acts_at(time) {
                 continue;
             }

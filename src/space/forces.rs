@@ -32,6 +32,8 @@ impl FootContact {
 
 /// The forces of a foot that touches: `N_i = K (f_i − v_i) − C v̇_i` and, from the trial force `F_i = K_h e_i + C_h u̇_i`, `H_i = −F_i`
 /// where it sticks and `H_i = −μ N_i F_i/|F_i|` where it slides.
+///
+/// A frictionless foot slides with its own velocity: its spring has no stretch.
 #[derive(Clone, Copy, Debug)]
 pub struct FootForces<T> {
     /// N (N), vertical.
@@ -83,9 +85,17 @@ impl<T: Component> FootForces<T> {
     /// Returns these forces for a foot that slides.
     #[inline(always)]
     fn sliding(self, body: &SpaceBody) -> Self {
-        let limit = self.normal * body.friction;
-        // A frictionless foot without a trial force has no direction of slip.
         let zero = T::from(0.0);
+        if body.is_frictionless() {
+            return FootForces {
+                force: Vector3::new(zero, zero, self.normal),
+                stretch_rate: [zero; 2],
+                slip_rate: size(self.stretch_rate),
+                ..self
+            };
+        }
+        let limit = self.normal * body.friction;
+        // A foot without a trial force has no direction of slip.
         let along =
             |component: T| T::select_less(zero.value(), self.trial_size.value(), component / self.trial_size, zero);
         let direction = self.trial.map(along);
@@ -116,7 +126,7 @@ impl<T: Component> FootForces<T> {
 impl FootForces<f64> {
     /// Returns the contact of a foot that touches with these forces.
     pub fn contact(&self, body: &SpaceBody) -> FootContact {
-        if body.friction == 0.0 || self.trial_size > body.friction * self.normal {
+        if body.is_frictionless() || self.trial_size > body.friction * self.normal {
             FootContact::Slides
         } else {
             FootContact::Sticks

@@ -22,14 +22,18 @@ fn rates(body: &SpaceBody, contacts: &[FootContact]) -> [(&'static str, f64); 4]
     // The force of a foot that slides is inclined, in the direction of friction.
     let inclination = if slides { (1.0 + body.friction * body.friction).sqrt() } else { 1.0 };
     let square = sum.min(body.fastest_square) * inclination;
-    // Times of dashpots over those of springs (s).
-    let retardation = body.damping / body.stiffness;
-    let horizontal = body.horizontal_damping / body.horizontal_stiffness;
-    let relaxation = if slides { 1.0 / horizontal } else { 0.0 };
+    // The dashpots' bound is that of the springs with the greater damping for the greater stiffness.
+    let of_dashpot = |damping: f64| damping / body.greater_stiffness() * square;
+    let (horizontal, relaxation) = if body.is_frictionless() {
+        (0.0, 0.0)
+    } else {
+        let relaxation = body.horizontal_stiffness / body.horizontal_damping;
+        (of_dashpot(body.horizontal_damping), if slides { relaxation } else { 0.0 })
+    };
     [
         ("the stiffness of the feet", square.sqrt()),
-        ("the vertical damping of the feet", retardation * square),
-        ("the horizontal damping of the feet", horizontal * square),
+        ("the vertical damping of the feet", of_dashpot(body.damping)),
+        ("the horizontal damping of the feet", horizontal),
         ("the horizontal stiffness of feet that slide over their damping", relaxation),
     ]
 }

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::dual::Dual;
+use crate::numerics::roots::rate_of_peak;
 use crate::numerics::scalar::Elementary;
-use crate::simulation::peaks::rate_of_peak;
 use crate::space::body::SpaceBody;
 use crate::space::events::SpaceFunction;
 use crate::space::motion::{BodyMotion, of_foot};

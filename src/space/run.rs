@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::numerics::control::StepControl;
 use crate::numerics::dual::Dual;
 use crate::numerics::stepper::Stepper;
-use crate::simulation::{Ending, MAX_STEPS, OnOverturning, OnSeparation, Progress, Settings, SimulationError};
+use crate::run::{Ending, MAX_STEPS, OnSeparation, Progress, Settings, SimulationError};
 use crate::space::beginning::SpaceInitial;
 use crate::space::body::SpaceBody;
 use crate::space::energies::{SpaceEnergies, energy_rates, stored};
@@ -138,9 +138,7 @@ impl Memory {
 impl SpaceRun {
     /// Places a block at its beginning at `time` (s).
     pub fn new(setup: SpaceSetup, initial: &SpaceInitial, time: f64) -> SpaceRun {
-        let [least, most] = Settings::TOLERANCES;
-        let settings = Settings { tolerance: setup.settings.tolerance.clamp(least, most), ..setup.settings };
-        let setup = SpaceSetup { settings, ..setup };
+        let setup = SpaceSetup { settings: setup.settings.within_limits(), ..setup };
         let (numbers, contacts) = initial.state(&setup.body, time);
         let mut state = SpaceState {
             time,
@@ -245,12 +243,7 @@ impl SpaceRun {
 
     /// Whether the run has ended and the block is held, without motion or support.
     pub fn is_frozen(&self) -> bool {
-        let Settings { on_separation, on_overturning, .. } = self.setup.settings;
-        match self.state.ending {
-            None => false,
-            Some((Ending::Separated | Ending::Toppled, _)) => on_separation == OnSeparation::Hold,
-            Some((Ending::Overturned, _)) => on_overturning == OnOverturning::Hold,
-        }
+        self.state.ending.is_some_and(|(ending, _)| self.setup.settings.holds(ending))
     }
 
     /// Whether the block has overturned, or is bound to where the run ends now.

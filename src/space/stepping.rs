@@ -1,11 +1,11 @@
 //! A smooth piece of the excitation → steps, the first event in each, and the change of the block at events.
 
-use crate::numerics::control::{Attempt, eighth_root, is_resolved, shortest, size_factor};
+use crate::numerics::control::{Attempt, eighth_root, shortest, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots;
 use crate::numerics::stepper::{SliceEquations, Stepper};
-use crate::simulation::{Ending, MAX_STEPS, SimulationError};
+use crate::run::{Ending, SimulationError, spend_step};
 use crate::space::equations::SpaceEquations;
 use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
@@ -212,11 +212,7 @@ impl SpaceRun {
         let time = self.state.time;
         let omega = three(&self.state.numbers, OMEGA).norm();
         let longest = self.memory.limits.longest(omega);
-        if *budget == 0 || !is_resolved(time, longest) {
-            let fastest = fastest_number(&self.setup.body, &self.state.contacts);
-            return Err(SimulationError::TooManySteps { time, until: stop, steps: MAX_STEPS - *budget, fastest });
-        }
-        *budget -= 1;
+        spend_step(budget, [time, stop], longest, || fastest_number(&self.setup.body, &self.state.contacts))?;
         let attempt = self.accepted_step(stop, longest, excitation)?;
         let end_time = if attempt.last { stop } else { time + attempt.size };
         let SpaceRun { setup, state, memory } = self;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::unit::record_source;
 use crate::unit::variables::Fmi3Variable;
 
 /// Values of these parameters.
@@ -26,16 +27,13 @@ impl Default for Fmi3Values {
 impl Fmi3Values {
     /// Whether each value is within its limits.
     pub fn are_valid(&self) -> bool {
-        let [horizontal, vertical] = &self.samples;
-        horizontal.len() == vertical.len()
-            && Fmi3Variable::RecordSamples.metadata().admits(horizontal.len() as f64).is_ok()
+        record_source::are_valid(&self.samples, Fmi3Variable::RecordSamples.metadata())
             && Fmi3Variable::IntermediateInterval.metadata().admits(self.interval).is_ok()
-            && horizontal.iter().chain(vertical).all(|a| a.is_finite())
     }
 
     /// Whether the arrays hold a record.
     pub fn has_record(&self) -> bool {
-        self.samples.iter().flatten().any(|&a| a != 0.0)
+        record_source::hold_record(&self.samples)
     }
 
     /// Sets the number of samples in each array, and all samples to zero.

@@ -5,7 +5,7 @@ use std::fmt::{Debug, Display};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::simulation::{Ending, Progress};
+use crate::run::{Ending, Progress};
 use crate::unit::attributes::{Kind, Known};
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::{Interface, LifeCycle, Phase};

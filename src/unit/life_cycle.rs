@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::simulation::Settings;
+use crate::run::Settings;
 use crate::unit::fault::Fault;
 
 /// Interface type of an instance: who steps the block.

@@ -9,7 +9,8 @@
 //! | [`inputs`] | the variables of inputs ↔ ramps |
 //! | [`links`] | a restraint of the FMU → the variables of its parameters |
 //! | [`values`] | values of parameters → block, pulse, settings |
-//! | [`records`] | files or arrays of samples → the FMU's own ground motion |
+//! | `record_source` | files or arrays of samples → records |
+//! | [`records`] | parameters → the FMU's own ground motion, from either source |
 //! | [`derived`] | a calculated parameter → the source of its value |
 //! | [`outputs`] | an output → the source of its value and its derivatives |
 //! | [`life_cycle`] | the states of an instance |
@@ -32,6 +33,8 @@ pub(crate) mod inputs;
 pub mod links;
 
 pub mod values;
+
+mod record_source;
 
 pub(crate) mod records;
 

@@ -5,9 +5,11 @@ use std::cell::OnceCell;
 use crate::block::restraints::{self, TieState};
 use crate::excitation::Inputs;
 use crate::numerics::dual::Dual;
+use crate::numerics::roots::rate_of_peak;
+use crate::run::Ending;
 use crate::simulation::outputs::Observation;
-use crate::simulation::peaks::{Channel, Peaks, rate_of_peak};
-use crate::simulation::{self, Ending, Energies, InitialDerivatives, Simulation};
+use crate::simulation::peaks::{Channel, Peaks};
+use crate::simulation::{self, Energies, InitialDerivatives, Simulation};
 use crate::unit::variables::Output;
 
 /// Returns the index of an output among the continuous states, if it is one.

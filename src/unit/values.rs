@@ -8,7 +8,8 @@ use crate::block::{
 };
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
-use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
+use crate::run::{OnOverturning, OnSeparation, Settings};
+use crate::simulation::Initial;
 use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::links::LINKS;
 use crate::unit::variables::{Choice, Parameter, Role, Text, VARIABLES, Variable, choices};

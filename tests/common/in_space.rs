@@ -11,6 +11,12 @@ pub fn name(planar: &str) -> &str {
         "regime" => "touching",
         "uplift_L" => "uplift_SW",
         "uplift_R" => "uplift_SE",
+        "record.horizontal" => "record.x",
+        "record.vertical" => "record.z",
+        "record.horizontal_unit" => "record.x_unit",
+        "record.horizontal_samples" => "record.x_samples",
+        "record.vertical_samples" => "record.z_samples",
+        "record.PGA" => "record.PGA_x",
         "events.impacts" => "events.landings",
         "events.liftoffs" => "events.lift_offs",
         // A parameter that is 0 at the start, and changes the motion.

@@ -56,6 +56,18 @@ def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
         pytest.fail(f"{source}: modules import each other: {' -> '.join(reversed(error.args[1]))}")
 
 
+PLANE, SPACE = ("system::", "simulation::"), ("space::",)
+
+
+@pytest.mark.check
+@pytest.mark.parametrize(("body", "other"), [(PLANE, SPACE), (SPACE, PLANE)], ids=["plane", "space"])
+def test_bodies_share_only_modules_below_both(body: tuple[str, ...], other: tuple[str, ...]) -> None:
+    code = modules(ROOT / "src")
+    own = [name for name in code if f"{name}::".startswith(body)]
+    found = {(name, used) for name in own for used in imports(name, code[name], set(code)) if f"{used}::".startswith(other)}
+    assert not found
+
+
 # Variants of one thing; a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
 VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$", r"^unit::(in_space::)?variables$")]
 

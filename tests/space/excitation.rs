@@ -2,7 +2,7 @@
 
 use rocking_block::excitation::{Pulse, PulseShape, Ramp};
 use rocking_block::numerics::dual::Dual;
-use rocking_block::simulation::{Ending, OnOverturning, OnSeparation, Progress, Settings};
+use rocking_block::run::{Ending, OnOverturning, OnSeparation, Progress, Settings};
 use rocking_block::space::equations::SpaceEquations;
 use rocking_block::space::excitation::{SpaceExcitation, SpaceForcing};
 use rocking_block::space::{DirectedPulse, SpaceBody, SpaceGround, SpaceInitial, SpaceInputs, SpaceRun, SpaceSetup};

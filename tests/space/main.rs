@@ -19,7 +19,7 @@ mod symmetry;
 use std::f64::consts::TAU;
 
 use rocking_block::excitation::{Pulse, PulseShape, Ramp};
-use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
+use rocking_block::run::{OnOverturning, OnSeparation, Settings};
 use rocking_block::space::excitation::{DirectedPulses, MAX_PULSES};
 use rocking_block::space::{
     Base, BaseSize, DirectedPulse, SpaceBody, SpaceEvent, SpaceEventKind, SpaceInitial, SpaceInputs, SpaceParameters,

@@ -1,5 +1,7 @@
 //! Random blocks under random pulses: no failed run, no number that is not finite, no foot that is pulled, balanced energy.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use proptest::prelude::*;
 use rocking_block::space::motion::{QUATERNION, VELOCITY};
 use rocking_block::space::{
@@ -99,6 +101,10 @@ proptest! {
     }
 }
 
+/// The most steps and the greatest residual so far, which `--nocapture` shows.
+static STEPS: AtomicU64 = AtomicU64::new(0);
+static RESIDUAL: AtomicU64 = AtomicU64::new(0);
+
 proptest! {
     #![proptest_config(cases::cases(200))]
 
@@ -121,7 +127,11 @@ proptest! {
             let norm: f64 = run.state().numbers[QUATERNION..VELOCITY].iter().map(|x| x * x).sum();
             prop_assert!((norm - 1.0).abs() < 1e-15);
         }
-        let counts = run.state().counts;
+        let (counts, residual) = (run.state().counts, run.energies().residual.abs() / scale);
+        // The bits of positive numbers are in their order.
+        if counts.steps > STEPS.fetch_max(counts.steps, Relaxed) || residual.to_bits() > RESIDUAL.fetch_max(residual.to_bits(), Relaxed) {
+            println!("{} steps, a residual of {residual:e} M g R0", counts.steps);
+        }
         prop_assert!(counts.steps < 20_000, "{counts:?}");
     }
 }

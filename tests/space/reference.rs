@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
+use rocking_block::run::{OnOverturning, OnSeparation, Settings};
 use rocking_block::space::excitation::{DirectedPulses, MAX_PULSES};
 use rocking_block::space::outputs::{FootObservation, SpaceObservation};
 use rocking_block::space::{

@@ -5,7 +5,7 @@ use rocking_block::space::{
     Base, BaseSize, SpaceBody, SpaceEvent, SpaceInitial, SpaceInputs, SpaceParameters, SpaceSupports,
 };
 
-use crate::{STILL, advance, of_foot, run, two_axis};
+use crate::{STILL, advance, of_foot, run, sine, two_axis};
 
 /// A block that is released or thrown rattles to rest by the dashpots: the events end, and all feet stand.
 #[test]
@@ -125,4 +125,52 @@ fn stiff_blocks_end_in_reasonable_work() {
     println!("{counts:?}");
     assert!(counts.steps < 60_000, "{counts:?}");
     assert!(run.energies().residual.abs() < 1e-7 * run.body().energy_scale(), "{:?}", run.energies());
+}
+
+/// A circle on three frictionless feet, with this ratio of its horizontal dashpots.
+fn frictionless(xi_h: f64) -> SpaceBody {
+    let size = BaseSize::Slenderness { alpha: 0.29577937886016886, p: 3.9269062147015594 };
+    let supports = SpaceSupports::OfRocking { eta: 125.21196891789693, xi_v: 0.7304930646525316 };
+    let parameters = SpaceParameters {
+        base: Base::Circle { size, feet: 3 },
+        supports,
+        kappa: 3.061353622110922,
+        xi_h: Some(xi_h),
+        friction: 0.0,
+        mass: 3.0,
+        ..SpaceParameters::default()
+    };
+    SpaceBody::new(&parameters).unwrap()
+}
+
+/// A pulse without an amplitude is none: a block at rest waits through it, and a drifting one takes the steps of one without pulses.
+#[test]
+fn pulses_without_amplitude_have_no_effect() {
+    let weak = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|direction| sine(0.0, 11.0, 0.3, direction));
+    let mut rests = run(frictionless(0.02), 1e-8, weak, &crate::AT_REST);
+    advance(&mut rests, 3.0, &SpaceInputs::default());
+    assert!(rests.state().counts.steps < 10, "{:?}", rests.state().counts);
+
+    let drifts = SpaceInitial { omega: [0.0, 0.0, 0.4], ..crate::AT_REST };
+    let [with, without] = [weak, STILL].map(|pulses| {
+        let mut run = run(frictionless(0.02), 1e-8, pulses, &drifts);
+        advance(&mut run, 3.0, &SpaceInputs::default());
+        run.state().clone()
+    });
+    assert_eq!(with, without);
+}
+
+/// Nothing acts on a frictionless foot horizontally: neither spring nor dashpot there has an effect on the motion or the steps.
+#[test]
+fn frictionless_feet_have_no_horizontal_springs() {
+    let (_, pulses) = two_axis(0.0);
+    let states = [0.02, 0.5].map(|xi_h| {
+        let released = SpaceInitial { tilt: [0.1, 0.05], vertical: None, ..crate::AT_REST };
+        let mut run = run(frictionless(xi_h), 1e-8, pulses, &released);
+        advance(&mut run, 3.0, &SpaceInputs::default());
+        run.state().clone()
+    });
+    assert!(states[0].counts.lift_offs > 0 && states[0].peaks.slip > 0.01, "{:?}", states[0]);
+    assert!(states[0].counts.steps < 5_000, "{:?}", states[0].counts);
+    assert_eq!(states[0], states[1]);
 }

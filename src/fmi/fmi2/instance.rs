@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use crate::fmi;
 use crate::fmi::fmi2::types::{Status, StatusKind};
 use crate::fmi::log::Category;
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::unit::fault::Fault;
 use crate::unit::fmu::Fmu;
 use crate::unit::life_cycle::Phase;

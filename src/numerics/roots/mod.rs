@@ -287,6 +287,13 @@ pub fn greatest(most: f64, start: Dual, end: Dual, duration: f64, function: &mut
     }
 }
 
+/// Returns the rate of a value that equals its `peak` and grows, or zero.
+pub fn rate_of_peak(peak: f64, value: Dual) -> f64 {
+    // The value at the step's last instant and the observed one are the same number up to rounding.
+    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
+    if value.re >= AT_PEAK * peak && value.eps > 0.0 { value.eps } else { 0.0 }
+}
+
 fn highest(most: f64, [left, right]: [TimedSample; 2], width: f64, halvings: u32, function: &mut Function) -> f64 {
     let inside = may_rise_inside(most, left.1, right.1, right.0 - left.0);
     let most = most.max(left.1.re).max(right.1.re);

@@ -26,7 +26,7 @@ pub(super) fn apply(at: &Poised, foot: usize) -> Option<FootChange> {
     }
     let contact = forces.contact(body);
     let depth = place.free_height - motion.displacement.z;
-    let slides = (contact == FootContact::Slides && body.friction > 0.0).then_some(SpaceEventKind::Slides(foot));
+    let slides = (contact == FootContact::Slides && !body.is_frictionless()).then_some(SpaceEventKind::Slides(foot));
     Some(FootChange {
         contact,
         lost: -0.5 * body.stiffness * depth * depth,

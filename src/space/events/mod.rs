@@ -74,10 +74,9 @@ pub const PER_CONTACT: usize = 2;
 
 /// Returns the functions of a foot that are watched.
 pub fn watched(body: &SpaceBody, foot: usize, contact: &FootContact) -> [Option<SpaceFunction>; PER_CONTACT] {
-    let is_frictionless = body.friction == 0.0;
     match contact {
         FootContact::Sticks => [Some(SpaceFunction::LiftOff(foot)), Some(SpaceFunction::Slides(foot))],
-        FootContact::Slides if is_frictionless => [Some(SpaceFunction::LiftOff(foot)), None],
+        FootContact::Slides if body.is_frictionless() => [Some(SpaceFunction::LiftOff(foot)), None],
         FootContact::Slides => [Some(SpaceFunction::LiftOff(foot)), Some(SpaceFunction::Sticks(foot))],
         FootContact::Lifted(_) => [Some(SpaceFunction::Landing(foot)), None],
     }

@@ -4,7 +4,9 @@
 //! | --- | --- |
 //! | [`variables`] | modelDescriptionInSpace.xml → a table of variables |
 //! | [`feet`] | a file or arrays → the feet of a list |
-//! | [`values`] | values of parameters → body, initial state, pulse, records |
+//! | [`fmi3_values`] | values of the parameters that only FMI 3.0 has |
+//! | [`values`] | values of parameters → body, initial state, pulse |
+//! | [`records`] | parameters → the FMU's own ground motion |
 //! | [`outputs`] | an output or calculated parameter → the source of its value |
 //! | [`instance`] | calls → a block in motion |
 
@@ -12,7 +14,11 @@ pub mod variables;
 
 pub(crate) mod feet;
 
+pub(crate) mod fmi3_values;
+
 pub(crate) mod values;
+
+pub(crate) mod records;
 
 pub(crate) mod outputs;
 

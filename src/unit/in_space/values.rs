@@ -1,4 +1,4 @@
-//! Values of parameters → body, initial state, pulse, records and settings of a block in space.
+//! Values of parameters → body, initial state, pulse and settings of a block in space.
 //!
 //! Names every parameter of modelDescriptionInSpace.xml, once.
 
@@ -7,17 +7,14 @@ use std::ops::{Index, IndexMut};
 use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Pulse, PulseShape};
-use crate::simulation::{OnOverturning, OnSeparation, Settings};
+use crate::run::{OnOverturning, OnSeparation, Settings};
 use crate::space::excitation::MAX_PULSES;
 use crate::space::{
-    Base, BaseSize, DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,
-    SpaceSupports,
+    Base, BaseSize, DirectedPulse, FootPlace, SpaceBody, SpaceInitial, SpaceParameters, SpaceSetup, SpaceSupports,
 };
 use crate::unit::in_space::feet;
-use crate::unit::in_space::variables::{
-    Choice, Fmi3Variable, Parameter, Role, Text, VARIABLES, Variable, choices, fmi3_metadata,
-};
-use crate::unit::records::RecordFile;
+use crate::unit::in_space::fmi3_values::SpaceFmi3Values;
+use crate::unit::in_space::variables::{Choice, Parameter, Role, Text, VARIABLES, Variable, choices};
 
 /// Values of all parameters that the importer sets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,21 +23,16 @@ pub struct SpaceValues {
     numbers: Vec<f64>,
     /// Texts, in the order of [`Text::ALL`].
     texts: [String; Text::ALL.len()],
-    /// FMI 3.0: places of feet along x and y, and gaps (m), equal in number.
-    feet: [Vec<f64>; 3],
-    /// FMI 3.0: time between two intermediate updates (s).
-    pub interval: f64,
+    /// Those that only FMI 3.0 has.
+    pub(super) fmi3: SpaceFmi3Values,
 }
 
 impl Default for SpaceValues {
     fn default() -> SpaceValues {
-        let start = |variable| fmi3_metadata(variable).start.unwrap_or(0.0);
-        let feet = || vec![0.0; start(Fmi3Variable::FootCount) as usize];
         SpaceValues {
             numbers: VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect(),
             texts: Default::default(),
-            feet: [feet(), feet(), feet()],
-            interval: start(Fmi3Variable::IntermediateInterval),
+            fmi3: SpaceFmi3Values::default(),
         }
     }
 }
@@ -76,61 +68,11 @@ impl IndexMut<Variable> for SpaceValues {
 impl SpaceValues {
     /// Whether there is one value for each variable, within its limits.
     pub fn are_valid(&self) -> bool {
-        let [x, y, gap] = &self.feet;
-        let admitted = |variable, values: &[f64]| values.iter().all(|&v| fmi3_metadata(variable).admits(v).is_ok());
-        x.len() == y.len()
-            && x.len() == gap.len()
-            && admitted(Fmi3Variable::FootCount, &[x.len() as f64])
-            && admitted(Fmi3Variable::FootX, x)
-            && admitted(Fmi3Variable::FootY, y)
-            && admitted(Fmi3Variable::FootGap, gap)
-            && admitted(Fmi3Variable::IntermediateInterval, &[self.interval])
+        self.fmi3.are_valid()
             && self.numbers.len() == VARIABLES.len()
             && VARIABLES.iter().zip(&self.numbers).all(|(metadata, &value)| {
                 !metadata.is_settable() || (value.is_finite() && metadata.admits(value).is_ok())
             })
-    }
-
-    /// FMI 3.0: returns the number of feet in the arrays.
-    pub fn foot_count(&self) -> usize {
-        self.feet[0].len()
-    }
-
-    /// FMI 3.0: sets the number of feet in the arrays, all at the centre of mass.
-    pub fn resize(&mut self, count: usize) {
-        self.feet = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
-    }
-
-    /// FMI 3.0: returns the values of a parameter for a change.
-    pub fn of_fmi3_mut(&mut self, variable: Fmi3Variable) -> Option<&mut [f64]> {
-        let [x, y, gap] = &mut self.feet;
-        match variable {
-            Fmi3Variable::FootX => Some(x),
-            Fmi3Variable::FootY => Some(y),
-            Fmi3Variable::FootGap => Some(gap),
-            Fmi3Variable::IntermediateInterval => Some(std::slice::from_mut(&mut self.interval)),
-            Fmi3Variable::Time
-            | Fmi3Variable::FootCount
-            | Fmi3Variable::N
-            | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => None,
-        }
-    }
-
-    /// FMI 3.0: returns the values of a parameter; none of another variable.
-    pub fn of_fmi3(&self, variable: Fmi3Variable) -> &[f64] {
-        let [x, y, gap] = &self.feet;
-        match variable {
-            Fmi3Variable::FootX => x,
-            Fmi3Variable::FootY => y,
-            Fmi3Variable::FootGap => gap,
-            Fmi3Variable::IntermediateInterval => std::slice::from_ref(&self.interval),
-            Fmi3Variable::Time
-            | Fmi3Variable::FootCount
-            | Fmi3Variable::N
-            | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => &[],
-        }
     }
 
     /// Returns the chosen item of an enumeration.
@@ -196,7 +138,7 @@ impl SpaceValues {
         if !path.is_empty() {
             return feet::read(path).map_err(|error| format!("{}: {path}: {error}", Variable::FeetFile.name()));
         }
-        let [x, y, gap] = &self.feet;
+        let [x, y, gap] = &self.fmi3.feet;
         if x.iter().chain(y).all(|&place| place == 0.0) {
             return Err(format!(
                 "base = List without feet; expected {} or, in FMI 3.0, foot_x and foot_y",
@@ -312,38 +254,6 @@ impl SpaceValues {
         }
     }
 
-    /// Reads the records that the parameters name.
-    ///
-    /// # Errors
-    /// One line: the first fault of a file, a second component without the first, or components that differ in time step or length.
-    pub fn ground(&self) -> Result<SpaceGround, String> {
-        if self[Text::RecordX].is_empty() && !self[Text::RecordY].is_empty() {
-            return Err(
-                "record.x is empty and record.y is not; expected both horizontal components, or record.x alone".into(),
-            );
-        }
-        let record = |path: Text, unit: Text, channel: Variable| {
-            // The unit of the first component is that of all without one of their own.
-            let unit = if self[unit].is_empty() { Text::RecordXUnit } else { unit };
-            let text = |text: Text| (text.variable().name(), self[text].as_str());
-            let number = |variable: Variable| (variable.name(), self[variable]);
-            let (channel, time_step) = (number(channel), number(Variable::RecordDt));
-            RecordFile { path: text(path), unit: text(unit), channel, time_step, gravity: self[Variable::G] }.read()
-        };
-        let records = [
-            record(Text::RecordX, Text::RecordXUnit, Variable::RecordXChannel)?,
-            record(Text::RecordY, Text::RecordYUnit, Variable::RecordYChannel)?,
-            record(Text::RecordZ, Text::RecordZUnit, Variable::RecordZChannel)?,
-        ];
-        let ground = SpaceGround { records, azimuth: self[Variable::RecordAzimuth] }.checked()?;
-        Ok(ground.scaled_and_shifted(self[Variable::RecordScale], self[Variable::RecordStart]))
-    }
-
-    /// Whether [`SpaceValues::ground`] reads this variable.
-    pub fn is_of_ground(variable: Variable) -> bool {
-        variable == Variable::G || variable.name().starts_with("record.")
-    }
-
     /// Returns the missing setting that a parameter needs to be read, if any.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, base) = (self.is_physical(), self.base());
@@ -374,9 +284,13 @@ impl SpaceValues {
             Parameter::PulsePhase | Parameter::PulseCycles => {
                 (self.pulse().shape != PulseShape::Gabor).then_some("pulse.shape = Gabor")
             }
+            Parameter::RecordScale | Parameter::RecordStart | Parameter::RecordDt | Parameter::RecordAzimuth
+                if self.fmi3.has_record() =>
+            {
+                None
+            }
             Parameter::RecordScale | Parameter::RecordStart | Parameter::RecordDt => {
-                let paths = [Text::RecordX, Text::RecordY, Text::RecordZ];
-                paths.iter().all(|&path| self[path].is_empty()).then_some("record.x, record.y or record.z")
+                (!self.has_file()).then_some("record.x, record.y or record.z")
             }
             Parameter::RecordAzimuth | Parameter::RecordXChannel => {
                 self[Text::RecordX].is_empty().then_some("record.x")
@@ -424,10 +338,7 @@ impl SpaceValues {
         match text {
             Text::FeetFile => (self.base() != choices::Base::List).then_some("base = List"),
             Text::RecordX | Text::RecordY | Text::RecordZ => None,
-            Text::RecordXUnit => {
-                let paths = [Text::RecordX, Text::RecordY, Text::RecordZ];
-                paths.iter().all(|&path| self[path].is_empty()).then_some("record.x, record.y or record.z")
-            }
+            Text::RecordXUnit => (!self.has_file()).then_some("record.x, record.y or record.z"),
             Text::RecordYUnit => self[Text::RecordY].is_empty().then_some("record.y"),
             Text::RecordZUnit => self[Text::RecordZ].is_empty().then_some("record.z"),
         }

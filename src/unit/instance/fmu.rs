@@ -1,6 +1,6 @@
 //! The planar block as a unit of the C interfaces.
 
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::simulation::exchange::{INDICATORS, STATES};
 use crate::system::events::Event;
 use crate::unit::attributes::{Kind, Known};

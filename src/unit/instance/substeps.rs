@@ -4,7 +4,7 @@
 //! completed gives the same bits as an uninterrupted step.
 
 use crate::excitation::Inputs;
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::fmu::Reached;

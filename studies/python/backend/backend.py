@@ -1,11 +1,12 @@
 """PEP 517 backend: builds the project's FMUs, copies them into the package, and leaves the rest to maturin.
 
-The environment variables ROCKING_BLOCK_FMU and ROCKING_BLOCK_FMI3 name existing FMUs of FMI 2.0 and 3.0 to copy instead, which
-may hold binaries for other platforms too.
+The environment variable ROCKING_BLOCK_FMUS names a folder with existing FMUs to copy instead, which may hold binaries for other
+platforms too.
 """
 
 import json
 import os
+import runpy
 import shutil
 import subprocess
 from pathlib import Path
@@ -22,8 +23,8 @@ from maturin import (  # noqa: F401 - hooks
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PROJECT = PACKAGE.parents[1]
-# Names of the FMUs, and the variables that name existing ones.
-FMUS = {"RockingBlock.fmu": "ROCKING_BLOCK_FMU", "RockingBlock-fmi3.fmu": "ROCKING_BLOCK_FMI3"}
+# The names of the FMUs, from the module that finds them in the package.
+FMUS = runpy.run_path(str(PACKAGE / "rocking_block/_fmu.py"))["FMUS"].values()
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
@@ -37,10 +38,10 @@ def build_editable(wheel_directory, config_settings=None, metadata_directory=Non
 
 
 def place_fmus():
-    given = {name: os.environ.get(variable) for name, variable in FMUS.items()}
-    made = make_fmus() if None in given.values() else Path()
-    for name, there in given.items():
-        shutil.copyfile(there or made / name, PACKAGE / "rocking_block" / name)
+    given = os.environ.get("ROCKING_BLOCK_FMUS")
+    folder = Path(given) if given else make_fmus()
+    for name in FMUS:
+        shutil.copyfile(folder / name, PACKAGE / "rocking_block" / name)
 
 
 def make_fmus() -> Path:

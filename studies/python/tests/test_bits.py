@@ -251,18 +251,24 @@ def test_a_run_under_a_record_is_that_of_the_fmu(record):
         assert np.array_equal(run[column][:-1], values), column
 
 
-def test_both_units_of_the_package_give_the_same_bits():
-    start = {"dimensionless.alpha": 0.2, "dimensionless.p": 1.0, "dimensionless.eta": 60.0, "epsilon": 0.3, "on_separation": 3, "pulse.shape": 2,
-             "pulse.amplitude": 5.0, "pulse.period": 1.2}
+@pytest.mark.parametrize(
+    ("in_space", "own", "tilt", "columns"),
+    [(False, {"epsilon": 0.3}, "theta", COLUMNS),
+     (True, {"pulse.azimuth": 0.5}, "tilt", ["tilt_x", "tilt_y", "twist", "u_dot", "N_SW", "uplift_NE", "slip_SE", "energy.residual"])],
+)
+def test_both_units_of_the_package_give_the_same_bits(in_space, own, tilt, columns):
+    start = own | {"dimensionless.alpha": 0.2, "dimensionless.p": 1.0, "dimensionless.eta": 60.0, "on_separation": 3, "pulse.shape": 2,
+                   "pulse.amplitude": 5.0, "pulse.period": 1.2}
     of_fmi2, of_fmi3 = (
-        simulate_fmu(str(rb.fmu_path(version)), start_values=start, stop_time=5.0, output_interval=0.05, output=COLUMNS)
+        simulate_fmu(str(rb.fmu_path(version, in_space=in_space)), start_values=start, stop_time=5.0, output_interval=0.05,
+                     output=[tilt, *columns])
         for version in (2, 3)
     )
-    assert of_fmi2["theta"].max() > 0.05
-    for column in COLUMNS:
+    assert of_fmi2[tilt].max() > 0.05
+    for column in columns:
         assert np.array_equal(of_fmi2[column], of_fmi3[column]), column
     with pytest.raises(ValueError, match="version = 1; expected 2 or 3"):
-        rb.fmu_path(1)
+        rb.fmu_path(1, in_space=in_space)
 
 
 @pytest.mark.parametrize("end", ["on_separation", "on_overturning"])

@@ -1,6 +1,6 @@
 //! What the C interfaces call → the instance.
 
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::space::outputs::FootObservation;
 use crate::space::{SpaceEvent, SpaceInputs, SpaceRun};
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
@@ -27,8 +27,23 @@ fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
         | Fmi3Variable::FootX
         | Fmi3Variable::FootY
         | Fmi3Variable::FootGap
+        | Fmi3Variable::RecordSamples
+        | Fmi3Variable::RecordXSamples
+        | Fmi3Variable::RecordYSamples
+        | Fmi3Variable::RecordZSamples
         | Fmi3Variable::IntermediateInterval => None,
     }
+}
+
+/// Whether a variable is the size of arrays.
+fn is_size(variable: Fmi3Variable) -> bool {
+    matches!(variable, Fmi3Variable::FootCount | Fmi3Variable::RecordSamples)
+}
+
+/// Returns the size of arrays with a reference that the C interfaces have found by [`Fmu::known`].
+fn size_variable(reference: u32) -> Result<Fmi3Variable, Fault> {
+    let size = fmi3_variable(reference).filter(|&variable| is_size(variable));
+    size.ok_or_else(|| Fault::new(format!("value reference {reference} is not the size of arrays")))
 }
 
 impl Fmu for SpaceUnit {
@@ -37,7 +52,7 @@ impl Fmu for SpaceUnit {
 
     const GUID: &'static str = GUID;
     const TOKEN: &'static str = TOKEN;
-    const CONTENT_VERSION: u32 = 1;
+    const CONTENT_VERSION: u32 = 2;
     const VARIABLES: usize = VARIABLES.len() + FMI3_VARIABLES.len();
     const INTERFACES: &'static [Interface] = &[Interface::CoSimulation];
 
@@ -78,17 +93,10 @@ impl Fmu for SpaceUnit {
             return Some(metadata.known());
         }
         let variable = fmi3_variable(reference)?;
-        let known = Known::of_fmi3(fmi3_metadata(variable).name, variable == Fmi3Variable::FootCount);
-        Some(match variable {
-            Fmi3Variable::N | Fmi3Variable::Uplift | Fmi3Variable::Slip => {
-                Known { causality: Causality::Output, variability: Variability::Continuous, ..known }
-            }
-            Fmi3Variable::Time
-            | Fmi3Variable::IntermediateInterval
-            | Fmi3Variable::FootCount
-            | Fmi3Variable::FootX
-            | Fmi3Variable::FootY
-            | Fmi3Variable::FootGap => known,
+        let known = Known::of_fmi3(fmi3_metadata(variable).name, is_size(variable));
+        Some(match of_feet(variable) {
+            Some(_) => Known { causality: Causality::Output, variability: Variability::Continuous, ..known },
+            None => known,
         })
     }
 
@@ -161,29 +169,20 @@ impl Fmu for SpaceUnit {
     }
 
     fn size(&self, reference: u32) -> usize {
-        match fmi3_variable(reference) {
-            Some(
-                Fmi3Variable::FootX
-                | Fmi3Variable::FootY
-                | Fmi3Variable::FootGap
-                | Fmi3Variable::N
-                | Fmi3Variable::Uplift
-                | Fmi3Variable::Slip,
-            ) => self.values.foot_count(),
-            Some(Fmi3Variable::Time | Fmi3Variable::IntermediateInterval | Fmi3Variable::FootCount) | None => 1,
-        }
+        let is_scalar = |&variable: &Fmi3Variable| !is_size(variable);
+        fmi3_variable(reference).filter(is_scalar).map_or(1, |variable| self.values.fmi3.size_of(variable))
     }
 
     fn read_fmi3_variable(&mut self, reference: u32, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
         let Some(variable) = fmi3_variable(reference) else { return Ok(()) };
         if let Some(of) = of_feet(variable) {
-            let count = self.values.foot_count();
+            let count = self.values.fmi3.foot_count();
             let feet = &self.observation()?.feet;
             (0..count).for_each(|i| give(feet.get(i).map_or(0.0, of)));
         } else if variable == Fmi3Variable::Time {
             give(self.time());
         } else {
-            self.values.of_fmi3(variable).iter().copied().for_each(give);
+            self.values.fmi3.of(variable).iter().copied().for_each(give);
         }
         Ok(())
     }
@@ -198,21 +197,24 @@ impl Fmu for SpaceUnit {
             )));
         }
         values.iter().try_for_each(|&value| metadata.admits(value)).map_err(Fault::new)?;
-        let Some(places) = self.values.of_fmi3_mut(variable) else {
+        let Some(places) = self.values.fmi3.of_mut(variable) else {
             return Err(Fault::new(format!("{name} is set; expected a real parameter")));
         };
         places.copy_from_slice(values);
+        self.ground = None;
         self.drop_preview();
         Ok(())
     }
 
-    fn array_size(&self, _: u32) -> u64 {
-        self.values.foot_count() as u64
+    fn array_size(&self, reference: u32) -> u64 {
+        fmi3_variable(reference).map_or(0, |size| self.values.fmi3.size_of(size) as u64)
     }
 
-    fn resize(&mut self, _: u32, size: u64) -> Result<(), Fault> {
-        fmi3_metadata(Fmi3Variable::FootCount).admits(size as f64).map_err(Fault::new)?;
-        self.values.resize(size as usize);
+    fn resize(&mut self, reference: u32, count: u64) -> Result<(), Fault> {
+        let size = size_variable(reference)?;
+        fmi3_metadata(size).admits(count as f64).map_err(Fault::new)?;
+        self.values.fmi3.resize(size, count as usize);
+        self.ground = None;
         self.drop_preview();
         Ok(())
     }
@@ -222,7 +224,7 @@ impl Fmu for SpaceUnit {
     }
 
     fn interval(&self) -> f64 {
-        self.values.interval
+        self.values.fmi3.interval
     }
 
     fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
@@ -302,7 +304,7 @@ impl Fmu for SpaceUnit {
         self.preview()?;
         let run = self.run.as_ref().ok_or_else(no_block)?;
         let (now, is_rectangle, count) =
-            (run.rates(&self.effective_inputs()), self.values.is_rectangle(), self.values.foot_count());
+            (run.rates(&self.effective_inputs()), self.values.is_rectangle(), self.values.fmi3.foot_count());
         let observed = now.observed.map(|x| x.eps);
         let mut rates = Vec::with_capacity(references.len());
         for &reference in references {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::simulation::Progress;
+use crate::run::Progress;
 use crate::space::energies::SpaceEnergies;
 use crate::space::outputs::SpaceObservation;
 use crate::space::{SpaceBody, SpaceEvent, SpaceGround, SpaceInputs, SpaceRun, SpaceState};

@@ -61,7 +61,7 @@ pub struct Run {
 /// Whether a record, a pulse or the initial state moves a block.
 pub fn is_moved(ground: &Ground, pulse: &Pulse, initial: &Initial) -> bool {
     !ground.is_empty()
-        || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+        || !pulse.is_none()
         || initial.theta != 0.0
         || initial.theta_dot != 0.0
         || initial.vertical.is_some()

@@ -13,7 +13,7 @@ mod stopping_rule;
 pub mod table;
 
 use rocking_block::excitation::PulseShape;
-use rocking_block::simulation::{Ending, SimulationError};
+use rocking_block::run::{Ending, SimulationError};
 use rocking_block::space::energies::SpaceEnergies;
 use rocking_block::space::outputs::SpaceObservation;
 use rocking_block::space::run::SpaceCounts;

@@ -12,7 +12,7 @@ use crate::options::input;
 use crate::output::files::Outputs;
 use crate::output::progress::Progress;
 use crate::output::summary::{Object, Summary};
-use rocking_block::simulation::{Ending, OnSeparation};
+use rocking_block::run::{Ending, OnSeparation};
 use rocking_block::space::excitation::MAX_PULSES;
 use rocking_block::space::{
     DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup,

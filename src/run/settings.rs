@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::run::Ending;
+
 /// Choices at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(i32)]
@@ -37,12 +39,25 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The smallest and the largest tolerance. [`Simulation::new`](crate::simulation::Simulation::new) replaces one outside by the nearer
-    /// one.
+    /// The smallest and the largest tolerance. A new run replaces one outside by the nearer one.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
 
     /// The tolerance of studies, which need only outcome and peak rotation. docs/performance.md gives its effect.
     pub const OF_STUDIES: f64 = 1e-6;
+
+    /// Returns the settings with a tolerance within its limits.
+    pub(crate) fn within_limits(self) -> Settings {
+        let [least, most] = Settings::TOLERANCES;
+        Settings { tolerance: self.tolerance.clamp(least, most), ..self }
+    }
+
+    /// Whether time goes on after an ending, with the block held.
+    pub(crate) fn holds(&self, ending: Ending) -> bool {
+        match ending {
+            Ending::Separated | Ending::Toppled => self.on_separation == OnSeparation::Hold,
+            Ending::Overturned => self.on_overturning == OnOverturning::Hold,
+        }
+    }
 }
 
 impl Default for Settings {

@@ -48,7 +48,7 @@ impl std::fmt::Display for Ending {
     }
 }
 
-/// The result of [`Simulation::advance`](crate::simulation::Simulation::advance).
+/// The result of a call that advances a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
     /// The requested time was reached.
