@@ -113,7 +113,13 @@ impl SpaceValues {
             | Fmi3Variable::FootCount
             | Fmi3Variable::N
             | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => None,
+            | Fmi3Variable::Slip
+            | Fmi3Variable::StretchX
+            | Fmi3Variable::StretchY
+            | Fmi3Variable::StretchXRate
+            | Fmi3Variable::StretchYRate
+            | Fmi3Variable::SlipRate
+            | Fmi3Variable::Indicator(_) => None,
         }
     }
 
@@ -129,7 +135,13 @@ impl SpaceValues {
             | Fmi3Variable::FootCount
             | Fmi3Variable::N
             | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => &[],
+            | Fmi3Variable::Slip
+            | Fmi3Variable::StretchX
+            | Fmi3Variable::StretchY
+            | Fmi3Variable::StretchXRate
+            | Fmi3Variable::StretchYRate
+            | Fmi3Variable::SlipRate
+            | Fmi3Variable::Indicator(_) => &[],
         }
     }
 
