@@ -4,13 +4,12 @@ use std::cell::RefCell;
 
 use proptest::prelude::*;
 use rocking_block::numerics::stepper::{SliceEquations, Stepper};
-use rocking_block::space::exchange::{indicator_count, nominals, place};
-use rocking_block::space::motion::{QUATERNION, VELOCITY, dimension};
+use rocking_block::space::motion::dimension;
 use rocking_block::space::run::SpaceRun;
-use rocking_block::space::{SpaceBody, SpaceEvent, SpaceEventKind, SpaceInitial, SpaceInputs, SpaceState};
+use rocking_block::space::{SpaceBody, SpaceEvent, SpaceEventKind, SpaceInputs};
 
 use crate::random::{beginnings, blocks, pulses};
-use crate::{AT_REST, advance, cases, of_foot, run, two_axis};
+use crate::{advance, cases, of_foot, run};
 
 /// A solver outside: steps of constant size, and bisection of a step that contains an event.
 struct Solver {
