@@ -1,6 +1,6 @@
 //! modelDescription.xml → modelDescription.xml of FMI 3.0, and the variables that only FMI 3.0 has.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use quick_xml::Writer;
@@ -8,7 +8,7 @@ use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use roxmltree::Node;
 
 use crate::description::{identifier, unique};
-use crate::positions::FMI3_DEPENDENCIES;
+use crate::positions::{ELEMENTS, FMI3_DEPENDENCIES};
 use crate::xml::{attribute, child, elements};
 
 /// The parts of the description that only FMI 3.0 has.
@@ -43,9 +43,13 @@ type Attributes<'a> = Vec<(&'a str, &'a str)>;
 pub fn write(root: Node) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
     let nodes: Vec<Node> = elements(child(of_fmi3, "ModelVariables")?).collect();
-    let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
+    let arrays = nodes.iter().flat_map(|node| {
+        let elements = node.attribute(ELEMENTS).unwrap_or("").split_whitespace();
+        elements.filter_map(|element| Some((element, node.attribute("valueReference")?)))
+    });
+    let mut file = File { writer: Writer::new_with_indent(Vec::new(), b' ', 2), arrays: arrays.collect() };
     file.description(root, of_fmi3, &nodes).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
-    let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
+    let text = String::from_utf8(file.writer.into_inner()).map_err(|error| error.to_string())? + "\n";
     let token = unique(&text);
     let packed = text.replacen(PLACEHOLDER, &token, 1);
     Ok(Fmi3 { token, packed, variables: nodes.into_iter().map(read).collect::<Result<_, String>>()? })
@@ -120,11 +124,15 @@ impl Fmi3Variable {
     }
 }
 
-struct File(Writer<Vec<u8>>);
+struct File<'a> {
+    writer: Writer<Vec<u8>>,
+    /// The arrays that take the place of scalars of FMI 2.0 among states and their derivatives, by value references.
+    arrays: BTreeMap<&'a str, &'a str>,
+}
 
 type Written = Result<(), String>;
 
-impl File {
+impl File<'_> {
     fn description(&mut self, root: Node, of_fmi3: Node, nodes: &[Node]) -> Written {
         self.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut attributes = vec![("fmiVersion", "3.0"), ("instantiationToken", PLACEHOLDER)];
@@ -135,7 +143,7 @@ impl File {
         elements(of_fmi3).filter(interface).try_for_each(|node| self.copy(node))?;
         self.copy(child(root, "UnitDefinitions")?)?;
         let types: Vec<Node> = elements(child(root, "TypeDefinitions")?).collect();
-        self.element("TypeDefinitions", &[], &types, File::declaration)?;
+        self.element("TypeDefinitions", &[], &types, Self::declaration)?;
         self.copy(child(root, "LogCategories")?)?;
         self.copy(child(root, "DefaultExperiment")?)?;
         let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(nodes.iter().copied()).collect();
@@ -145,7 +153,11 @@ impl File {
         let structure = child(root, "ModelStructure")?;
         let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
         let derivatives = structure.children().filter(|node| node.has_tag_name("Derivatives")).flat_map(elements);
-        let derivatives = derivatives.map(|node| ("ContinuousStateDerivative", node));
+        let derivatives =
+            derivatives.filter(|node| node.attribute("index").is_none_or(|i| !self.arrays.contains_key(i)));
+        // Those of arrays have no dependencies, which means all.
+        let of_arrays = nodes.iter().copied().filter(|node| node.has_attribute("derivative"));
+        let derivatives = derivatives.chain(of_arrays).map(|node| ("ContinuousStateDerivative", node));
         let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
         let local = nodes.iter().filter(|node| node.attribute("causality") == Some("local"));
         let indicators = local.map(|&node| ("EventIndicator", node));
@@ -168,7 +180,7 @@ impl File {
         let of_type = only_child(node)?;
         let (element, attributes) =
             (format!("{}Type", type_name(of_type)), [attributes_of(node), attributes_of(of_type)].concat());
-        self.element(&element, &attributes, &elements(of_type).collect::<Vec<_>>(), File::copy)
+        self.element(&element, &attributes, &elements(of_type).collect::<Vec<_>>(), Self::copy)
     }
 
     /// `ScalarVariable` with its type inside → an element named after the type. Continuous variables get `intermediateUpdate`.
@@ -188,15 +200,18 @@ impl File {
     fn unknown(&mut self, element: &str, node: Node) -> Written {
         let mut attributes = vec![("valueReference", attribute(node, "index")?)];
         let of_fmi3 = node.attribute(FMI3_DEPENDENCIES).unwrap_or("");
-        let references = node.attribute("dependencies").map(|references| {
-            references.split_whitespace().chain(of_fmi3.split_whitespace()).collect::<Vec<_>>().join(" ")
-        });
-        attributes.extend(references.iter().map(|references| ("dependencies", references.as_str())));
-        let kinds = node.attribute("dependenciesKind").map(|kinds| {
-            let of_fmi3 = of_fmi3.split_whitespace().map(|_| "dependent");
-            kinds.split_whitespace().chain(of_fmi3).collect::<Vec<_>>().join(" ")
-        });
-        attributes.extend(kinds.iter().map(|kinds| ("dependenciesKind", kinds.as_str())));
+        let mut references = Vec::new();
+        let dependencies = node.attribute("dependencies");
+        for reference in dependencies.unwrap_or("").split_whitespace().chain(of_fmi3.split_whitespace()) {
+            let reference = *self.arrays.get(reference).unwrap_or(&reference);
+            if !references.contains(&reference) {
+                references.push(reference);
+            }
+        }
+        let list = references.join(" ");
+        attributes.extend(dependencies.map(|_| ("dependencies", list.as_str())));
+        let kinds = vec!["dependent"; references.len()].join(" ");
+        attributes.extend(node.attribute("dependenciesKind").map(|_| ("dependenciesKind", kinds.as_str())));
         self.leaf(element, &attributes)
     }
 
@@ -205,7 +220,7 @@ impl File {
     }
 
     fn copy(&mut self, node: Node) -> Written {
-        self.element(node.tag_name().name(), &attributes_of(node), &elements(node).collect::<Vec<_>>(), File::copy)
+        self.element(node.tag_name().name(), &attributes_of(node), &elements(node).collect::<Vec<_>>(), Self::copy)
     }
 
     /// Writes an element with the content that `inside` makes from each node.
@@ -214,7 +229,7 @@ impl File {
         name: &str,
         attributes: &[(&str, &str)],
         nodes: &[T],
-        inside: impl Fn(&mut File, T) -> Written,
+        inside: impl Fn(&mut Self, T) -> Written,
     ) -> Written {
         if nodes.is_empty() {
             return self.leaf(name, attributes);
@@ -225,7 +240,7 @@ impl File {
     }
 
     fn event(&mut self, event: Event) -> Written {
-        self.0.write_event(event).map_err(|error| error.to_string())
+        self.writer.write_event(event).map_err(|error| error.to_string())
     }
 }
 
@@ -235,7 +250,8 @@ fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
 }
 
 fn attributes_of<'a>(node: Node<'a, '_>) -> Attributes<'a> {
-    node.attributes().map(|attribute| (attribute.name(), attribute.value())).collect()
+    let own = node.attributes().filter(|attribute| attribute.name() != ELEMENTS);
+    own.map(|attribute| (attribute.name(), attribute.value())).collect()
 }
 
 /// Returns the FMI 3.0 name of a type of FMI 2.0.

@@ -14,6 +14,9 @@ pub type Edit = (Range<usize>, String);
 /// The attribute of an unknown that lists the dependencies that only FMI 3.0 has.
 pub const FMI3_DEPENDENCIES: &str = "ofFmi3";
 
+/// The attribute of an array that only FMI 3.0 has, of states or their derivatives: the scalars that are its elements in FMI 2.0.
+pub const ELEMENTS: &str = "elements";
+
 /// Marks the name of a group in a list of names.
 const GROUP: char = '@';
 
@@ -42,6 +45,9 @@ pub fn write(text: &str) -> Result<String, String> {
     for length in dimensions.filter_map(|node| node.attribute_node("valueReference")) {
         edits.push((length.range_value(), names.position(length.value())?.to_string()));
     }
+    for elements in elements(of_fmi3).filter_map(|node| node.attribute_node(ELEMENTS)) {
+        edits.push((elements.range_value(), words(names.resolve(elements.value())?)));
+    }
     let structure = child(root, "ModelStructure")?;
     let groups = child(structure, "Groups")?;
     for group in elements(groups) {
@@ -62,11 +68,9 @@ pub fn write(text: &str) -> Result<String, String> {
                 let Some(dependencies) = unknown.attribute_node(attribute) else { continue };
                 let positions = names.resolve(dependencies.value());
                 let positions = positions.map_err(|e| format!("{attribute} of unknown {}: {e}", name.value()))?;
-                let words: Vec<String> = positions.iter().map(usize::to_string).collect();
-                edits.push((dependencies.range_value(), words.join(" ")));
-                if attribute == "dependencies" && !positions.is_empty() && WITH_KINDS.contains(&list.tag_name().name())
-                {
-                    let kinds = vec!["dependent"; positions.len()].join(" ");
+                let kinds = vec!["dependent"; positions.len()].join(" ");
+                edits.push((dependencies.range_value(), words(positions)));
+                if attribute == "dependencies" && !kinds.is_empty() && WITH_KINDS.contains(&list.tag_name().name()) {
                     let last = unknown.attributes().map(|attribute| attribute.range().end).max().unwrap_or_default();
                     edits.push((last..last, format!(" dependenciesKind=\"{kinds}\"")));
                 }
@@ -74,6 +78,11 @@ pub fn write(text: &str) -> Result<String, String> {
         }
     }
     Ok(apply(text, edits))
+}
+
+/// Returns a list of positions.
+fn words(positions: BTreeSet<usize>) -> String {
+    positions.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// Makes the replacements, which do not overlap.

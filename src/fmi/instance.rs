@@ -233,8 +233,8 @@ impl<V: Version> Instance<V> {
     /// An array of another length, and the errors of [`Fmu::exchanged`].
     pub fn get_exchanged(&mut self, numbers: Exchanged, values: &mut [MaybeUninit<f64>]) -> Answer {
         let expected = match numbers {
-            Exchanged::States | Exchanged::Derivatives | Exchanged::Nominals => V::Unit::STATES,
-            Exchanged::Indicators => V::Unit::INDICATORS,
+            Exchanged::States | Exchanged::Derivatives | Exchanged::Nominals => self.unit.state_count(),
+            Exchanged::Indicators => self.unit.indicator_count(),
         };
         counted(values.len(), expected, "numbers")?;
         let mut lost = false;

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use crate::space::body::SpaceBody;
+use crate::space::equations::times;
 use crate::space::forces::FootContact;
-use crate::space::motion::{BodyMotion, OMEGA, VELOCITY, WORKS, of_foot, three};
+use crate::space::motion::{BodyMotion, Component, OMEGA, VELOCITY, WORKS, dot, of_foot, three};
 
 /// Energy that a block has (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -41,23 +42,31 @@ pub struct SpaceEnergies {
     pub residual: f64,
 }
 
-/// Returns the energy of a state.
-pub(super) fn stored(body: &SpaceBody, state: &[f64], contacts: &[FootContact]) -> StoredEnergy {
+/// Returns the energy of a state: kinetic, of the weight, of the springs.
+pub(super) fn stored<T: Component>(body: &SpaceBody, state: &[T], contacts: &[FootContact]) -> [T; 3] {
     let motion = BodyMotion::of(state);
     let turning = motion.turn.rotate_back(&motion.omega);
-    let kinetic = 0.5 * (body.mass * motion.velocity.norm_squared() + turning.dot(&(body.inertia * turning)));
-    let mut supports = 0.0;
+    let kinetic =
+        (dot(&motion.velocity, &motion.velocity) * body.mass + dot(&turning, &times(&body.inertia, &turning))) * 0.5;
+    let mut supports = T::from(0.0);
     for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
         if foot.static_load > 0.0 {
-            supports -= 0.5 * body.stiffness * foot.free_height * foot.free_height;
+            supports = supports - 0.5 * body.stiffness * foot.free_height * foot.free_height;
         }
         if contact.touches() {
-            let depth = foot.free_height - motion.foot(&foot.place).displacement.z;
+            let depth = -motion.foot(&foot.place).displacement.z + foot.free_height;
             let [e_x, e_y] = [0, 1].map(|axis| state[of_foot(i) + axis]);
-            supports += 0.5 * (body.stiffness * depth * depth + body.horizontal_stiffness * (e_x * e_x + e_y * e_y));
+            let horizontal = (e_x * e_x + e_y * e_y) * body.horizontal_stiffness;
+            supports += (depth * body.stiffness * depth + horizontal) * 0.5;
         }
     }
-    StoredEnergy { kinetic, weight: body.mass * body.gravity * motion.displacement.z, supports }
+    [kinetic, motion.displacement.z * (body.mass * body.gravity), supports]
+}
+
+impl From<[f64; 3]> for StoredEnergy {
+    fn from([kinetic, weight, supports]: [f64; 3]) -> StoredEnergy {
+        StoredEnergy { kinetic, weight, supports }
+    }
 }
 
 /// Returns the rates of all energies (W) from a state and its rates.
@@ -74,6 +83,13 @@ pub(super) fn energy_rates(body: &SpaceBody, state: &[f64], rates: &[f64], conta
         supports += body.horizontal_stiffness * (stretches[0] + stretches[1]) - body.stiffness * depth * at.velocity.z;
     }
     let stored = StoredEnergy { kinetic, weight: body.mass * body.gravity * velocity.z, supports };
-    let [input, dashpots, slip] = [0, 1, 2].map(|i| rates[WORKS + i]);
-    SpaceEnergies { stored, input, dashpots, slip, lift_off: 0.0, residual: stored.total() - input + dashpots + slip }
+    SpaceEnergies::changing(stored, [0, 1, 2].map(|i| rates[WORKS + i]))
+}
+
+impl SpaceEnergies {
+    /// Returns the change of all energies by that of the stored ones and of the works.
+    pub(super) fn changing(stored: StoredEnergy, [input, dashpots, slip]: [f64; 3]) -> SpaceEnergies {
+        let residual = stored.total() - input + dashpots + slip;
+        SpaceEnergies { stored, input, dashpots, slip, lift_off: 0.0, residual }
+    }
 }

@@ -29,7 +29,7 @@ pub struct SpaceEquations<'a> {
 
 /// Returns the product of a constant matrix and a vector.
 #[inline(always)]
-fn times<T: Component>(m: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
+pub(super) fn times<T: Component>(m: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
     let row = |i: usize| v.x * m[(i, 0)] + v.y * m[(i, 1)] + v.z * m[(i, 2)];
     Vector3::new(row(0), row(1), row(2))
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::excitation::records::ramp_from;
 use crate::excitation::{Pulse, Ramp, Wave};
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::CombinesWith;
 use crate::space::motion::Component;
 
@@ -106,6 +107,17 @@ pub struct SpaceForcing<T> {
     pub acceleration: Vector3<T>,
     /// Moment (N.m).
     pub moment: Vector3<T>,
+}
+
+impl SpaceForcing<Dual> {
+    /// Returns a forcing that also changes in a direction of the values of inputs, with a body of this mass (kg).
+    pub fn moved(mut self, inputs: &SpaceInputs, mass: f64) -> SpaceForcing<Dual> {
+        for i in 0..3 {
+            self.acceleration[i].eps += inputs.ground[i].value - inputs.force[i].value / mass;
+            self.moment[i].eps += inputs.moment[i].value;
+        }
+        self
+    }
 }
 
 /// The excitation over a smooth piece of time.

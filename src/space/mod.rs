@@ -13,6 +13,7 @@
 //! | [`equations`] | state, contacts and excitation → rates of the state |
 //! | [`beginning`] | tilt, twist and velocities → the state at the start |
 //! | [`events`] | the functions that are watched, and the change of the block at their zeros: a file each |
+//! | [`exchange`] | states of an outside solver → their derivatives, event indicators, effects of events |
 //! | `limits` | contacts and tolerance → allowed errors and the longest step |
 //! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
 //! | [`peaks`] | the ends of a step → the greatest values, also between them |
@@ -23,6 +24,7 @@ pub(crate) mod body;
 pub mod energies;
 pub mod equations;
 pub(crate) mod events;
+pub mod exchange;
 pub mod excitation;
 pub(crate) mod forces;
 mod limits;

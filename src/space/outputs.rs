@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::numerics::scalar::{Elementary, greatest};
 use crate::space::body::SpaceBody;
 use crate::space::forces::{FootContact, FootForces, support_height};
-use crate::space::motion::{BodyMotion, Component, OMEGA, Turn, VELOCITY, constant, of_foot, three};
+use crate::space::motion::{BodyMotion, Component, OMEGA, QUATERNION, Turn, VELOCITY, WORKS, constant, of_foot, three};
 
 /// Tilt and twist of a rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,8 +60,14 @@ pub struct FootObservation<T = f64> {
     pub horizontal: [T; 2],
     /// Height over the top of its support (m).
     pub uplift: T,
+    /// Stretch of its horizontal spring (m).
+    pub stretch: [T; 2],
+    /// Rate of this stretch (m/s).
+    pub stretch_rate: [T; 2],
     /// Length of its slip since the start (m).
     pub slip: T,
+    /// Rate of this length (m/s).
+    pub slip_rate: T,
     /// |F|/N of a foot that touches (1).
     pub friction_demand: T,
     /// Whether it touches.
@@ -77,6 +83,10 @@ pub struct SpaceObservation<T = f64> {
     pub time: T,
     /// Tilt and twist.
     pub attitude: Attitude<T>,
+    /// The quaternion of the rotation, its real part first.
+    pub quaternion: [T; 4],
+    /// Its rate (1/s).
+    pub quaternion_rate: [T; 4],
     /// Angular velocity (rad/s).
     pub omega: Vector3<T>,
     /// Displacement u, w, v of the centre of mass (m).
@@ -93,6 +103,8 @@ pub struct SpaceObservation<T = f64> {
     pub force: Vector3<T>,
     /// Moment of these forces about the place of the base's middle at rest (N.m).
     pub moment: Vector3<T>,
+    /// Powers (W) of ground motion and loads, and of what the dashpots and slip take.
+    pub powers: [T; 3],
     /// The feet.
     pub feet: Vec<FootObservation<T>>,
 }
@@ -108,14 +120,16 @@ impl<T: Component + Elementary> SpaceObservation<T> {
         let mut feet = Vec::with_capacity(body.count());
         for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
             let at = motion.foot(&foot.place);
-            let slip = state[of_foot(i) + 2];
+            let [stretch, stretch_rate] = [state, rates].map(|numbers| [numbers[of_foot(i)], numbers[of_foot(i) + 1]]);
+            let [slip, slip_rate] = [state, rates].map(|numbers| numbers[of_foot(i) + 2]);
+            let of_state = FootObservation { stretch, stretch_rate, slip, slip_rate, ..FootObservation::default() };
             if let FootContact::Lifted(creep) = contact {
                 let top = support_height(body, foot, creep, time.value());
                 let uplift = at.displacement.z - ((time - time.value()) * top.eps + top.re);
-                feet.push(FootObservation { uplift, slip, ..FootObservation::default() });
+                feet.push(FootObservation { uplift, ..of_state });
                 continue;
             }
-            let forces = FootForces::of(body, foot, *contact, &at, [state[of_foot(i)], state[of_foot(i) + 1]]);
+            let forces = FootForces::of(body, foot, *contact, &at, stretch);
             // The size of a force grows from zero in any direction.
             let trial_size = if forces.trial_size.value() > 0.0 {
                 forces.trial_size
@@ -128,15 +142,17 @@ impl<T: Component + Elementary> SpaceObservation<T> {
                 normal: forces.normal,
                 horizontal: [forces.force.x, forces.force.y],
                 uplift: zero,
-                slip,
                 friction_demand: trial_size / forces.normal,
                 touches: true,
                 slides: *contact == FootContact::Slides,
+                ..of_state
             });
         }
         SpaceObservation {
             time,
             attitude: Attitude::of(&turn),
+            quaternion: std::array::from_fn(|i| state[QUATERNION + i]),
+            quaternion_rate: std::array::from_fn(|i| rates[QUATERNION + i]),
             omega,
             displacement,
             velocity,
@@ -145,6 +161,7 @@ impl<T: Component + Elementary> SpaceObservation<T> {
             drift: drift(body, &motion),
             force,
             moment,
+            powers: std::array::from_fn(|i| rates[WORKS + i]),
             feet,
         }
     }
@@ -157,7 +174,10 @@ impl<T: Component + Elementary> SpaceObservation<T> {
             normal: f(foot.normal),
             horizontal: foot.horizontal.map(&f),
             uplift: f(foot.uplift),
+            stretch: foot.stretch.map(&f),
+            stretch_rate: foot.stretch_rate.map(&f),
             slip: f(foot.slip),
+            slip_rate: f(foot.slip_rate),
             friction_demand: f(foot.friction_demand),
             touches: foot.touches,
             slides: foot.slides,
@@ -165,6 +185,8 @@ impl<T: Component + Elementary> SpaceObservation<T> {
         SpaceObservation {
             time: f(self.time),
             attitude: Attitude { tilt, tilt_x, tilt_y, azimuth, twist },
+            quaternion: self.quaternion.map(&f),
+            quaternion_rate: self.quaternion_rate.map(&f),
             omega: self.omega.map(&f),
             displacement: self.displacement.map(&f),
             velocity: self.velocity.map(&f),
@@ -173,6 +195,7 @@ impl<T: Component + Elementary> SpaceObservation<T> {
             drift: self.drift.map(&f),
             force: self.force.map(&f),
             moment: self.moment.map(&f),
+            powers: self.powers.map(&f),
             feet: self.feet.iter().map(foot).collect(),
         }
     }
@@ -186,16 +209,23 @@ impl<T: Component + Elementary> SpaceObservation<T> {
     /// Returns what is left of a block that is held: it has a place, and neither motion nor forces.
     #[must_use]
     pub fn held(self) -> SpaceObservation<T> {
-        let zero = Vector3::repeat(T::from(0.0));
-        let foot =
-            |foot: FootObservation<T>| FootObservation { slip: foot.slip, uplift: foot.uplift, ..Default::default() };
+        let still = T::from(0.0);
+        let zero = Vector3::repeat(still);
+        let foot = |foot: FootObservation<T>| FootObservation {
+            stretch: foot.stretch,
+            slip: foot.slip,
+            uplift: foot.uplift,
+            ..FootObservation::default()
+        };
         SpaceObservation {
+            quaternion_rate: [still; 4],
             omega: zero,
             velocity: zero,
             acceleration: zero,
             angular_acceleration: zero,
             force: zero,
             moment: zero,
+            powers: [still; 3],
             feet: self.feet.into_iter().map(foot).collect(),
             ..self
         }

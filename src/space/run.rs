@@ -13,13 +13,14 @@ use crate::numerics::stepper::Stepper;
 use crate::run::{Ending, MAX_STEPS, OnSeparation, Progress, Settings, SimulationError};
 use crate::space::beginning::SpaceInitial;
 use crate::space::body::SpaceBody;
-use crate::space::energies::{SpaceEnergies, energy_rates, stored};
+use crate::space::energies::{SpaceEnergies, StoredEnergy, energy_rates, stored};
 use crate::space::equations::{SpaceEquations, with_rates};
 use crate::space::events::{SpaceEvent, SpaceEventKind, SpaceSample, topples};
+use crate::space::exchange::{SpacePiece, indicator_count, place};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
-use crate::space::motion::{WORKS, dimension};
+use crate::space::motion::{VELOCITY, WORKS, dimension};
 use crate::space::outputs::SpaceObservation;
 use crate::space::peaks::{SpacePeakRates, SpacePeaks};
 
@@ -68,6 +69,8 @@ pub struct SpaceState {
     /// Time of the last event (s), or of the start.
     pub last_event: f64,
     pub(super) events_in_this_instant: usize,
+    /// The present smooth piece of a block that is stepped from outside.
+    pub(super) piece: Option<SpacePiece>,
 }
 
 /// The block, its settings and its pulses, which no step changes.
@@ -106,6 +109,8 @@ pub(super) struct Memory {
     pub(super) samples: [Vec<SpaceSample>; 2],
     /// Which of them fall through zero at an event.
     pub(super) falls: Vec<bool>,
+    /// The event indicators for a solver outside.
+    pub(super) indicators: Vec<f64>,
 }
 
 /// A block in motion.
@@ -120,7 +125,7 @@ impl Memory {
     fn new(body: &SpaceBody) -> Memory {
         let n = dimension(body.count());
         let numbers = || vec![0.0; n];
-        let functions = 2 * body.count() + 1;
+        let functions = indicator_count(body.count());
         Memory {
             stepper: Stepper::new(n),
             limits: SpaceLimits::new(n),
@@ -131,6 +136,7 @@ impl Memory {
             inside_rates: numbers(),
             samples: [vec![SpaceSample::default(); functions], vec![SpaceSample::default(); functions]],
             falls: vec![false; functions],
+            indicators: vec![0.0; functions],
         }
     }
 }
@@ -145,12 +151,13 @@ impl SpaceRun {
             control: StepControl::NEW,
             ending: None,
             separated: false,
-            initial_energy: stored(&setup.body, &numbers, &contacts).total(),
+            initial_energy: StoredEnergy::from(stored(&setup.body, &numbers, &contacts)).total(),
             lift_off_energy: 0.0,
             peaks: SpacePeaks::at_start(&setup.body, &numbers),
             counts: SpaceCounts::default(),
             last_event: time,
             events_in_this_instant: 0,
+            piece: None,
             numbers,
             contacts,
         };
@@ -171,12 +178,18 @@ impl SpaceRun {
         if state.contacts.len() != feet || state.numbers.len() != dimension(feet) {
             return Err(format!("the state has {} feet; expected {feet}", state.contacts.len()));
         }
+        if let Some(piece) = &state.piece
+            && piece.last.1.len() != dimension(feet)
+        {
+            return Err(format!("the last step has {} numbers; expected {}", piece.last.1.len(), dimension(feet)));
+        }
         let creeps = state.contacts.iter().flat_map(|contact| match contact {
             FootContact::Lifted(creep) => [creep.depth, creep.since],
             FootContact::Sticks | FootContact::Slides => [0.0; 2],
         });
         let others = [state.time, state.last_event, state.initial_energy, state.lift_off_energy];
-        let numbers = state.numbers.iter().copied().chain(creeps).chain(others);
+        let piece = state.piece.iter().flat_map(SpacePiece::numbers);
+        let numbers = state.numbers.iter().copied().chain(creeps).chain(others).chain(piece);
         if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
             return Err(format!("the state has the number {number}; expected finite ones"));
         }
@@ -287,7 +300,7 @@ impl SpaceRun {
     /// Energies now, and their sums since the start (J).
     pub fn energies(&self) -> SpaceEnergies {
         let SpaceState { numbers, contacts, initial_energy, lift_off_energy, .. } = &self.state;
-        let stored = stored(&self.setup.body, numbers, contacts);
+        let stored = StoredEnergy::from(stored(&self.setup.body, numbers, contacts));
         let [input, dashpots, slip] = [0, 1, 2].map(|i| numbers[WORKS + i]);
         let lift_off = *lift_off_energy;
         let residual = stored.total() - initial_energy - input + dashpots + slip + lift_off;
@@ -329,8 +342,31 @@ impl SpaceRun {
         }
     }
 
+    /// The change of what users see in a direction of [continuous states](SpaceRun::continuous_states), the values of inputs, and time.
+    /// Contacts and greatest values stay. A block that is held has no velocities.
+    pub fn along(&self, at: &SpaceInputs, states: &[f64], inputs: &SpaceInputs, time: f64) -> SpaceRates {
+        let excitation = self.excitation(at);
+        let SpaceState { time: now, numbers: values, contacts, ending, .. } = &self.state;
+        let (body, is_frozen) = (&self.setup.body, self.is_frozen());
+        let moves = |i: usize| !is_frozen || !(VELOCITY..WORKS).contains(&i);
+        let direction = |i: usize| if moves(i) { states[place(i, body.count())] } else { 0.0 };
+        let state: Vec<Dual> = values.iter().enumerate().map(|(i, &value)| Dual::new(value, direction(i))).collect();
+        let time = Dual::new(*now, if ending.is_some() { 0.0 } else { time });
+        let equations = SpaceEquations { body, contacts, excitation: &excitation };
+        let forcing = excitation.at(time).moved(inputs, body.mass);
+        let mut rates = vec![Dual::default(); values.len()];
+        equations.rates_under(&forcing, &state, &mut rates);
+        let observed = SpaceObservation::of(body, contacts, time, &state, &rates);
+        let stored = StoredEnergy::from(stored(body, &state, contacts).map(|energy| energy.eps));
+        SpaceRates {
+            observed: if is_frozen { observed.held() } else { observed },
+            energies: SpaceEnergies::changing(stored, [0, 1, 2].map(|i| states[WORKS + i])),
+            peaks: SpacePeakRates::default(),
+        }
+    }
+
     pub(super) fn excitation(&self, inputs: &SpaceInputs) -> SpaceExcitation {
-        SpaceExcitation::new(self.state.time, inputs, &self.setup.pulses, self.setup.body.mass)
+        SpaceExcitation::new(self.piece_time(), inputs, &self.setup.pulses, self.setup.body.mass)
     }
 }
 

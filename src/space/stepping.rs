@@ -34,13 +34,13 @@ struct SpaceCrossing {
 }
 
 /// The motion inside a step.
-struct SpaceInterior<'a> {
-    equations: SpaceEquations<'a>,
-    stepper: &'a mut Stepper,
-    time: f64,
-    state: &'a mut [f64],
-    rates: &'a mut [f64],
-    evaluations: u64,
+pub(super) struct SpaceInterior<'a> {
+    pub(super) equations: SpaceEquations<'a>,
+    pub(super) stepper: &'a mut Stepper,
+    pub(super) time: f64,
+    pub(super) state: &'a mut [f64],
+    pub(super) rates: &'a mut [f64],
+    pub(super) evaluations: u64,
 }
 
 impl SpaceInterior<'_> {
@@ -65,7 +65,7 @@ impl SpaceInterior<'_> {
 }
 
 /// Writes the samples of all watched functions.
-fn write_samples(now: &Poised, samples: &mut [SpaceSample]) {
+pub(super) fn write_samples(now: &Poised, samples: &mut [SpaceSample]) {
     let motion = now.motion();
     for (sample, function) in samples.iter_mut().zip(now.functions()) {
         *sample = now.sample_with(&motion, function);
@@ -138,7 +138,7 @@ fn first_crossing(
 }
 
 /// Includes the values of a step from `here` on for this duration (s), with the quantities of the motion and the samples at its end.
-fn include_peaks(
+pub(super) fn include_peaks(
     peaks: &mut SpacePeaks,
     here: &Poised,
     end: [Dual; OF_MOTION],
@@ -190,7 +190,7 @@ impl SpaceRun {
     }
 
     /// Evaluates the present state, under new contacts or a new excitation.
-    fn begin(&mut self, excitation: &SpaceExcitation) {
+    pub(super) fn begin(&mut self, excitation: &SpaceExcitation) {
         let SpaceRun { setup, state, memory } = self;
         memory.limits.set(&setup.body, &state.contacts, setup.settings.tolerance, excitation.frequency());
         let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
@@ -323,6 +323,16 @@ impl SpaceRun {
         observer: &mut dyn FnMut(&SpaceEvent),
     ) -> Result<(), SimulationError> {
         self.find_falls(number, elapsed, excitation);
+        self.apply_falls(excitation, observer)?;
+        Ok(())
+    }
+
+    /// Applies the events of the watched functions that fall, whose rates are those inside a step in memory. Returns whether any happened.
+    pub(super) fn apply_falls(
+        &mut self,
+        excitation: &SpaceExcitation,
+        observer: &mut dyn FnMut(&SpaceEvent),
+    ) -> Result<bool, SimulationError> {
         let SpaceRun { setup, state, memory } = self;
         let time = state.time;
         state.events_in_this_instant += 1;
@@ -330,7 +340,7 @@ impl SpaceRun {
             return Err(SimulationError::NoRegime { time, count: state.events_in_this_instant as u32 });
         }
         // The functions of a foot are next to each other, its lift-off first.
-        let mut number = 0;
+        let (mut number, mut any) = (0, false);
         for foot in 0..setup.body.count() {
             let contact = state.contacts[foot];
             let functions = watched(&setup.body, foot, &contact);
@@ -353,6 +363,7 @@ impl SpaceRun {
             if contact.touches() != change.contact.touches() {
                 state.numbers[of_foot(foot)..of_foot(foot) + 2].fill(0.0);
             }
+            any = true;
             state.contacts[foot] = change.contact;
             state.lift_off_energy += change.lost;
             for kind in change.events.into_iter().flatten() {
@@ -362,13 +373,14 @@ impl SpaceRun {
             }
         }
         if memory.falls[number] {
+            any = true;
             state.ending = Some((Ending::Overturned, time));
             state.last_event = time;
             observer(&SpaceEvent { time, kind: SpaceEventKind::Overturning });
         }
         state.note_separation(setup);
         self.begin(excitation);
-        Ok(())
+        Ok(any)
     }
 
     /// Finds the watched functions that fall through zero at the present state, beside the one with this number.

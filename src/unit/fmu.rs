@@ -29,12 +29,6 @@ pub trait Fmu: Clone + Debug + Serialize + DeserializeOwned {
     const CONTENT_VERSION: u32;
     /// Number of variables in FMI 3.0. Their references count from 1.
     const VARIABLES: usize;
-    /// The interface types that the description declares.
-    const INTERFACES: &'static [Interface];
-    /// Number of continuous states of Model Exchange.
-    const STATES: usize = 0;
-    /// Number of event indicators of Model Exchange.
-    const INDICATORS: usize = 0;
 
     /// Makes a new instance with start values.
     fn new(interface: Interface) -> Self;
@@ -164,29 +158,20 @@ pub trait Fmu: Clone + Debug + Serialize + DeserializeOwned {
         direction: &Self::Direction,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault>;
 
+    /// Model Exchange: returns the number of continuous states.
+    fn state_count(&self) -> usize;
+    /// Model Exchange: returns the number of event indicators.
+    fn indicator_count(&self) -> usize;
     /// Model Exchange: applies the events of the present time.
-    fn pass_events(&mut self, _observer: &mut dyn FnMut(&Self::Event)) -> Result<AfterEvent, Fault> {
-        Err(not_exchanged())
-    }
+    fn pass_events(&mut self, observer: &mut dyn FnMut(&Self::Event)) -> Result<AfterEvent, Fault>;
     /// Model Exchange: sets the time (s).
-    fn set_time(&mut self, _time: f64) -> Result<(), Fault> {
-        Err(not_exchanged())
-    }
+    fn set_time(&mut self, time: f64) -> Result<(), Fault>;
     /// Model Exchange: sets the continuous states.
-    fn set_states(&mut self, _states: &[f64]) -> Result<(), Fault> {
-        Err(not_exchanged())
-    }
+    fn set_states(&mut self, states: &[f64]) -> Result<(), Fault>;
     /// Model Exchange: passes numbers of this kind to `give`.
-    fn exchanged(&mut self, _numbers: Exchanged, _give: &mut dyn FnMut(&[f64])) -> Result<(), Fault> {
-        Err(not_exchanged())
-    }
+    fn exchanged(&mut self, numbers: Exchanged, give: &mut dyn FnMut(&[f64])) -> Result<(), Fault>;
     /// Model Exchange: accepts a step of the importer's solver.
-    fn complete_step(&mut self) {}
-}
-
-/// Refuses a call of Model Exchange to a unit without it, which the table of calls refuses before.
-fn not_exchanged() -> Fault {
-    Fault::new("Model Exchange is not offered; expected Co-Simulation")
+    fn complete_step(&mut self);
 }
 
 /// The numbers of Model Exchange.

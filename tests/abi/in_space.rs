@@ -5,6 +5,8 @@ mod bad_step;
 mod callbacks;
 #[allow(dead_code, reason = "the planar unit's own tests use the rest")]
 mod description;
+mod exchange_calls;
+mod exchange_in_space;
 mod exports;
 #[allow(dead_code, reason = "the planar unit's own tests use the rest")]
 mod functions;

@@ -7,6 +7,7 @@ mod skipped;
 
 mod closed_forms;
 mod equations;
+mod exchange;
 mod excitation;
 mod parameters;
 mod random;

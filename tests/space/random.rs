@@ -10,7 +10,7 @@ use rocking_block::space::{
 
 use crate::{cases, of_foot, run, sine};
 
-fn bases() -> impl Strategy<Value = Base> {
+pub fn bases() -> impl Strategy<Value = Base> {
     let size = (0.1..0.6, 1.0..4.0).prop_map(|(alpha, p)| BaseSize::Slenderness { alpha, p });
     prop_oneof![
         (size.clone(), 0.4..2.5).prop_map(|(size, depth_ratio)| Base::Rectangle { size, depth_ratio }),
@@ -18,7 +18,7 @@ fn bases() -> impl Strategy<Value = Base> {
     ]
 }
 
-fn blocks() -> impl Strategy<Value = SpaceParameters> {
+pub fn blocks() -> impl Strategy<Value = SpaceParameters> {
     let numbers = (10.0..150.0, 0.02..1.0, 0.3..4.0, 0.02..1.0);
     let friction = prop_oneof![Just(0.0), 0.05..1.0, Just(10.0)];
     (bases(), numbers, friction).prop_map(|(base, (eta, xi_v, kappa, xi_h), friction)| SpaceParameters {
@@ -32,7 +32,7 @@ fn blocks() -> impl Strategy<Value = SpaceParameters> {
     })
 }
 
-fn pulses() -> impl Strategy<Value = [DirectedPulse; 3]> {
+pub fn pulses() -> impl Strategy<Value = [DirectedPulse; 3]> {
     let pulse = |most: f64| (0.0..most, 2.0..20.0, 0.0..0.5, 0.0..7.0);
     (pulse(8.0), pulse(8.0), pulse(14.0)).prop_map(|pulses| {
         let of = |(amplitude, omega, start, azimuth): (f64, f64, f64, f64), is_vertical: bool| {
@@ -43,7 +43,7 @@ fn pulses() -> impl Strategy<Value = [DirectedPulse; 3]> {
     })
 }
 
-fn beginnings() -> impl Strategy<Value = SpaceInitial> {
+pub fn beginnings() -> impl Strategy<Value = SpaceInitial> {
     let rates = [-0.5..0.5, -0.5..0.5, -2.0..2.0_f64];
     let flight = ([-0.3..0.3, -0.3..0.3], 0.1..0.5_f64, -1.0..4.0_f64, [-8.0..8.0, -8.0..8.0, -8.0..8.0_f64]);
     prop_oneof![

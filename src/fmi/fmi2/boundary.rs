@@ -74,11 +74,6 @@ fn fit<U: Fmu>(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Resu
             ));
         }
     };
-    if !U::INTERFACES.contains(&interface) {
-        return Err(format!(
-            "fmuType = {kind}; expected {FMI2_CO_SIMULATION}, fmi2CoSimulation, which alone this FMU offers"
-        ));
-    }
     match guid.map(CStr::to_string_lossy) {
         Some(guid) if guid == U::GUID => Ok(interface),
         Some(guid) => Err(format!("fmuGUID = {guid:?}; expected {:?}", U::GUID)),

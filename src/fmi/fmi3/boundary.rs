@@ -109,7 +109,7 @@ pub unsafe fn instantiate<U: Fmu>(function: &str, request: &Request, stepping: O
                     .and_then(|required| Fmi3::stepped(is_true(event_mode), is_true(early_return), required, updater))
             }
         };
-        match fit::<U>(name, token, interface).and(how) {
+        match fit::<U>(name, token).and(how) {
             Ok(how) => Some(Instance::<U>::new(log, interface, how)),
             Err(reason) => {
                 log.status(Status::Error, &format!("{function}: {reason}"));
@@ -119,10 +119,7 @@ pub unsafe fn instantiate<U: Fmu>(function: &str, request: &Request, stepping: O
     })
 }
 
-fn fit<U: Fmu>(name: Option<&CStr>, token: Option<&CStr>, interface: Interface) -> Result<(), String> {
-    if !U::INTERFACES.contains(&interface) {
-        return Err("this FMU offers Co-Simulation alone".into());
-    }
+fn fit<U: Fmu>(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
     if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
         return Err("instanceName is missing; expected a name".into());
     }

@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 use crate::fmi::fmi3::instance::{Answer, Instance, write};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::fmi3::values::{FLOAT64, fits, known, mismatch};
-use crate::unit::attributes::Known;
+use crate::unit::attributes::{Causality, Known};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::Fmu;
 use crate::unit::life_cycle::Phase;
@@ -22,15 +22,22 @@ impl<U: Fmu> Instance<U> {
         seed: &[f64],
         sensitivities: &mut [MaybeUninit<f64>],
     ) -> Answer {
-        fits(unknowns.len(), sensitivities.len())?;
+        fits(self.value_count(unknowns), sensitivities.len())?;
         check_unknowns::<U>(unknowns)?;
         if self.unit.life().phase != Phase::InitializationMode {
-            fits(knowns.len(), seed.len())?;
-            let (of_time, others): (Vec<_>, Vec<_>) =
-                knowns.iter().zip(seed).partition(|(known, _)| U::is_time(**known));
-            let time = of_time.into_iter().map(|(_, component)| component).sum();
-            let (knowns, seed): (Vec<u32>, Vec<f64>) = others.into_iter().unzip();
-            return self.directional_derivative(unknowns, &knowns, &seed, time, sensitivities);
+            fits(self.value_count(knowns), seed.len())?;
+            let (mut time, mut others, mut components, mut rest) = (0.0, Vec::new(), Vec::new(), seed);
+            for &known in knowns {
+                let (these, following) = rest.split_at(self.unit.size(known));
+                rest = following;
+                if U::is_time(known) {
+                    time += these.iter().sum::<f64>();
+                } else {
+                    others.push(known);
+                    components.extend_from_slice(these);
+                }
+            }
+            return self.directional_derivative(unknowns, &others, &components, time, sensitivities);
         }
         fits(self.value_count(knowns), seed.len())?;
         let (mut direction, mut rest) = (U::Direction::default(), seed);
@@ -55,7 +62,7 @@ impl<U: Fmu> Instance<U> {
         seed: &[f64],
         sensitivities: &mut [MaybeUninit<f64>],
     ) -> Answer {
-        fits(unknowns.len(), seed.len())?;
+        fits(self.value_count(unknowns), seed.len())?;
         check_unknowns::<U>(unknowns)?;
         if let Some(wrong) = seed.iter().find(|x| !x.is_finite()) {
             return Err(Fault::new(format!("seed {wrong}; expected finite numbers")));
@@ -66,12 +73,18 @@ impl<U: Fmu> Instance<U> {
                 .try_fold(0.0, |sum, (derivative, factor)| Ok::<f64, Fault>(sum + derivative? * factor))
         };
         if self.unit.life().phase != Phase::InitializationMode {
-            fits(knowns.len(), sensitivities.len())?;
-            for (known, sensitivity) in knowns.iter().zip(sensitivities) {
+            fits(self.value_count(knowns), sensitivities.len())?;
+            let mut sensitivities = sensitivities.iter_mut();
+            for known in knowns {
                 let (knowns, time) =
                     if U::is_time(*known) { (&[][..], 1.0) } else { (std::slice::from_ref(known), 0.0) };
-                let mut derivatives = self.unit.directional_derivative(unknowns, knowns, &[1.0], time)?;
-                sensitivity.write(weighted(&mut derivatives)?);
+                let mut direction = vec![0.0; self.unit.size(*known)];
+                for (i, sensitivity) in (0..direction.len()).zip(&mut sensitivities) {
+                    direction.fill(0.0);
+                    direction[i] = 1.0;
+                    let mut derivatives = self.unit.directional_derivative(unknowns, knowns, &direction, time)?;
+                    sensitivity.write(weighted(&mut derivatives)?);
+                }
             }
             return Ok(Status::Ok);
         }
@@ -93,9 +106,12 @@ impl<U: Fmu> Instance<U> {
     }
 }
 
-/// Refuses variables that exist only in FMI 3.0 as unknowns, since none is an output.
+/// Refuses variables that exist only in FMI 3.0 as unknowns, unless they are outputs.
 fn check_unknowns<U: Fmu>(references: &[u32]) -> Result<(), Fault> {
-    let mut alone = references.iter().filter_map(|&reference| U::known(reference)).filter(|known| known.of_fmi3);
+    let mut alone = references
+        .iter()
+        .filter_map(|&reference| U::known(reference))
+        .filter(|known| known.of_fmi3 && known.causality != Causality::Output);
     alone.next().map_or(Ok(()), |Known { name, .. }| {
         Err(Fault::new(format!("{name} is no output; expected an output or a calculated parameter to differentiate")))
     })

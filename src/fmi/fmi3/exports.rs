@@ -431,13 +431,13 @@ functions! {
     fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi3Float64, count: size_t) =
         |instance| instance.get_exchanged(Exchanged::Nominals, output_array("nominals", values, count)?.elements());
     /// Model Exchange: returns the number of event indicators.
-    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |_| {
-        single_output("nEventIndicators", count)?.put(Unit::INDICATORS);
+    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |instance| {
+        single_output("nEventIndicators", count)?.put(instance.unit.indicator_count());
         Ok(Status::Ok)
     };
     /// Model Exchange: returns the number of continuous states.
-    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates(count: *mut size_t) = |_| {
-        single_output("nContinuousStates", count)?.put(Unit::STATES);
+    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates(count: *mut size_t) = |instance| {
+        single_output("nContinuousStates", count)?.put(instance.unit.state_count());
         Ok(Status::Ok)
     };
 }

@@ -62,12 +62,18 @@ impl SpaceFmi3Values {
             | Fmi3Variable::FootGap
             | Fmi3Variable::N
             | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => self.foot_count(),
+            | Fmi3Variable::Slip
+            | Fmi3Variable::StretchX
+            | Fmi3Variable::StretchY
+            | Fmi3Variable::StretchXRate
+            | Fmi3Variable::StretchYRate
+            | Fmi3Variable::SlipRate => self.foot_count(),
             Fmi3Variable::RecordSamples
             | Fmi3Variable::RecordXSamples
             | Fmi3Variable::RecordYSamples
             | Fmi3Variable::RecordZSamples => self.samples[0].len(),
-            Fmi3Variable::Time | Fmi3Variable::IntermediateInterval => 1,
+            // The instance knows which feet an indicator has.
+            Fmi3Variable::Time | Fmi3Variable::IntermediateInterval | Fmi3Variable::Indicator(_) => 1,
         }
     }
 
@@ -94,7 +100,13 @@ impl SpaceFmi3Values {
             | Fmi3Variable::RecordSamples
             | Fmi3Variable::N
             | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => None,
+            | Fmi3Variable::Slip
+            | Fmi3Variable::StretchX
+            | Fmi3Variable::StretchY
+            | Fmi3Variable::StretchXRate
+            | Fmi3Variable::StretchYRate
+            | Fmi3Variable::SlipRate
+            | Fmi3Variable::Indicator(_) => None,
         }
     }
 
@@ -115,7 +127,13 @@ impl SpaceFmi3Values {
             | Fmi3Variable::RecordSamples
             | Fmi3Variable::N
             | Fmi3Variable::Uplift
-            | Fmi3Variable::Slip => &[],
+            | Fmi3Variable::Slip
+            | Fmi3Variable::StretchX
+            | Fmi3Variable::StretchY
+            | Fmi3Variable::StretchXRate
+            | Fmi3Variable::StretchYRate
+            | Fmi3Variable::SlipRate
+            | Fmi3Variable::Indicator(_) => &[],
         }
     }
 }

@@ -42,9 +42,6 @@ impl Fmu for Unit {
     const TOKEN: &'static str = TOKEN;
     const CONTENT_VERSION: u32 = VERSION;
     const VARIABLES: usize = VARIABLES.len() + FMI3_VARIABLES.len();
-    const INTERFACES: &'static [Interface] = &[Interface::CoSimulation, Interface::ModelExchange];
-    const STATES: usize = STATES;
-    const INDICATORS: usize = INDICATORS;
 
     forward! {
         fn is_valid(self: &Self) -> bool;
@@ -76,6 +73,16 @@ impl Fmu for Unit {
 
     fn new(interface: Interface) -> Unit {
         Unit::new(interface)
+    }
+
+    #[inline]
+    fn state_count(&self) -> usize {
+        STATES
+    }
+
+    #[inline]
+    fn indicator_count(&self) -> usize {
+        INDICATORS
     }
 
     #[inline]

@@ -5,10 +5,9 @@ use crate::space::outputs::FootObservation;
 use crate::space::{SpaceEvent, SpaceInputs, SpaceRun};
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
 use crate::unit::fault::Fault;
-use crate::unit::fmu::{Fmu, Reached};
-use crate::unit::in_space::instance::{
-    Cache, SpaceUnit, first_order, fmi3_variable, input, no_block, not_declared, output,
-};
+use crate::unit::fmu::{AfterEvent, Exchanged, Fmu, Reached};
+use crate::unit::in_space::instance::derivatives::SpaceDirection;
+use crate::unit::in_space::instance::{Cache, SpaceUnit, first_order, fmi3_variable, input, no_block, output};
 use crate::unit::in_space::outputs::{derived, source};
 use crate::unit::in_space::values::SpaceValues;
 use crate::unit::in_space::variables::{
@@ -17,11 +16,16 @@ use crate::unit::in_space::variables::{
 use crate::unit::life_cycle::{Interface, LifeCycle, Phase};
 
 /// Returns the quantity of the feet that an array of FMI 3.0 has, if it is one.
-fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
+pub(super) fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
     match variable {
         Fmi3Variable::N => Some(|foot| foot.normal),
         Fmi3Variable::Uplift => Some(|foot| foot.uplift),
         Fmi3Variable::Slip => Some(|foot| foot.slip),
+        Fmi3Variable::StretchX => Some(|foot| foot.stretch[0]),
+        Fmi3Variable::StretchY => Some(|foot| foot.stretch[1]),
+        Fmi3Variable::StretchXRate => Some(|foot| foot.stretch_rate[0]),
+        Fmi3Variable::StretchYRate => Some(|foot| foot.stretch_rate[1]),
+        Fmi3Variable::SlipRate => Some(|foot| foot.slip_rate),
         Fmi3Variable::Time
         | Fmi3Variable::FootCount
         | Fmi3Variable::FootX
@@ -31,7 +35,8 @@ fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
         | Fmi3Variable::RecordXSamples
         | Fmi3Variable::RecordYSamples
         | Fmi3Variable::RecordZSamples
-        | Fmi3Variable::IntermediateInterval => None,
+        | Fmi3Variable::IntermediateInterval
+        | Fmi3Variable::Indicator(_) => None,
     }
 }
 
@@ -48,13 +53,12 @@ fn size_variable(reference: u32) -> Result<Fmi3Variable, Fault> {
 
 impl Fmu for SpaceUnit {
     type Event = SpaceEvent;
-    type Direction = ();
+    type Direction = SpaceDirection;
 
     const GUID: &'static str = GUID;
     const TOKEN: &'static str = TOKEN;
     const CONTENT_VERSION: u32 = 2;
     const VARIABLES: usize = VARIABLES.len() + FMI3_VARIABLES.len();
-    const INTERFACES: &'static [Interface] = &[Interface::CoSimulation];
 
     fn new(interface: Interface) -> SpaceUnit {
         SpaceUnit {
@@ -63,6 +67,7 @@ impl Fmu for SpaceUnit {
             inputs: SpaceInputs::default(),
             rates_are_new: false,
             at_end: None,
+            last_inputs: SpaceInputs::default(),
             ground: None,
             run: None,
             observed: Cache::default(),
@@ -79,9 +84,15 @@ impl Fmu for SpaceUnit {
 
     fn is_valid(&self) -> bool {
         self.life.is_valid()
-            && [&self.inputs].into_iter().chain(&self.at_end).all(SpaceInputs::is_finite)
+            && [&self.inputs, &self.last_inputs].into_iter().chain(&self.at_end).all(SpaceInputs::is_finite)
             && self.ground.as_ref().is_none_or(|ground| ground.records.iter().flatten().all(|record| record.is_valid()))
-            && if self.run.is_some() { self.ground.is_some() } else { !self.life.phase.is_initialized() }
+            && match &self.run {
+                Some(run) => {
+                    let is_exchanged = self.life.interface == Interface::ModelExchange;
+                    self.ground.is_some() && run.is_exchanged() == is_exchanged && self.check_feet(run.body()).is_ok()
+                }
+                None => !self.life.phase.is_initialized(),
+            }
     }
 
     fn time(&self) -> f64 {
@@ -127,7 +138,10 @@ impl Fmu for SpaceUnit {
     ) -> Result<(), Fault> {
         for (&reference, &value) in references.iter().zip(values) {
             let metadata = find(&VARIABLES, reference, kind)?;
-            metadata.settable(self.life.phase)?;
+            let is_state = matches!(metadata.role, Role::Output(output) if self.is_settable_state(output));
+            if !is_state {
+                metadata.settable(self.life.phase)?;
+            }
             metadata.admits(real(value)).map_err(Fault::new)?;
         }
         self.begin_inputs();
@@ -135,7 +149,9 @@ impl Fmu for SpaceUnit {
             let (Some(metadata), value) = (Metadata::of(reference), real(value)) else { continue };
             match metadata.role {
                 Role::Input(input) => input.of(&mut self.inputs).value = value,
-                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => {
+                // Continuous states are the only outputs that can be set.
+                Role::Output(output) => self.set_state(output, value),
+                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
                     self.values[metadata.variable] = value;
                     if SpaceValues::is_of_ground(metadata.variable) {
                         self.ground = None;
@@ -169,8 +185,11 @@ impl Fmu for SpaceUnit {
     }
 
     fn size(&self, reference: u32) -> usize {
-        let is_scalar = |&variable: &Fmi3Variable| !is_size(variable);
-        fmi3_variable(reference).filter(is_scalar).map_or(1, |variable| self.values.fmi3.size_of(variable))
+        match fmi3_variable(reference) {
+            Some(Fmi3Variable::Indicator(number)) => self.indicator_places(number).len(),
+            Some(variable) if !is_size(variable) => self.values.fmi3.size_of(variable),
+            Some(_) | None => 1,
+        }
     }
 
     fn read_fmi3_variable(&mut self, reference: u32, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
@@ -179,6 +198,15 @@ impl Fmu for SpaceUnit {
             let count = self.values.fmi3.foot_count();
             let feet = &self.observation()?.feet;
             (0..count).for_each(|i| give(feet.get(i).map_or(0.0, of)));
+        } else if let Fmi3Variable::Indicator(number) = variable {
+            let places = self.indicator_places(number);
+            match self.life.interface {
+                // A constant, since the importer watches none.
+                Interface::CoSimulation => places.for_each(|_| give(1.0)),
+                Interface::ModelExchange => self.exchanged(Exchanged::Indicators, &mut |indicators| {
+                    indicators[places.clone()].iter().copied().for_each(&mut *give);
+                })?,
+            }
         } else if variable == Fmi3Variable::Time {
             give(self.time());
         } else {
@@ -241,7 +269,10 @@ impl Fmu for SpaceUnit {
 
     fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
         self.preview()?;
-        self.life.phase = Phase::StepComplete;
+        self.life.phase = match self.life.interface {
+            Interface::CoSimulation => Phase::StepComplete,
+            Interface::ModelExchange => Phase::EventMode,
+        };
         Ok(self.values.unread())
     }
 
@@ -303,16 +334,7 @@ impl Fmu for SpaceUnit {
         }
         self.preview()?;
         let run = self.run.as_ref().ok_or_else(no_block)?;
-        let (now, is_rectangle, count) =
-            (run.rates(&self.effective_inputs()), self.values.is_rectangle(), self.values.fmi3.foot_count());
-        let observed = now.observed.map(|x| x.eps);
-        let mut rates = Vec::with_capacity(references.len());
-        for &reference in references {
-            match fmi3_variable(reference).and_then(of_feet) {
-                Some(of) => rates.extend((0..count).map(|i| observed.feet.get(i).map_or(0.0, of))),
-                None => rates.push(source(output(reference, "an output")?).rate(&now, &observed, is_rectangle)),
-            }
-        }
+        let rates = self.changes(references, &run.rates(&self.effective_inputs()))?;
         Ok(rates.into_iter().map(Ok))
     }
 
@@ -375,28 +397,62 @@ impl Fmu for SpaceUnit {
     }
 
     fn enter_event_mode(&mut self) {
-        self.life.phase = Phase::EventMode;
+        SpaceUnit::enter_event_mode(self);
+    }
+
+    fn state_count(&self) -> usize {
+        SpaceUnit::state_count(self)
+    }
+
+    fn indicator_count(&self) -> usize {
+        SpaceUnit::indicator_count(self)
+    }
+
+    fn pass_events(&mut self, observer: &mut dyn FnMut(&SpaceEvent)) -> Result<AfterEvent, Fault> {
+        SpaceUnit::pass_events(self, observer)
+    }
+
+    fn set_time(&mut self, time: f64) -> Result<(), Fault> {
+        SpaceUnit::set_time(self, time)
+    }
+
+    fn set_states(&mut self, states: &[f64]) -> Result<(), Fault> {
+        SpaceUnit::set_states(self, states)
+    }
+
+    fn exchanged(&mut self, numbers: Exchanged, give: &mut dyn FnMut(&[f64])) -> Result<(), Fault> {
+        SpaceUnit::exchanged(self, numbers, give)
+    }
+
+    fn complete_step(&mut self) {
+        SpaceUnit::complete_step(self);
     }
 
     fn directional_derivative(
         &mut self,
-        _: &[u32],
-        _: &[u32],
-        _: &[f64],
-        _: f64,
+        unknowns: &[u32],
+        knowns: &[u32],
+        direction: &[f64],
+        time: f64,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault> {
-        Err::<std::iter::Empty<_>, _>(not_declared("directional derivatives"))
+        Ok(self.derivatives_along(unknowns, knowns, direction, time)?.into_iter().map(Ok))
     }
 
-    fn add_to_direction((): &mut (), _: u32, _: usize, _: &[f64]) -> Result<(), Fault> {
-        Err(not_declared("directional derivatives"))
+    fn add_to_direction(
+        direction: &mut SpaceDirection,
+        reference: u32,
+        _: usize,
+        components: &[f64],
+    ) -> Result<(), Fault> {
+        direction.add(reference, components)
     }
 
     fn initial_directional_derivative(
         &mut self,
-        _: &[u32],
-        (): &(),
+        unknowns: &[u32],
+        direction: &SpaceDirection,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault> {
-        Err::<std::iter::Empty<_>, _>(not_declared("directional derivatives"))
+        let states = vec![0.0; self.state_count()];
+        Ok(self.along(unknowns, direction, &states)?.into_iter().map(Ok))
     }
 }

@@ -1,5 +1,7 @@
 //! Calls of an importer, of any version of FMI → a block in space in motion.
 
+pub mod derivatives;
+mod exchange;
 mod fmu;
 
 use std::cell::OnceCell;
@@ -17,7 +19,7 @@ use crate::unit::fmu::Fmu;
 use crate::unit::in_space::outputs::{SpaceDerived, SpaceSource};
 use crate::unit::in_space::values::SpaceValues;
 use crate::unit::in_space::variables::{FMI3_VARIABLES, Fmi3Variable, Input, Metadata, Output, Role, VARIABLES};
-use crate::unit::life_cycle::{LifeCycle, Phase};
+use crate::unit::life_cycle::{Interface, LifeCycle, Phase};
 
 /// An instance as a safe state machine, without pointers and messages. A copy of it is a saved state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -31,6 +33,8 @@ pub struct SpaceUnit {
     rates_are_new: bool,
     /// The inputs at the end of the present substep, if known in advance.
     at_end: Option<SpaceInputs>,
+    /// Model Exchange: the inputs at the end of the last completed step.
+    last_inputs: SpaceInputs,
     /// The FMU's own records, once they are read. Saved states share them; serialized states contain them.
     ground: Option<Arc<SpaceGround>>,
     /// The block in motion; before initialization ends, a preview from the present values.
@@ -46,15 +50,16 @@ struct SavedUnit {
     inputs: SpaceInputs,
     rates_are_new: bool,
     at_end: Option<SpaceInputs>,
+    last_inputs: SpaceInputs,
     ground: Option<Arc<SpaceGround>>,
     state: Option<SpaceState>,
 }
 
 impl From<SpaceUnit> for SavedUnit {
     fn from(unit: SpaceUnit) -> SavedUnit {
-        let SpaceUnit { life, values, inputs, rates_are_new, at_end, ground, run, observed: _ } = unit;
+        let SpaceUnit { life, values, inputs, rates_are_new, at_end, last_inputs, ground, run, observed: _ } = unit;
         let state = run.map(|run| run.state().clone());
-        SavedUnit { life, values, inputs, rates_are_new, at_end, ground, state }
+        SavedUnit { life, values, inputs, rates_are_new, at_end, last_inputs, ground, state }
     }
 }
 
@@ -62,13 +67,23 @@ impl TryFrom<SavedUnit> for SpaceUnit {
     type Error = String;
 
     fn try_from(saved: SavedUnit) -> Result<SpaceUnit, String> {
-        let SavedUnit { life, values, inputs, rates_are_new, at_end, ground, state } = saved;
+        let SavedUnit { life, values, inputs, rates_are_new, at_end, last_inputs, ground, state } = saved;
         if !values.are_valid() {
             return Err("the values are not within their limits".into());
         }
         let setup = |_| values.setup(life.experiment.tolerance);
         let run = state.map(|state| SpaceRun::resume(setup(())?, state)).transpose()?;
-        Ok(SpaceUnit { life, values, inputs, rates_are_new, at_end, ground, run, observed: Cache::default() })
+        Ok(SpaceUnit {
+            life,
+            values,
+            inputs,
+            rates_are_new,
+            at_end,
+            last_inputs,
+            ground,
+            run,
+            observed: Cache::default(),
+        })
     }
 }
 
@@ -89,6 +104,9 @@ impl Cache {
         }
     }
 }
+
+/// Number of feet with names.
+const NAMED_FEET: usize = 4;
 
 fn no_block() -> Fault {
     Fault::new("found no block; expected the call after initialization")
@@ -130,11 +148,6 @@ fn input(reference: u32, wanted: &str) -> Result<Input, Fault> {
     }
 }
 
-/// Refuses what the description does not declare.
-fn not_declared(what: &str) -> Fault {
-    Fault::new(format!("{what} are not offered by this FMU; expected a call that its description declares"))
-}
-
 impl SpaceUnit {
     /// Drops the preview after a change of values.
     fn drop_preview(&mut self) {
@@ -172,7 +185,11 @@ impl SpaceUnit {
         if self.run.is_none() {
             self.ground()?;
             let setup = self.values.setup(self.life.experiment.tolerance).map_err(Fault)?;
-            let run = SpaceRun::new(setup, &self.values.initial(), self.life.experiment.start);
+            self.check_feet(&setup.body)?;
+            let mut run = SpaceRun::new(setup, &self.values.initial(), self.life.experiment.start);
+            if self.life.interface == Interface::ModelExchange {
+                run.begin_exchange();
+            }
             return Ok(self.run.insert(run));
         }
         self.run.as_ref().ok_or_else(no_block)
@@ -180,8 +197,8 @@ impl SpaceUnit {
 
     /// Returns the inputs and the FMU's own records at the present time.
     fn effective_inputs(&self) -> SpaceInputs {
-        let inputs = self.inputs.moved_to(self.time());
-        with_ground(&inputs, self.ground.as_deref(), self.time()).0
+        let since = self.run.as_ref().map_or(self.time(), SpaceRun::piece_time);
+        with_ground(&self.inputs.moved_to(self.time()), self.ground.as_deref(), since).0
     }
 
     /// Returns the observation of the present time. A block that is held shows no motion and no forces.
@@ -200,8 +217,8 @@ impl SpaceUnit {
         match source {
             SpaceSource::Observed(of) => Ok(of(self.observation()?)),
             SpaceSource::Foot(number, of) => {
-                let is_rectangle = self.values.is_rectangle();
-                Ok(self.observation()?.feet.get(*number).filter(|_| is_rectangle).map_or(0.0, of))
+                let is_named = self.names_feet();
+                Ok(self.observation()?.feet.get(*number).filter(|_| is_named).map_or(0.0, of))
             }
             SpaceSource::Energy(of) => {
                 self.preview()?;
@@ -212,6 +229,12 @@ impl SpaceUnit {
             SpaceSource::FrictionDemand => Ok(self.observation()?.friction_demand()),
             SpaceSource::Peak(of, _) | SpaceSource::Discrete(of) => Ok(of(self.preview()?)),
         }
+    }
+
+    /// Whether the outputs of named feet are those of the first four: the corners of a rectangle, or feet that are states in FMI 2.0.
+    fn names_feet(&self) -> bool {
+        self.values.is_rectangle()
+            || self.life.interface == Interface::ModelExchange && self.values.fmi3.foot_count() == NAMED_FEET
     }
 
     fn calculated(&mut self, source: &SpaceDerived) -> Result<f64, Fault> {
