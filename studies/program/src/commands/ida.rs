@@ -87,21 +87,32 @@ fn items(ida: &Ida, measure: Measure) -> Summary {
     summary.item("curves", curves, "curves", format!("{curves}, {overturning} overturning"));
     summary.entry("overturning", overturning);
     let unit = if measure.unit() == "1" { String::new() } else { format!(" {}", measure.unit()) };
-    // None where fewer curves overturn.
     let levels = FRACTILES.map(|fraction| (fraction, ida.overturning(fraction)));
     let shown = levels.map(|(fraction, level)| {
-        let level = level.map_or("none".into(), |level| format!("{}{unit}", significant(level, 4)));
-        format!("{} % {level}", significant(100.0 * fraction, 2))
+        format!("{} % {}{unit}", significant(100.0 * fraction, 2), between(level, |level| significant(level, 4)))
     });
     summary.item(
         "overturning_fractiles",
-        levels.map(|(fraction, level)| Object::default().with("fraction", fraction).with("level", level)),
+        levels.map(|(fraction, [low, high])| {
+            let known = Some(low).filter(|low| *low == high);
+            let range = [Some(low), Some(high).filter(|high| high.is_finite())];
+            Object::default().with("fraction", fraction).with("level", known).with("range", range)
+        }),
         "overturning",
         format!("by {measure}: {}", shown.join(", ")),
     );
     add_fractiles(&mut summary, ida, &format!("{measure}{}", unit.replace(' ', ", ")));
     summary.entry("capacities", capacities);
     summary
+}
+
+/// Writes the least and the greatest value of a fractile.
+fn between([low, high]: [f64; 2], write: fn(f64) -> String) -> String {
+    match high {
+        _ if low == high => write(low),
+        f64::INFINITY => format!("above {}", write(low)),
+        _ => format!("{} to {}", write(low), write(high)),
+    }
 }
 
 /// Adds the fractiles of the peak |θ|/α at all levels. The measure has this heading.
