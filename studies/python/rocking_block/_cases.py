@@ -71,10 +71,7 @@ class Cases:
         self.separated += int(separated.sum())
         self.undecided += int(undecided.sum())
         self.missing += int(missing.sum())
-        rocked = (outcome == "completed") & (peak > 0.0)
-        if "events.liftoffs" in table:
-            rocked &= np.asarray(table["events.liftoffs"]) > 0
-        peak = np.where(rocked, peak, np.nan)
+        peak = np.where((outcome == "completed") & rocks(table, peak), peak, np.nan)
         motions, measures = self._numbered(table, places), numbers(table, self.im)
         rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
         if keep:
@@ -205,6 +202,11 @@ def _column(table: Table, name: str) -> npt.NDArray[Any]:
     if name not in table:
         raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
     return table[name]
+
+
+def rocks(table: Table, peak: Floats) -> npt.NDArray[np.bool_]:
+    """Returns whether the blocks of rows that stand rocked, by their peak |θ|/α and their lift-offs if the table has them."""
+    return _engine.rocks(peak, numbers(table, "events.liftoffs") if "events.liftoffs" in table else None)
 
 
 def numbers(table: Table, name: str) -> Floats:

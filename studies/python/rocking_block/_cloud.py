@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import numbers, outcomes_of
+from rocking_block._cases import numbers, outcomes_of, rocks
 from rocking_block._fragility import Fragility, fragility
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats
@@ -166,18 +166,16 @@ def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[st
     if (measure[known] <= 0.0).any():
         raise ValueError(f"{im} = {measure[known].min():g} in a row; expected measures > 0")
     overturned = outcome == "overturned"
-    rocks = known & ~overturned & (peak >= 1e-3)
-    if "events.liftoffs" in table:
-        rocks &= numbers(table, "events.liftoffs") > 0
-    if rocks.sum() < 3 or len(np.unique(measure[rocks])) < 2:
-        raise ValueError(f"found {rocks.sum()} rows that rock and stand; expected three or more, at different {im}")
-    x, y = np.log(measure[rocks]), np.log(peak[rocks])
+    rocking = known & ~overturned & rocks(table, peak)
+    if rocking.sum() < 3 or len(np.unique(measure[rocking])) < 2:
+        raise ValueError(f"found {rocking.sum()} rows that rock and stand; expected three or more, at different {im}")
+    x, y = np.log(measure[rocking]), np.log(peak[rocking])
     line = _Line(x, y)
     columns = [beside] if isinstance(beside, str) else list(beside)
     tests = {}
     for column in columns:
         name = split_heading(column)[0]
-        others = numbers(table, name)[rocks]
+        others = numbers(table, name)[rocking]
         if not np.isfinite(others).all():
             raise ValueError(f"{name} is missing in a row that rocks and stands; expected a number in each")
         if len(np.unique(others)) < 2:
@@ -194,11 +192,11 @@ def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[st
         standard_errors=line.standard_errors,
         r_squared=1.0 - float(np.sum(line.residuals**2) / np.sum((y - y.mean()) ** 2)),
         overturning=_share(measure[known], overturned[known]),
-        rocking=_share(measure[standing], rocks[standing]),
+        rocking=_share(measure[standing], rocking[standing]),
         unknown=int((~known).sum()),
         sufficiency=tests,
-        measures=measure[rocks],
-        rotations=peak[rocks],
+        measures=measure[rocking],
+        rotations=peak[rocking],
     )
 
 

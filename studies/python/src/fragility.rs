@@ -7,7 +7,7 @@ use rocking_studies::fragility::{
     pelicun,
 };
 use rocking_studies::intensity::Measure;
-use rocking_studies::run::outcome::End;
+use rocking_studies::run::outcome::{End, rocks as has_rocked};
 use rocking_studies::statistics::range;
 
 use crate::measures::{behind, column};
@@ -121,6 +121,18 @@ pub fn verdicts<'py>(
         verdict.map_or(f64::NAN, |exceeds| f64::from(u8::from(exceeds)))
     };
     Ok(PyArray1::from_iter(py, codes.iter().zip(responses.iter()).map(verdict)))
+}
+
+/// Returns for each row of a block that stands whether it rocked, from its peak |θ|/α and the number of its lift-offs if they are known.
+#[pyfunction]
+pub fn rocks<'py>(
+    py: Python<'py>,
+    peaks: PyReadonlyArray1<f64>,
+    liftoffs: Option<PyReadonlyArray1<f64>>,
+) -> Bound<'py, PyArray1<bool>> {
+    let liftoffs = liftoffs.as_ref().map(PyReadonlyArray1::as_array);
+    let rocks = |(row, peak): (usize, &f64)| has_rocked(*peak, liftoffs.map(|liftoffs| liftoffs[row]));
+    PyArray1::from_iter(py, peaks.as_array().iter().enumerate().map(rocks))
 }
 
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.

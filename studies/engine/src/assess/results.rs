@@ -189,7 +189,7 @@ pub struct SizeResult {
     pub p: f64,
     /// Blocks that rock and stand.
     pub rocked: u64,
-    /// Blocks that stay at rest.
+    /// Blocks that do not rock.
     pub at_rest: u64,
     /// Blocks that overturn.
     pub overturned: u64,

@@ -112,7 +112,7 @@ impl Assessment {
         let data = data(rows, 1)?;
         let fit = data.fit(link)?;
         let (rocking, peaks): (Vec<f64>, Vec<f64>) =
-            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
+            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.peak?))).unzip();
         let probabilities = fit.probabilities(data.observations());
         let independence = Independence::of(records);
         let covariance = clusters::covariance(&data, &fit, records);

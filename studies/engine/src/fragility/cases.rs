@@ -6,7 +6,7 @@ use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::input::motion::{MOTION, Motion};
 use crate::output::table::{Series, Values};
 use crate::run::limit::Limit;
-use crate::run::outcome::End;
+use crate::run::outcome::{End, rocks};
 
 /// The outcome of a row, relative to a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,21 +17,10 @@ pub struct Case {
     pub fraction: f64,
     /// Fraction of its runs without a verdict, 0 for a single run.
     pub unknown: f64,
-    /// Peak |θ|/α, if the block lifted off and stands.
+    /// Peak |θ|/α, if the block rocks and stands.
     pub peak: Option<f64>,
     /// Number of its ground motion; `None` for a row without one, which has its own.
     pub motion: Option<usize>,
-}
-
-impl Case {
-    /// The peak of a block that rocks and stands.
-    pub(super) fn rocking_peak(&self) -> Option<f64> {
-        /// Least peak |θ|/α (1) that counts as rocking.
-        ///
-        /// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
-        const MIN_ROCKING: f64 = 1e-3;
-        self.peak.filter(|peak| *peak >= MIN_ROCKING)
-    }
 }
 
 /// Counts of a table's rows, relative to a limit.
@@ -181,8 +170,8 @@ impl SweepTable {
             };
             match (fraction, end) {
                 (Some(fraction), _) => {
-                    let rocked = end == End::Completed && number(liftoffs, row)? != Some(0.0);
-                    let peak = peak.filter(|peak| rocked && *peak > 0.0);
+                    let liftoffs = number(liftoffs, row)?;
+                    let peak = peak.filter(|peak| end == End::Completed && rocks(*peak, liftoffs));
                     let of_samples = number(unknown, row)?.zip(number(samples, row)?);
                     let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
                     found.push(Case { row, fraction, unknown, peak, motion });
