@@ -172,3 +172,23 @@ def test_a_site_is_a_name_or_a_pair_of_coordinates(tmp_path):
     assert rb.read_hazard(file, im="Sa(0.5)", site=(9.2, 45)).im == rb.Hazard(LEVELS, RATES, im="Sa(0.5)").im == "Sa(0.5 s)"
     with pytest.raises(ValueError, match="found no site 12.5,41.0; expected one such as Rome; Milan"):
         rb.read_hazard(file, im="PGV", site=(12.5, 41))
+
+
+@pytest.mark.filterwarnings("ignore:.*of the rate", "ignore:.*undecided rows may exceed")
+def test_rows_without_an_outcome_give_a_range(hazard):
+    """The rates are those of the tables in which no such row exceeds the limit, and in which all do."""
+    random = np.random.default_rng(8)
+    pgv = np.exp(random.normal(np.log(0.5), 0.7, 60))
+    outcome = np.where(np.log(pgv / 0.5) / 0.4 + random.normal(size=60) > 0, "overturned", "completed")
+    open_rows = random.uniform(size=60) < 0.2
+
+    def rate(word):
+        table = rb.Table({"PGV": pgv, "outcome": np.where(open_rows, word, outcome)}, {"PGV": "m/s"})
+        return rb.annual_rate(hazard, rb.fragility(table, im="PGV"))
+
+    found = rate("undecided")
+    assert found.rate_of_unknown == (rate("completed").rate, rate("overturned").rate)
+    assert "with the rows of unknown outcome)" in repr(found)
+    assert pickle.loads(pickle.dumps(found)).rate_of_unknown == found.rate_of_unknown
+    known = rate("completed")
+    assert known.rate_of_unknown is None
