@@ -146,8 +146,10 @@ class CaseStore:
         places: npt.NDArray[np.int64],
         measures: _Floats,
         fractions: _Floats,
+        unknown: _Floats,
         peaks: _Floats,
         motions: npt.NDArray[np.int64],
+        exceeds: bool | None,
     ) -> None: ...
 
 @final
@@ -228,6 +230,16 @@ def export_fragility(
     p: float | None,
     g: float,
 ) -> tuple[list[str], list[str]]: ...
+class Line:
+    coefficients: tuple[float, float]
+    deviation: float
+    residuals: _Floats
+    standard_errors: tuple[float, float]
+    intervals: tuple[tuple[float, float], tuple[float, float]]
+    p: float
+    independence: str
+
+def line(x: _Floats, y: _Floats, motions: npt.NDArray[np.int64], ci: float, cluster: str | None) -> Line | None: ...
 def rocks(peaks: _Floats, liftoffs: _Floats | None) -> npt.NDArray[np.bool_]: ...
 def verdicts(limit: str, words: list[str], codes: npt.NDArray[np.int64], responses: _Floats) -> _Floats: ...
 
