@@ -90,17 +90,23 @@ pub struct Sweep {
 const LARGEST_SCALE: f64 = 20.0;
 
 impl Sweep {
-    /// Names the records that a strength scales by more than usual. The block is that in the middle of the study.
+    /// Names the records that a strength scales by more than usual, or may. The block is that in the middle of the study.
     fn amplified(&self) -> Vec<String> {
         let Ok(block) = self.middle().block() else { return Vec::new() };
         let of = |motion: &GroundMotion| {
-            let scales =
-                (0..self.strengths.count()).map(|strength| self.strengths.scale(strength, motion, &block).abs());
-            let largest = scales.fold(0.0, f64::max);
+            let (largest, is) = match &self.strengths {
+                Strengths::Scales(_) | Strengths::Levels(..) => {
+                    let scale = |strength| self.strengths.scale(strength, motion, &block).abs();
+                    ((0..self.strengths.count()).map(scale).fold(0.0, f64::max), "is")
+                }
+                // The search may end before.
+                Strengths::Hunt(measure, hunt) => (motion.scale_to(*measure, hunt.greatest(), &block), "may be"),
+                Strengths::Least(measure, scan) => (motion.scale_to(*measure, scan.to, &block), "may be"),
+            };
             (motion.has_record() && largest > LARGEST_SCALE).then(|| {
                 let names = motion.name();
                 let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
-                format!("{names} is scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified")
+                format!("{names} {is} scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified")
             })
         };
         self.motions.iter().filter_map(of).collect()

@@ -35,7 +35,8 @@ fn records_of_one_file_have_names_of_their_own() {
     assert_eq!(warnings, "");
     // The same record twice is one record; other processing makes another.
     let filtered = format!("{only}\nbaseline = true");
-    let (names, _) = sweep(folder.path(), "", &[only, only, &filtered]);
+    let (names, warnings) = sweep(folder.path(), "", &[only, only, &filtered]);
+    assert!(warnings.contains("one.csv is named more than once: its rows are made and counted as often"), "{warnings}");
     assert_eq!(names[0], names[1]);
     assert_eq!(names[2], "one.csv (baseline removed)");
 }
