@@ -86,7 +86,8 @@ impl IdaCurve {
     /// Returns the least and the greatest value of the middle between the least level that overturns the block and the level below, over
     /// all outcomes of unknown runs. A block that stands at its last level overturns above it, if at all.
     fn overturning_bounds(&self) -> [f64; 2] {
-        let middle = |level: usize| 0.5 * (level.checked_sub(1).map_or(0.0, |below| self.levels[below]) + self.levels[level]);
+        let middle =
+            |level: usize| 0.5 * (level.checked_sub(1).map_or(0.0, |below| self.levels[below]) + self.levels[level]);
         let first = |found: fn(&Response) -> bool| self.responses.iter().position(found);
         let last = self.levels.last().copied().unwrap_or(0.0);
         let low = first(|response| !matches!(response, Response::Stands(_))).map_or(last, middle);
@@ -187,12 +188,10 @@ impl Ida {
     /// It is known where all outcomes of the unknown responses give the same one. At such a level a curve without a run, beyond its last
     /// one that stands, or with an undecided or failed run, may have any peak or overturn.
     pub fn fractile(&self, fraction: f64) -> Vec<Response> {
-        let at = |&level: &f64| {
-            match fractile(fraction, self.curves.iter().map(|curve| curve.at(level).bounds())) {
-                [low, high] if low != high => Response::Unknown,
-                [peak, _] if peak.is_finite() => Response::Stands(peak),
-                _ => Response::Overturns,
-            }
+        let at = |&level: &f64| match fractile(fraction, self.curves.iter().map(|curve| curve.at(level).bounds())) {
+            [low, high] if low != high => Response::Unknown,
+            [peak, _] if peak.is_finite() => Response::Stands(peak),
+            _ => Response::Overturns,
         };
         self.levels.iter().map(at).collect()
     }
@@ -206,19 +205,41 @@ impl Ida {
         fractile(fraction, self.curves.iter().map(IdaCurve::overturning_bounds))
     }
 
+    /// Returns the level from which the [`Ida::fractile`] of the peak overturns: the least and the greatest value, as [`Ida::overturning`].
+    /// The greater the fraction of curves that it bounds, the lower the level.
+    pub fn fractile_overturns(&self, fraction: f64) -> [f64; 2] {
+        // Curves in the order of their peaks at a level: that of the fractile overturns with all after it.
+        let after = self.curves.len().saturating_sub(1 + rank(fraction, self.curves.len()));
+        order_statistic(after, self.curves.iter().map(IdaCurve::overturning_bounds))
+    }
+
     /// Returns the fractile over all curves of the first level that reaches the peak, as [`Ida::overturning`].
     pub fn reaching(&self, fraction: f64, peak: f64) -> [f64; 2] {
         fractile(fraction, self.curves.iter().map(|curve| curve.reaching_bounds(peak)))
     }
 }
 
-/// Returns the least and the greatest value of a fractile of numbers between these bounds, the least number that this fraction of them does
-/// not exceed. Without numbers it may be any.
-fn fractile(fraction: f64, bounds: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+/// Returns the position of a fractile in a sorted list of this length: the first number that this fraction of all does not exceed.
+fn rank(fraction: f64, length: usize) -> usize {
+    ((fraction * length as f64).ceil() as usize).saturating_sub(1)
+}
+
+/// Returns the least and the greatest value of a fractile of numbers between these bounds.
+fn fractile(fraction: f64, bounds: impl ExactSizeIterator<Item = [f64; 2]>) -> [f64; 2] {
+    order_statistic(rank(fraction, bounds.len()), bounds)
+}
+
+/// Returns the least and the greatest value of the number of this rank, from 0, among numbers between these bounds. Without numbers it may
+/// be any.
+fn order_statistic(rank: usize, bounds: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     let (mut lows, mut highs): (Vec<f64>, Vec<f64>) = bounds.map(|[low, high]| (low, high)).unzip();
-    let rank = ((fraction * lows.len() as f64).ceil() as usize).saturating_sub(1);
     [&mut lows, &mut highs].iter_mut().for_each(|ends| ends.sort_by(f64::total_cmp));
-    lows.get(rank).zip(highs.get(rank)).map_or([0.0, f64::INFINITY], |(low, high)| [*low, *high])
+    match lows.get(rank).zip(highs.get(rank)) {
+        // Levels of several records that are one to round-off.
+        Some((low, high)) if is_same(*low, *high) => [*low; 2],
+        Some((low, high)) => [*low, *high],
+        None => [0.0, f64::INFINITY],
+    }
 }
 
 /// Whether two levels are one: a scaled record meets its level to round-off.
@@ -337,13 +358,14 @@ mod tests {
         let at_last = |fraction: f64| *found.fractile(fraction).last().unwrap();
         assert_eq!([0.16, 0.5, 0.84].map(at_last), [Response::Unknown, Response::Unknown, Response::Overturns]);
         assert_eq!(found.overturning(0.5), [1.0, f64::INFINITY]);
+        // The greatest fractile of the peak is that of the curve that overturns first.
+        assert_eq!([0.84, 0.16].map(|fraction| found.fractile_overturns(fraction)), [[1.0, 1.5], [1.5, f64::INFINITY]]);
         // Three of four are undecided: their least levels may lie below that of the fourth.
         let found = ida(&[&[(1.0, open)], &[(1.0, open)], &[(1.0, open)], &[(1.0, falls)]]);
-        assert_eq!([0.16, 0.5, 0.84].map(|fraction| found.fractile(fraction)[0]), [
-            Response::Unknown,
-            Response::Unknown,
-            Response::Overturns
-        ]);
+        assert_eq!(
+            [0.16, 0.5, 0.84].map(|fraction| found.fractile(fraction)[0]),
+            [Response::Unknown, Response::Unknown, Response::Overturns]
+        );
         assert_eq!([0.16, 0.84].map(|fraction| found.overturning(fraction)), [[0.5; 2], [0.5, f64::INFINITY]]);
         // An undecided run may reach a peak above the level below it.
         let found = ida(&[&[(1.0, stands), (2.0, open), (3.0, falls)]]);
@@ -412,7 +434,7 @@ mod tests {
         // At 2.5 one overturns; the other has 0.5.
         assert_eq!(ida.fractile(0.5)[62], Response::Stands(0.8 * 2.52 / 4.0));
         assert_eq!(ida.fractile(0.84)[62], Response::Overturns);
-        assert_eq!([ida.overturning(0.5), ida.overturning(0.84)], [Some(2.5), None]);
-        assert_eq!(ida.reaching(0.84, 0.4), Some(2.0));
+        assert_eq!([ida.overturning(0.5), ida.overturning(0.84)], [[2.5; 2], [4.0, f64::INFINITY]]);
+        assert_eq!(ida.reaching(0.84, 0.4), [2.0; 2]);
     }
 }

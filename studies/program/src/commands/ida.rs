@@ -86,22 +86,8 @@ fn items(ida: &Ida, measure: Measure) -> Summary {
     let curves = ida.curves.len();
     summary.item("curves", curves, "curves", format!("{curves}, {overturning} overturning"));
     summary.entry("overturning", overturning);
-    let unit = if measure.unit() == "1" { String::new() } else { format!(" {}", measure.unit()) };
-    let levels = FRACTILES.map(|fraction| (fraction, ida.overturning(fraction)));
-    let shown = levels.map(|(fraction, level)| {
-        format!("{} % {}{unit}", significant(100.0 * fraction, 2), between(level, |level| significant(level, 4)))
-    });
-    summary.item(
-        "overturning_fractiles",
-        levels.map(|(fraction, [low, high])| {
-            let known = Some(low).filter(|low| *low == high);
-            let range = [Some(low), Some(high).filter(|high| high.is_finite())];
-            Object::default().with("fraction", fraction).with("level", known).with("range", range)
-        }),
-        "overturning",
-        format!("by {measure}: {}", shown.join(", ")),
-    );
-    add_fractiles(&mut summary, ida, &format!("{measure}{}", unit.replace(' ', ", ")));
+    let unit = if measure.unit() == "1" { String::new() } else { format!(", {}", measure.unit()) };
+    add_fractiles(&mut summary, ida, &format!("{measure}{unit}"));
     summary.entry("capacities", capacities);
     summary
 }
@@ -115,14 +101,16 @@ fn between([low, high]: [f64; 2], write: fn(f64) -> String) -> String {
     }
 }
 
-/// Adds the fractiles of the peak |θ|/α at all levels. The measure has this heading.
+/// Adds the fractiles of the peak |θ|/α over the curves at all levels, and the levels from which they overturn. The measure has this
+/// heading.
 fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
     /// Levels shown, evenly among all.
     const SHOWN: usize = 6;
     let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
     let peaks = |i: usize| fractiles.each_ref().map(|fractile| fractile[i]);
-    let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>10} {b:>10} {c:>10}");
-    summary.line("peak |θ|/α", line(heading, ["16 %", "50 %", "84 %"]));
+    let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>14} {b:>14} {c:>14}");
+    summary.line("fractiles", "peak |θ|/α that 16, 50 and 84 % of the curves do not exceed");
+    summary.line("", line(heading, ["16 %", "50 %", "84 %"]));
     let step = ida.levels.len().div_ceil(SHOWN).max(1);
     for (i, level) in ida.levels.iter().enumerate().skip(step - 1).step_by(step) {
         let shown = peaks(i).map(|peak| match peak {
@@ -132,6 +120,15 @@ fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
         });
         summary.line("", line(&significant(*level, 4), shown.each_ref().map(String::as_str)));
     }
+    let overturns = FRACTILES.map(|fraction| (fraction, ida.fractile_overturns(fraction)));
+    let shown = overturns.map(|(_, level)| between(level, |level| significant(level, 4)));
+    summary.line("", line("overturns at", shown.each_ref().map(String::as_str)));
+    let overturns = overturns.map(|(fraction, [low, high])| {
+        let known = Some(low).filter(|low| *low == high);
+        let range = [Some(low), Some(high).filter(|high| high.is_finite())];
+        Object::default().with("fraction", fraction).with("overturns", known).with("range", range)
+    });
+    summary.entry("fractiles_overturn", overturns);
     let peak = |response: Response| match response {
         Response::Stands(peak) => json!(peak),
         Response::Overturns => "overturned".into(),
