@@ -19,21 +19,12 @@ pub struct Hunt {
 }
 
 impl Hunt {
-    /// The level after this number of steps up.
-    fn rising(&self, steps: f64) -> f64 {
-        self.first + steps * self.step + 0.5 * steps * (steps - 1.0) * self.growth
-    }
-
-    /// The greatest level of all, for a block that does not overturn.
-    pub fn greatest(&self) -> f64 {
-        self.rising(self.runs.saturating_sub(1) as f64)
-    }
-
     /// Returns the level of the run after these. Each has its level, and whether it overturned the block.
     pub fn next(&self, runs: &[(f64, bool)]) -> f64 {
         let overturned = runs.iter().filter(|run| run.1).map(|run| run.0).reduce(f64::min);
         let Some(least) = overturned else {
-            return self.rising(runs.len() as f64);
+            let steps = runs.len() as f64;
+            return self.first + steps * self.step + 0.5 * steps * (steps - 1.0) * self.growth;
         };
         // Rest without shaking stands, too.
         let standing = runs.iter().filter(|run| !run.1 && run.0 < least).map(|run| run.0);

@@ -1,5 +1,7 @@
 //! `rocking ida`: a study file → incremental dynamic analysis. It has a table of runs, fractiles and a picture.
 
+use std::collections::BTreeMap;
+
 use clap::Parser;
 use serde_json::json;
 
@@ -11,11 +13,12 @@ use crate::output::report::is_standard_output;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::fragility as charts;
 use rocking_charts::numerals::significant;
-use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
+use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable, SweepTableError};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
 use rocking_studies::sweep::file::Checks;
 use rocking_studies::sweep::strength::Strengths;
+use rocking_studies::sweep::strong_scale;
 
 /// Options of `rocking ida`.
 #[derive(Parser)]
@@ -61,10 +64,25 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let name = if is_standard_output(csv) { "the table".into() } else { csv.display().to_string() };
     let table = SweepTable::new(&name, table);
     let ida = Ida::read(&table, &measure.to_string())?;
+    let mut remarks = sweep.remarks.clone();
+    if matches!(sweep.strengths, Strengths::Hunt(..)) {
+        remarks.extend(strong_scales(&table)?);
+        warn(&remarks[sweep.remarks.len()..]);
+    }
     outputs
         .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
     outputs.write()?;
-    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &sweep.remarks)
+    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &remarks)
+}
+
+/// Doubts the greatest factors on the records of a hunt, which are known after its runs.
+fn strong_scales(table: &SweepTable) -> Result<Vec<String>, SweepTableError> {
+    let mut largest: BTreeMap<String, f64> = BTreeMap::new();
+    for (record, scale) in table.words("record").unwrap_or_default().into_iter().zip(table.numbers("scale")?) {
+        let known = largest.entry(record).or_default();
+        *known = known.max(scale.unwrap_or_default());
+    }
+    Ok(largest.into_iter().filter_map(|(record, scale)| strong_scale(&record, "is", scale)).collect())
 }
 
 /// The curves of an analysis in numbers.
