@@ -220,3 +220,14 @@ def test_stripes_of_a_published_example():
     peer = np.exp(optimize.minimize(cost, [0.0, -1.0], method="Nelder-Mead", options={"xatol": 1e-12, "fatol": 1e-14}).x)
     assert np.allclose([found.fit.median, found.fit.beta], peer, rtol=1e-6)
     assert found.fractions.tolist() == (collapses / 40).tolist()
+
+
+def test_counts_of_stripes_are_their_rows():
+    """A row for each level has the fit of a row for each run; outcomes may be 0 and 1."""
+    levels, exceeded, runs = [0.2, 0.4, 0.8], [1, 4, 7], [10, 10, 9]
+    counts = rb.Table({"PGV": levels, "exceeded": exceeded, "runs": runs}, {"PGV": "m/s"})
+    rows = {"PGV": np.repeat(levels, runs), "outcome": np.concatenate([np.arange(n) < k for k, n in zip(exceeded, runs, strict=True)])}
+    found, single = rb.stripes(counts, "PGV"), rb.stripes(rb.Table(rows, {"PGV": "m/s"}), "PGV")
+    assert repr(found) == repr(single) and found.exceeded.tolist() == exceeded and found.fit.unit == "m/s"
+    with pytest.raises(ValueError, match="11 of 10 runs are exceeded in row 0; expected whole numbers, 0 to all"):
+        rb.stripes({"PGV": levels, "exceeded": [11, 4, 7], "runs": runs}, "PGV")
