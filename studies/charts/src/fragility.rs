@@ -196,8 +196,8 @@ pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureEr
     };
     let legend = [
         one,
-        (Symbol::Curve(LineStyle::DOTTED), "16 %".into()),
-        (Symbol::Curve(LineStyle::BLACK), "median".into()),
+        (Symbol::Curve(LineStyle::DOTTED), "peak that 16 % of the curves do not exceed".into()),
+        (Symbol::Curve(LineStyle::BLACK), "50 %".into()),
         (Symbol::Curve(LineStyle::DASHED), "84 %".into()),
     ];
     let levels = match found.curves.iter().all(|curve| curve.levels.len() == found.levels.len()) {

@@ -14,15 +14,15 @@ from rocking_block import _engine
 from rocking_block._table import Table, by_name, for_each_batch, split_heading
 from rocking_block._words import Floats, Outcome
 
-Rows = tuple[Floats, Floats, Floats, npt.NDArray[np.int64]]
-"""Measures, fractions of the runs that exceeded the limit, peaks of the blocks that rock and stand, and numbers of the ground motions, which
-are -1 for rows that have their own."""
+Rows = tuple[Floats, Floats, Floats, Floats, npt.NDArray[np.int64]]
+"""Measures, fractions of the known runs that exceeded the limit, nan without any, fractions of runs without a verdict, peaks of the blocks
+that rock and stand, and numbers of the ground motions, which are -1 for rows that have their own."""
 
 
 class Cases:
     """The decided rows of a table with their counts; `limit` is the word or the rotation of the limit after the first batch."""
 
-    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None) -> None:
+    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None, exceeds: bool | None = None) -> None:
         self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
         self.all = self.failed = self.separated = self.undecided = self.partly = self.missing = 0
         self.least = self.most = 0.0
@@ -30,6 +30,8 @@ class Cases:
         self.batches: list[Rows] = []
         """The rows of each batch, if they are kept."""
         self.motions = _engine.Motions(None if cluster is None else split_heading(cluster)[0])
+        self._exceeds = exceeds
+        """Whether runs without a verdict exceed the limit; they are left out of the store if it is None."""
         self._is_begun = False
 
     def take(self, table: Table, is_part: bool = False, keep: bool = False) -> None:
@@ -71,16 +73,13 @@ class Cases:
         self.separated += int(separated.sum())
         self.undecided += int(undecided.sum())
         self.missing += int(missing.sum())
-        rocked = (outcome == "completed") & (peak > 0.0)
-        if "events.liftoffs" in table:
-            rocked &= np.asarray(table["events.liftoffs"]) > 0
-        peak = np.where(rocked, peak, np.nan)
+        peak = np.where((outcome == "completed") & rocks(table, peak), peak, np.nan)
         motions, measures = self._numbered(table, places), numbers(table, self.im)
-        rows = (measures[decided], fraction[decided], peak[decided], motions[decided])
+        rows = (measures, fraction, np.where(none, 1.0, unknown), peak, motions)
         if keep:
             self.batches.append(rows)
         else:
-            self.store.push(places[decided].astype(np.int64), *rows)
+            self.store.push(places.astype(np.int64), *rows, self._exceeds)
 
     def _begin(self, table: Table) -> None:
         """Checks the columns, and finds the measure and the limit."""
@@ -88,8 +87,7 @@ class Cases:
         self.unit = table.units.get(self.im, "")
         named, limit = _named(self.limit), self.limit
         if limit is None:
-            tied = "peak.theta/balance" in table and "ensemble.samples" not in table
-            limit = "balance" if tied else "overturned"
+            limit = "balance" if "peak.theta/balance" in table else "overturned"
         elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
             limit = limit.lower()
         elif named is not None:
@@ -137,9 +135,9 @@ class Files:
     partial: bool
     cluster: str | None = None
 
-    def cases(self, keep: bool = False) -> Cases:
-        """Reads the cases; with `keep` their rows are arrays, in the order of the files."""
-        cases = Cases(self.im, self.limit, self.cluster)
+    def cases(self, keep: bool = False, exceeds: bool | None = None) -> Cases:
+        """Reads the cases; with `keep` their rows are arrays, in the order of the files. `exceeds` is the outcome of unknown runs."""
+        cases = Cases(self.im, self.limit, self.cluster, exceeds)
         named = [self.im] if self.cluster is None else [self.im, self.cluster]
         for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
         return cases
@@ -207,6 +205,11 @@ def _column(table: Table, name: str) -> npt.NDArray[Any]:
     return table[name]
 
 
+def rocks(table: Table, peak: Floats) -> npt.NDArray[np.bool_]:
+    """Returns whether the blocks of rows that stand rocked, by their peak |θ|/α and their lift-offs if the table has them."""
+    return _engine.rocks(peak, numbers(table, "events.liftoffs") if "events.liftoffs" in table else None)
+
+
 def numbers(table: Table, name: str) -> Floats:
     """Returns a column of numbers."""
     column = _column(table, name)
@@ -217,8 +220,10 @@ def numbers(table: Table, name: str) -> Floats:
 
 
 def outcomes_of(table: Table) -> npt.NDArray[Any]:
-    """Returns the outcomes in lower case. An unknown word is an error, since it would count as a standing block."""
+    """Returns the outcomes in lower case: 1 or True is overturned. An unknown word is an error, since it would count as a standing block."""
     column = _column(table, "outcome")
+    if column.dtype.kind in "biuf" and np.isin(column, (0, 1)).all():
+        column = np.where(column.astype(bool), "overturned", "completed")
     outcome = np.char.lower(column.astype(str))
     unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))
     if unknown.size:

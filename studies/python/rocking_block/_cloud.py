@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import numbers, outcomes_of
+from rocking_block._cases import cases_of, numbers
 from rocking_block._fragility import Fragility, fragility
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats
@@ -30,7 +31,10 @@ class Sufficiency(NamedTuple):
     slope: float
     """Change of ln(|θ|/α) with the property."""
     p: float
-    """Probability of at least this slope, to either side, if the property has no effect: below 0.05, say, the measure is not sufficient."""
+    """Probability of at least this slope, to either side, if the property has no effect: below 0.05, say, the measure is not sufficient.
+
+    Rows that share a ground motion count once, as for the intervals of `Cloud`.
+    """
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,13 @@ class Cloud:
     beta: float
     """Standard deviation of ln(|θ|/α) about the line, with n − 2 degrees of freedom."""
     standard_errors: tuple[float, float]
-    """Standard errors of a and b."""
+    """Standard errors of a and b, clustered by ground motion where several rows share one; inf if one motion alone determines one of them."""
+    a_ci: tuple[float, float]
+    """Confidence interval of a, by Student's t with one degree of freedom less than there are motions."""
+    b_ci: tuple[float, float]
+    """Confidence interval of b."""
+    independence: str
+    """The units that errors, intervals and tests treat as independent."""
     r_squared: float
     """Part of the variance of ln(|θ|/α) that the line describes."""
     overturning: Share
@@ -82,7 +92,7 @@ class Cloud:
     rocking: Share
     """The probability that a standing block rocks."""
     unknown: int
-    """Rows left out, whose outcome is unknown."""
+    """Rows left out, whose outcome or measure is unknown."""
     sufficiency: Mapping[str, Sufficiency]
     """Tests of the measure beside properties of the records, by their columns."""
     measures: Floats = field(repr=False)
@@ -129,7 +139,9 @@ class Cloud:
         )
 
 
-def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[str] = ()) -> Cloud:
+def cloud(
+    table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[str] = (), ci: float = 0.95, cluster: str | None = None
+) -> Cloud:
     """Fits a cloud analysis: a line through the logarithms of rotation and measure, and the probability of overturning.
 
     The line takes the rows that stand and rock: they lifted off and reached |θ|/α = 0.001, since just above uplift peaks fall to 1e-13, and
@@ -143,11 +155,15 @@ def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[st
         Name of the column of the intensity measure.
     beside : str or list of str
         Columns of properties of the records, such as their magnitude or the logarithm of their distance, for which the residuals are tested.
+    ci : float
+        Confidence level of intervals, above 0 and below 1.
+    cluster : str, optional
+        Column whose values cluster the rows, instead of the ground motions, as in `fragility`.
 
     Raises
     ------
     ValueError
-        A column does not exist, or fewer than three rows rock and stand.
+        A column does not exist, fewer than three rows rock and stand, or the rows are ensembles.
 
     Examples
     --------
@@ -161,87 +177,67 @@ def cloud(table: _Runs | pandas.DataFrame, im: str, *, beside: str | Sequence[st
     array([0.   , 0.476, 1.   ])
     """
     table, im = _runs(table, im)
-    outcome, measure, peak = outcomes_of(table), numbers(table, im), numbers(table, "peak.theta/alpha")
-    known = np.isin(outcome, ("completed", "overturned")) & np.isfinite(measure)
-    if (measure[known] <= 0.0).any():
-        raise ValueError(f"{im} = {measure[known].min():g} in a row; expected measures > 0")
-    overturned = outcome == "overturned"
-    rocks = known & ~overturned & (peak >= 1e-3)
-    if "events.liftoffs" in table:
-        rocks &= numbers(table, "events.liftoffs") > 0
-    if rocks.sum() < 3 or len(np.unique(measure[rocks])) < 2:
-        raise ValueError(f"found {rocks.sum()} rows that rock and stand; expected three or more, at different {im}")
-    x, y = np.log(measure[rocks]), np.log(peak[rocks])
-    line = _Line(x, y)
-    columns = [beside] if isinstance(beside, str) else list(beside)
+    if "ensemble.samples" in table:
+        raise ValueError("found an ensemble; expected the rotation and the outcome of a single run in each row")
+    if not 0.0 < ci < 1.0:
+        raise ValueError(f"ci = {ci}; expected a number above 0 and below 1")
+    ((measure, overturned, _, peak, motions),) = cases_of(table, im, "overturned", cluster).batches
+    known = ~np.isnan(measure) & ~np.isnan(overturned)
+    missing = int((np.isnan(measure) & ~np.isnan(overturned)).sum())
+    if missing:
+        warnings.warn(f"{missing} rows without {im} are left out", stacklevel=2)
+    measure, overturned, peak, motions = (column[known] for column in (measure, overturned, peak, motions))
+    if (measure <= 0.0).any():
+        raise ValueError(f"{im} = {measure.min():g} in a row; expected measures > 0")
+    # Blocks that stand have their peak if they rock.
+    rocking, standing = ~np.isnan(peak), overturned == 0.0
+    x, y = np.log(measure[rocking]), np.log(peak[rocking])
+    line = _engine.line(x, y, motions[rocking], ci, cluster)
+    if line is None:
+        raise ValueError(f"found {rocking.sum()} rows that rock and stand; expected three or more, at different {im}")
     tests = {}
-    for column in columns:
+    for column in [beside] if isinstance(beside, str) else beside:
         name = split_heading(column)[0]
-        others = numbers(table, name)[rocks]
+        others = numbers(table, name)[known][rocking]
         if not np.isfinite(others).all():
             raise ValueError(f"{name} is missing in a row that rocks and stands; expected a number in each")
-        if len(np.unique(others)) < 2:
+        of_residuals = _engine.line(others, line.residuals, motions[rocking], ci, cluster)
+        if of_residuals is None:
             raise ValueError(f"{name} does not vary; expected a property that differs between records")
-        of_residuals = _Line(others, line.residuals)
-        tests[name] = Sufficiency(of_residuals.slope, of_residuals.p)
-    standing = known & ~overturned
+        tests[name] = Sufficiency(of_residuals.coefficients[1], of_residuals.p)
     return Cloud(
         im=im,
         unit=table.units.get(im, ""),
-        a=line.intercept,
-        b=line.slope,
+        a=line.coefficients[0],
+        b=line.coefficients[1],
         beta=line.deviation,
         standard_errors=line.standard_errors,
+        a_ci=line.intervals[0],
+        b_ci=line.intervals[1],
+        independence=line.independence,
         r_squared=1.0 - float(np.sum(line.residuals**2) / np.sum((y - y.mean()) ** 2)),
-        overturning=_share(measure[known], overturned[known]),
-        rocking=_share(measure[standing], rocks[standing]),
+        overturning=_share(measure, overturned, motions, cluster),
+        rocking=_share(measure[standing], rocking[standing].astype(np.float64), motions[standing], cluster),
         unknown=int((~known).sum()),
         sufficiency=tests,
-        measures=measure[rocks],
-        rotations=peak[rocks],
+        measures=measure[rocking],
+        rotations=peak[rocking],
     )
 
 
-class _Line:
-    """The least-squares line through points."""
-
-    def __init__(self, x: Floats, y: Floats) -> None:
-        spread = float(np.sum((x - x.mean()) ** 2))
-        self.slope = float(np.sum((x - x.mean()) * (y - y.mean()))) / spread
-        self.intercept = float(y.mean()) - self.slope * float(x.mean())
-        self.residuals = y - self.intercept - self.slope * x
-        freedom = len(x) - 2
-        self.deviation = math.sqrt(float(np.sum(self.residuals**2)) / freedom)
-        of_slope = self.deviation / math.sqrt(spread)
-        of_intercept = self.deviation * math.sqrt(1.0 / len(x) + float(x.mean()) ** 2 / spread)
-        self.standard_errors = (of_intercept, of_slope)
-        self.p = _exceedance(abs(self.slope) / of_slope, freedom) if of_slope > 0.0 else 0.0
-
-
-def _exceedance(t: float, freedom: int) -> float:
-    """Returns the probability that |Student's t| exceeds `t`, by the finite series of Abramowitz and Stegun, 26.7.3 and 26.7.4."""
-    angle = math.atan2(t, math.sqrt(freedom))
-    sine, cosine2 = math.sin(angle), math.cos(angle) ** 2
-    odd = freedom % 2
-    term = math.cos(angle) if odd else 1.0
-    total = term if freedom > 1 else 0.0
-    for k in range(3 if odd else 2, freedom - 1, 2):
-        term *= cosine2 * (k - 1) / k
-        total += term
-    within = (2.0 / math.pi) * (angle + sine * total) if odd else sine * total
-    return max(0.0, 1.0 - within)
-
-
-def _share(measure: Floats, does: npt.NDArray[np.bool_]) -> Share:
+def _share(measure: Floats, does: Floats, motions: npt.NDArray[np.int64], cluster: str | None) -> Share:
     """Returns the logistic regression of a class of rows, or the step between classes that a measure separates."""
     count, rows = int(does.sum()), len(does)
     if count in (0, rows):
         return Share(count, rows, None, np.inf if count == 0 else 0.0)
-    below, above = float(measure[~does].max()), float(measure[does].min())
+    below, above = float(measure[does == 0.0].max()), float(measure[does == 1.0].min())
     if below < above:
         return Share(count, rows, None, math.sqrt(below * above))
-    words = np.where(does, "overturned", "completed")
-    return Share(count, rows, fragility(Table({"IM": measure, "outcome": words}), "IM", link="logit"), np.nan)
+    words = np.where(does == 1.0, "overturned", "completed")
+    # Rows without a motion are independent.
+    of = np.where(motions < 0, "", motions.astype(str))
+    column = cluster or "motion"
+    return Share(count, rows, fragility(Table({"IM": measure, "outcome": words, column: of}), "IM", link="logit", cluster=cluster), np.nan)
 
 
 @dataclass(frozen=True)
@@ -283,7 +279,8 @@ def stripes(
     Parameters
     ----------
     table : Table, DataFrame, mapping or path
-        Runs of a sweep with `levels`, or several such tables as one, each with the records selected for its level.
+        Runs of a sweep with `levels`, or several such tables as one, each with the records selected for its level; or a row for each level,
+        with the number of its `runs` and of those `exceeded`.
     im : str
         Name of the column of the levels.
     limit : "overturned", "balance", float or str, optional
@@ -306,6 +303,8 @@ def stripes(
     array([0. , 0.4, 0.8])
     """
     table, im = _runs(table, im)
+    if "outcome" not in table and "runs" in table and "exceeded" in table:
+        table = _unrolled(table, im)
     fit = fragility(table, im, limit, **options)
     order = np.sort(fit.measures)
     # A scaled record meets its level to round-off.
@@ -317,6 +316,17 @@ def stripes(
     runs = np.bincount(stripe, minlength=len(levels))
     exceeded = np.bincount(stripe, weights=fit.fractions, minlength=len(levels)).astype(np.float64)
     return Stripes(levels, runs, exceeded, fit)
+
+
+def _unrolled(table: Table, im: str) -> Table:
+    """Returns a row for each run of levels with their counts."""
+    levels, runs, exceeded = numbers(table, im), numbers(table, "runs"), numbers(table, "exceeded")
+    wrong = np.flatnonzero(~((exceeded >= 0) & (exceeded <= runs) & (exceeded % 1 == 0) & (runs % 1 == 0)))
+    if wrong.size:
+        raise ValueError(f"{exceeded[wrong[0]]:g} of {runs[wrong[0]]:g} runs are exceeded in row {wrong[0]}; expected whole numbers, 0 to all")
+    of = np.repeat(np.arange(len(runs)), runs.astype(np.int64))
+    number = np.arange(len(of)) - np.repeat(np.cumsum(runs) - runs, runs.astype(np.int64))
+    return Table({im: levels[of], "outcome": np.where(number < exceeded[of], "overturned", "completed")}, {im: table.units[im]} if im in table.units else {})
 
 
 def _runs(table: Any, im: str) -> tuple[Table, str]:

@@ -119,13 +119,14 @@ class Fragility(_engine.Fragility):
         tick: Any = lambda done, total: None,
         cases: Cases | None = None,
         cluster: str | None = None,
+        exceeds: bool | None = None,
     ) -> Self:
         if isinstance(source, Files):
-            cases = cases or source.cases()
+            cases = cases or source.cases(exceeds=exceeds)
             store, motions = cases.store, cases.motions
         else:
-            store, (measures, _, _, numbers) = _engine.CaseStore(), source
-            store.push(np.arange(len(measures), dtype=np.int64), *source)
+            store, (measures, *_, numbers) = _engine.CaseStore(), source
+            store.push(np.arange(len(measures), dtype=np.int64), *source, exceeds)
             # Motions are numbered in the order of their first rows.
             motions = _engine.Motions.in_order(cluster, int(numbers.max(initial=-1)) + 1)
         fit = super().__new__(cls, store, motions, *options, tick)
@@ -135,7 +136,14 @@ class Fragility(_engine.Fragility):
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_fragility_of, (*self._arguments, self._cluster))
+        return (_fragility_of, (*self._arguments, self._cluster, (self.rows, self.coefficients)))
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, _: object) -> Self:
+        # Nothing changes a curve, and its files may have changed.
+        return self
 
     @property
     def measures(self) -> Floats:
@@ -147,14 +155,24 @@ class Fragility(_engine.Fragility):
         """The fraction of each row's runs that exceeded the limit, 0 or 1 for a single run, shape (n,); read as `measures`."""
         return self._rows()[1]
 
-    def _rows(self) -> Rows:
+    def _rows(self) -> tuple[Floats, Floats]:
         source = self._source
         if isinstance(source, Files):
             columns = [np.concatenate(column) for column in zip(*source.cases(keep=True).batches, strict=True)]
-            known = ~np.isnan(columns[0])
-            source = (columns[0][known], columns[1][known], columns[2][known], columns[3][known])
-            self._source = source
-        return source
+            source = (columns[0], columns[1], columns[2], columns[3], columns[4])
+        # Those in the fit.
+        known = ~np.isnan(source[0]) & ~np.isnan(source[1])
+        if known.sum() != self.rows:
+            raise ValueError(f"found {known.sum()} rows in the files of the curve; expected the {self.rows} of its fit")
+        return source[0][known], source[1][known]
+
+    def _completed(self, exceeds: bool) -> Fragility | None:
+        """Returns the curve if all runs without a known outcome exceed the limit, or none; None where there is no such curve."""
+        source, (link, ci, _, seed), labels = self._arguments
+        try:
+            return Fragility(source, (link, ci, None, seed), labels, cluster=self._cluster, exceeds=exceeds)
+        except ValueError:
+            return None
 
     @property
     def goodness_of_fit(self) -> GoodnessOfFit | None:
@@ -238,9 +256,13 @@ class Fragility(_engine.Fragility):
         return f"{self.exceeding:.10g} of {self.rows} runs"
 
 
-def _fragility_of(source: Rows | Files, options: Any, labels: Any, cluster: str | None) -> Fragility:
-    """Restores a pickled curve."""
-    return Fragility(source, options, labels, cluster=cluster)
+def _fragility_of(source: Rows | Files, options: Any, labels: Any, cluster: str | None, found: tuple[int, tuple[float, float]]) -> Fragility:
+    """Restores a pickled curve with its number of rows and its coefficients."""
+    fit = Fragility(source, options, labels, cluster=cluster)
+    if (fit.rows, fit.coefficients) != found:
+        of = source.path if isinstance(source, Files) else "the rows"
+        raise ValueError(f"{of}: changed since the curve was fitted; expected {found[0]} rows with the coefficients {found[1]}")
+    return fit
 
 
 def fragility(

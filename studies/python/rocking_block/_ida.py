@@ -72,7 +72,11 @@ class Ida(_engine.Ida):
         return np.array(self.brackets(), dtype=np.float64).reshape(-1, 2)
 
     def fractile(self, fraction: float) -> Floats:
-        """Returns the peak |θ|/α [1] that this fraction of the curves does not exceed, at `levels`; inf is overturning, nan unknown."""
+        """Returns the peak |θ|/α [1] that this fraction of the curves does not exceed, at `levels`; inf is overturning, nan unknown.
+
+        A curve without a decided run at a level, or beyond its last one that stands, may have any peak there: a fractile is known where all
+        of them give the same.
+        """
         return self.peaks(_fraction(fraction))
 
     def level(self, fraction: float, peak: float | None = None) -> float | None:
@@ -88,13 +92,12 @@ class Ida(_engine.Ida):
         Returns
         -------
         float or None
-            The level, in the unit of the measure; None where fewer curves get there.
+            The level, in the unit of the measure; None where fewer curves get there, or where it depends on runs without a known outcome.
         """
-        if peak is None:
-            return self.overturning_level(_fraction(fraction))
-        if not 0.0 < peak < np.inf:
+        if peak is not None and not 0.0 < peak < np.inf:
             raise ValueError(f"peak = {peak}; expected a peak |θ|/α > 0")
-        return self.reaching_level(_fraction(fraction), peak)
+        low, high = self.level_bounds(_fraction(fraction), peak)
+        return low if low == high else None
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the curves, and their fractiles of 16, 50 and 84 %, with Matplotlib; a curve leaves to the right where it overturns."""
@@ -106,7 +109,7 @@ class Ida(_engine.Ida):
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         overturned = int(np.isfinite(self.capacities[:, 1]).sum())
         median = self.level(0.5)
-        shown = "none" if median is None else f"{median:.4g}{unit}"
+        shown = "no known level" if median is None else f"{median:.4g}{unit}"
         return f"<Ida over {self.im}: {len(self.curves)} curves, {overturned} overturn, the median at {shown}>"
 
 

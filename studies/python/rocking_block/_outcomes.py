@@ -71,6 +71,8 @@ def table_of_outcomes(
         raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
     if scales.size == 0:
         raise ValueError("scale = []; expected at least one factor")
+    if len(np.unique(scales)) < scales.size:
+        raise ValueError(f"scale = {scale!r}; expected each factor once")
     if not horizontal and not vertical_records and not np.array_equal(scales, 1.0):
         raise ValueError("scale has no effect without records")
     spectral_periods = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
@@ -90,7 +92,7 @@ def table_of_outcomes(
 
     columns: dict[str, npt.ArrayLike] = {}
     names, vertical_names = named(horizontal), named(vertical_records)
-    _warn_of_records(horizontal, names, factors)
+    _warn_of_records(pairs, names or vertical_names, factors)
     if horizontal:
         columns["record"] = motion_column(names, len(factors))
     if vertical_records:
@@ -165,15 +167,21 @@ def _checksum(record: Record) -> str:
     return hashlib.blake2b(content, digest_size=4).hexdigest()
 
 
-def _warn_of_records(records: Sequence[Record], names: Sequence[str], scales: Sequence[float]) -> None:
-    """Warns of equal records under several names, which intervals count as one motion, and of scales that amplify noise."""
-    first: dict[str, str] = {}
-    for record, name in zip(records, names, strict=True):
-        known = first.setdefault(_checksum(record), name)
-        if known != name:
-            warnings.warn(f"{known} and {name} hold the same samples: intervals count them as one motion", stacklevel=4)
+def _warn_of_records(pairs: Sequence[tuple[Record | None, Record | None]], names: Sequence[str], scales: Sequence[float]) -> None:
+    """Warns of equal records, which intervals count as one motion, of those given more than once, and of scales that amplify noise."""
+    first: dict[tuple[str, ...], str] = {}
+    repeated = []
+    for pair, name in zip(pairs, names, strict=False):
+        content = tuple("" if record is None else _checksum(record) for record in pair)
+        if content not in first:
+            first[content] = name
+        elif first[content] != name:
+            warnings.warn(f"{first[content]} and {name} hold the same samples: intervals count them as one motion", stacklevel=4)
+        elif name not in repeated:
+            repeated.append(name)
+            warnings.warn(f"{name} is given more than once: its rows are made and counted as often", stacklevel=4)
     largest = max(map(abs, scales))
-    if records and largest > LARGEST_SCALE:
+    if names and largest > LARGEST_SCALE:
         message = f"scale = {largest:g}; expected at most {LARGEST_SCALE:g}, beyond which noise is amplified"
         warnings.warn(message, stacklevel=4)
 

@@ -27,7 +27,7 @@ def ida(found: Ida, ax: Axes | None) -> Axes:
         label = "one block and ground motion" if number == 0 else None
         axes.plot(*_drawn(curve.levels, curve.peaks, edge), color="0.65", lw=0.8, label=label)
     for fraction, dashes in _FRACTILES:
-        axes.plot(*_drawn(found.levels, found.fractile(fraction), edge), color=INK, ls=dashes, lw=1.8, label=f"{100 * fraction:.0f} %")
+        axes.plot(*_drawn(found.levels, found.fractile(fraction), edge), color=INK, ls=dashes, lw=1.8, label=f"peak that {100 * fraction:.0f} % do not exceed")
     unit = f" [{found.unit}]" if found.unit not in ("", "1") else ""
     axes.set(xlabel="peak |θ|/α", ylabel=f"{found.im}{unit}", xlim=(0.0, edge), ylim=(0.0, None))
     axes.legend(loc="upper left", frameon=False, fontsize="small")

@@ -114,6 +114,7 @@ def read_hazard(
     unit: str | None = None,
     site: str | Sequence[float] | None = None,
     investigation_time: float | None = None,
+    kind: str | None = None,
     g: float = 9.81,
 ) -> Hazard:
     """Reads a hazard curve, in SI units.
@@ -131,18 +132,20 @@ def read_hazard(
         Name of the site, or its longitude and latitude as in (-122.4, 37.75), in a file of several.
     investigation_time : float, optional
         Years to which the probabilities of the file refer. Without it, the file has annual rates, or names the time itself.
+    kind : str, optional
+        Kind of the curves of OpenQuake, such as "quantile-0.84", instead of the mean.
     g : float
         Gravity, for levels in g [m/s²].
 
     Raises
     ------
     ValueError
-        Another format, or several curves without a choice.
+        Another format, several curves without a choice, or curves of another kind.
     """
     if site is not None and not isinstance(site, str):
         site = ",".join(repr(number("site", coordinate)) for coordinate in site)
     curve = Hazard.__new__(Hazard)
-    fields = _engine.read_hazard(path, im=im, unit=unit, site=site, investigation_time=investigation_time, g=g)
+    fields = _engine.read_hazard(path, im=im, unit=unit, site=site, investigation_time=investigation_time, kind=kind, g=g)
     curve._set(fields[2] or "", *fields)
     return curve
 
@@ -150,7 +153,8 @@ def read_hazard(
 class AnnualRate(_engine.AnnualRate):
     """The annual rate at which a limit is exceeded; made by `annual_rate`.
 
-    `rate` is the rate [1/year] and `rate_ci` its interval, None without a fitted curve. `below_hazard` and `above_hazard` are its
+    `rate` is the rate [1/year] and `rate_ci` its interval, None without a fitted curve. `rate_of_unknown` are the rates if none, and if all, of
+    the rows without a known outcome exceed the limit, nan without a curve then, and None where all outcomes are known. `below_hazard` and `above_hazard` are its
     parts from measures outside the hazard's levels [1/year]. `between(low, high)` gives the part from a range of the measure,
     `quantile(share)` the measure below which a share of the rate arises, and `probability(years)` the probability of at
     least one event in some years.
@@ -160,6 +164,8 @@ class AnnualRate(_engine.AnnualRate):
     """The hazard curve, of the measure of the fragility curve."""
     rows: tuple[float, float] | None
     """Least and greatest measure of the rows behind a fitted curve."""
+    rate_of_unknown: tuple[float, float] | None
+    """Annual rates [1/year] if none, and if all, of the rows without a known outcome exceed the limit."""
     _arguments: tuple[Any, ...]
 
     def __new__(
@@ -172,8 +178,20 @@ class AnnualRate(_engine.AnnualRate):
         rate = super().__new__(cls, hazard.levels, hazard.rates, fit, lognormal, table)
         rate.hazard = hazard
         rate.rows = None if fit is None else fit.range
+        rate.rate_of_unknown = None
+        if fit is not None and fit.exceeded[1] > fit.exceeded[0]:
+            rate.rate_of_unknown = (cls._completed(hazard, fit, False), cls._completed(hazard, fit, True))
         rate._arguments = (hazard, fit, lognormal, table)
         return rate
+
+    @staticmethod
+    def _completed(hazard: Hazard, fit: Fragility, exceeds: bool) -> float:
+        """Returns the rate if all rows without a known outcome exceed the limit, or none; nan without a curve."""
+        completed = fit._completed(exceeds)
+        try:
+            return np.nan if completed is None else _engine.AnnualRate(hazard.levels, hazard.rates, completed, None, None).rate
+        except ValueError:
+            return np.nan
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self._arguments)
@@ -215,9 +233,12 @@ class AnnualRate(_engine.AnnualRate):
     def _rows(self) -> list[tuple[str, str]]:
         unit = f" {self.hazard.unit}" if self.hazard.unit not in ("", "1") else ""
         ends = "" if self.rate_ci is None else f" [{self.rate_ci[0]:.3g}, {self.rate_ci[1]:.3g}]"
+        unknown = ""
+        if self.rate_of_unknown is not None:
+            unknown = " ({:.3g} to {:.3g} with the rows of unknown outcome)".format(*self.rate_of_unknown)
         low, middle, high = (self.quantile(share) for share in (0.05, 0.5, 0.95))
         return [
-            ("annual rate", f"{self.rate:.3g}{ends}"),
+            ("annual rate", f"{self.rate:.3g}{ends}{unknown}"),
             ("return period", f"{self.return_period:.4g} years"),
             ("in 50 years", f"{100 * self.probability(50.0):.3g} %"),
             ("comes from", f"half below {middle:.4g}{unit}, 90 % between {low:.4g} and {high:.4g}{unit}"),

@@ -81,6 +81,9 @@ class Gradient:
     def __getitem__(self, name: str) -> Floats:
         return self.columns[name]
 
+    def __repr__(self) -> str:
+        return f"<Gradient of {len(self.columns)} columns and the times of {len(self.event_times)} events; peak theta {self.peak.theta:.4g}>"
+
 
 @dataclass(frozen=True)
 class Grazing:

@@ -3,11 +3,11 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::{
-    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, openquake,
-    pelicun,
+    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, completed,
+    openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
-use rocking_studies::run::outcome::End;
+use rocking_studies::run::outcome::{End, rocks as has_rocked};
 use rocking_studies::statistics::range;
 
 use crate::measures::{behind, column};
@@ -29,23 +29,36 @@ impl CaseStore {
         CaseStore::default()
     }
 
-    /// Takes rows of a table for a fit. Each has its place, the measure, the fraction that exceeded the limit, the peak of the blocks that
-    /// rock and stand, and the number of the ground motion, negative for rows with their own. A missing measure or peak is nan.
+    /// Takes rows of a table for a fit. Each has its place, the measure, the fraction of its known runs that exceeded the limit, the fraction
+    /// of its runs without a verdict, the peak of the blocks that rock and stand, and the number of the ground motion, negative for rows with
+    /// their own. A missing measure or peak is nan, and so is the fraction of a row without a known run.
+    ///
+    /// `exceeds` says whether runs without a verdict exceed the limit; without it they are left out.
+    #[allow(clippy::too_many_arguments)]
     fn push(
         &mut self,
         places: PyReadonlyArray1<i64>,
         measures: PyReadonlyArray1<f64>,
         fractions: PyReadonlyArray1<f64>,
+        unknown: PyReadonlyArray1<f64>,
         peaks: PyReadonlyArray1<f64>,
         motions: PyReadonlyArray1<i64>,
+        exceeds: Option<bool>,
     ) {
         let known = |value: f64| Some(value).filter(|value| !value.is_nan());
         let (places, measures, fractions) = (places.as_array(), measures.as_array(), fractions.as_array());
-        let (peaks, motions) = (peaks.as_array(), motions.as_array());
+        let (unknown, peaks, motions) = (unknown.as_array(), peaks.as_array(), motions.as_array());
         for row in 0..places.len() {
+            let fraction = known(fractions[row]);
+            let Some(fraction) = (match exceeds {
+                Some(exceeds) => Some(completed(fraction, unknown[row], exceeds)),
+                None => fraction,
+            }) else {
+                continue;
+            };
             let case = Case {
                 row,
-                fraction: fractions[row],
+                fraction,
                 // The range of the exceeded runs is counted in Python.
                 unknown: 0.0,
                 peak: known(peaks[row]),
@@ -121,6 +134,59 @@ pub fn verdicts<'py>(
         verdict.map_or(f64::NAN, |exceeds| f64::from(u8::from(exceeds)))
     };
     Ok(PyArray1::from_iter(py, codes.iter().zip(responses.iter()).map(verdict)))
+}
+
+/// A least-squares line, attributes in Python.
+#[pyclass(frozen, get_all, module = "rocking_block._engine")]
+pub struct Line {
+    coefficients: (f64, f64),
+    deviation: f64,
+    residuals: Py<PyArray1<f64>>,
+    standard_errors: (f64, f64),
+    intervals: (Ends, Ends),
+    p: f64,
+    independence: String,
+}
+
+/// Fits a line through points with the numbers of their ground motions, negative for points with their own, and intervals of this confidence.
+/// `cluster` is the column of the clusters, if it is not the motions.
+#[pyfunction]
+#[pyo3(signature = (x, y, motions, ci, cluster))]
+pub fn line(
+    py: Python<'_>,
+    x: PyReadonlyArray1<f64>,
+    y: PyReadonlyArray1<f64>,
+    motions: PyReadonlyArray1<i64>,
+    ci: f64,
+    cluster: Option<&str>,
+) -> Option<Line> {
+    let motions = motions.as_array();
+    let shared = motions.iter().max().map_or(0, |last| (last + 1).max(0) as usize);
+    let own = |(row, &motion): (usize, &i64)| usize::try_from(motion).unwrap_or(shared + row);
+    let motions: Vec<usize> = motions.iter().enumerate().map(own).collect();
+    let found = engine::Line::of(&x.as_array().to_vec(), &y.as_array().to_vec(), &motions)?;
+    let [a, b] = found.intervals(ci).map(|interval| ends(interval, f64::NEG_INFINITY, f64::INFINITY));
+    Some(Line {
+        coefficients: found.coefficients.into(),
+        deviation: found.deviation,
+        residuals: PyArray1::from_slice(py, &found.residuals).unbind(),
+        standard_errors: found.standard_errors.into(),
+        intervals: (a, b),
+        p: found.p(),
+        independence: found.independence.words(cluster),
+    })
+}
+
+/// Returns for each row of a block that stands whether it rocked, from its peak |θ|/α and the number of its lift-offs if they are known.
+#[pyfunction]
+pub fn rocks<'py>(
+    py: Python<'py>,
+    peaks: PyReadonlyArray1<f64>,
+    liftoffs: Option<PyReadonlyArray1<f64>>,
+) -> Bound<'py, PyArray1<bool>> {
+    let liftoffs = liftoffs.as_ref().map(PyReadonlyArray1::as_array);
+    let rocks = |(row, peak): (usize, &f64)| has_rocked(*peak, liftoffs.map(|liftoffs| liftoffs[row]));
+    PyArray1::from_iter(py, peaks.as_array().iter().enumerate().map(rocks))
 }
 
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.

@@ -59,12 +59,9 @@ impl Ida {
         PyArray1::from_iter(py, self.0.fractile(fraction).into_iter().map(peak))
     }
 
-    fn overturning_level(&self, fraction: f64) -> Option<f64> {
-        self.0.overturning(fraction)
-    }
-
-    fn reaching_level(&self, fraction: f64, peak: f64) -> Option<f64> {
-        self.0.reaching(fraction, peak)
+    /// Returns the least and the greatest level of a fractile, of a peak or of overturning.
+    fn level_bounds(&self, fraction: f64, peak: Option<f64>) -> [f64; 2] {
+        peak.map_or_else(|| self.0.overturning(fraction), |peak| self.0.reaching(fraction, peak))
     }
 }
 

@@ -22,7 +22,7 @@ fn fields<'py>(py: Python<'py>, curve: &HazardCurve) -> Hazard<'py> {
 
 /// Reads the hazard curve of a file.
 #[pyfunction]
-#[pyo3(signature = (path, *, im, unit, site, investigation_time, g))]
+#[pyo3(signature = (path, *, im, unit, site, investigation_time, kind, g))]
 pub fn read_hazard(
     py: Python<'_>,
     path: PathBuf,
@@ -30,11 +30,12 @@ pub fn read_hazard(
     unit: Option<String>,
     site: Option<String>,
     investigation_time: Option<f64>,
+    kind: Option<String>,
     g: f64,
 ) -> PyResult<Hazard<'_>> {
     finite("g", g, |x| x > 0.0, "an acceleration above 0")?;
     let text = std::fs::read_to_string(&path)?;
-    let options = HazardOptions { measure: im, unit, site, years: investigation_time, gravity: g };
+    let options = HazardOptions { measure: im, unit, site, years: investigation_time, kind, gravity: g };
     let name = path.display().to_string();
     let curve = risk::read_hazard(&name, &text, &options).map_err(|error| invalid(format!("{name}: {error}")))?;
     Ok(fields(py, &curve))

@@ -1,5 +1,6 @@
 """Annual rates compared with closed forms and with scipy's quadrature."""
 
+import copy
 import pickle
 import warnings
 from math import exp
@@ -172,3 +173,61 @@ def test_a_site_is_a_name_or_a_pair_of_coordinates(tmp_path):
     assert rb.read_hazard(file, im="Sa(0.5)", site=(9.2, 45)).im == rb.Hazard(LEVELS, RATES, im="Sa(0.5)").im == "Sa(0.5 s)"
     with pytest.raises(ValueError, match="found no site 12.5,41.0; expected one such as Rome; Milan"):
         rb.read_hazard(file, im="PGV", site=(12.5, 41))
+
+
+@pytest.mark.filterwarnings("ignore:.*of the rate", "ignore:.*undecided rows may exceed")
+def test_rows_without_an_outcome_give_a_range(hazard):
+    """The rates are those of the tables in which no such row exceeds the limit, and in which all do."""
+    random = np.random.default_rng(8)
+    pgv = np.exp(random.normal(np.log(0.5), 0.7, 60))
+    outcome = np.where(np.log(pgv / 0.5) / 0.4 + random.normal(size=60) > 0, "overturned", "completed")
+    open_rows = random.uniform(size=60) < 0.2
+
+    def rate(word):
+        table = rb.Table({"PGV": pgv, "outcome": np.where(open_rows, word, outcome)}, {"PGV": "m/s"})
+        return rb.annual_rate(hazard, rb.fragility(table, im="PGV"))
+
+    found = rate("undecided")
+    assert found.rate_of_unknown == (rate("completed").rate, rate("overturned").rate)
+    assert "with the rows of unknown outcome)" in repr(found)
+    assert pickle.loads(pickle.dumps(found)).rate_of_unknown == found.rate_of_unknown
+    known = rate("completed")
+    assert known.rate_of_unknown is None
+
+
+def test_a_copy_of_a_curve_keeps_its_numbers(tmp_path):
+    """Copies do not read the files of a curve again, and a pickle refuses files that have changed."""
+    random = np.random.default_rng(4)
+    pgv = np.exp(random.normal(np.log(0.5), 0.7, 60))
+    outcome = np.where(np.log(pgv / 0.5) / 0.4 + random.normal(size=60) > 0, "overturned", "completed")
+    file = tmp_path / "t.csv"
+
+    def write(rows):
+        lines = [f"{i},{x!r},{word}\n" for i, (x, word) in enumerate(zip(pgv[:rows].tolist(), outcome, strict=False))]
+        file.write_text("row,PGV [m/s],outcome\n" + "".join(lines))
+
+    write(60)
+    fit = rb.fragility(file, im="PGV")
+    stored = pickle.dumps(fit)
+    assert pickle.loads(stored).median == fit.median
+    write(50)
+    assert copy.deepcopy(fit).median == copy.copy(fit).median == fit.median
+    with pytest.raises(ValueError, match="t.csv: changed since the curve was fitted; expected 60 rows"):
+        pickle.loads(stored)
+    with pytest.raises(ValueError, match="found 50 rows in the files of the curve; expected the 60 of its fit"):
+        fit.measures
+
+
+def test_rows_without_the_measure_are_counted(hazard):
+    rows = {"PGV": [0.2, 0.5, 0.4, 0.9, np.nan], "outcome": ["completed"] * 2 + ["overturned"] * 3}
+    with pytest.warns(UserWarning, match="1 rows without the measure are left out of the curve"):
+        assert rb.fragility(rb.Table(rows), im="PGV").rows == 4
+
+
+def test_a_quantile_of_a_hazard_is_asked_for(tmp_path):
+    text = "# kind='quantile-0.84', investigation_time=50.0, imt='PGA'\nlon,lat,depth,poe-0.1,poe-0.2,poe-0.4,poe-0.8\n1,2,0,0.1,0.05,0.01,0.001\n"
+    (tmp_path / "h.csv").write_text(text)
+    with pytest.raises(ValueError, match="found the curves of the kind quantile-0.84; expected the mean"):
+        rb.read_hazard(tmp_path / "h.csv")
+    assert rb.read_hazard(tmp_path / "h.csv", kind="quantile-0.84").im == "PGA"
+    assert rb.Hazard([0.0, 0.1, 0.2], [1.0, 1e-3, 1e-4]).levels.tolist() == [0.1, 0.2]

@@ -442,6 +442,7 @@ def test_gradients_are_those_of_neighbouring_runs() -> None:
     found, up, down = run(1.2566, names), run(1.2566 + h, []), run(1.2566 - h, [])
     assert list(found.gradients) == names and found.grazing is None and not up.gradients
     of = found.gradients["pulse.period"]
+    assert repr(of).startswith("<Gradient of ") and len(repr(of)) < 120
     assert of.peak.theta == pytest.approx((up.peak.theta - down.peak.theta) / (2 * h), rel=1e-6)
     times = [(a.t - b.t) / (2 * h) for a, b in zip(up.events, down.events, strict=True)]
     np.testing.assert_allclose(of.event_times, times, rtol=1e-6, atol=1e-7)

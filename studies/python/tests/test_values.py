@@ -364,6 +364,10 @@ def test_equal_records_and_great_scales_are_warned_of():
     named = [rb.Record((1 + i) * RECORD.acceleration, RECORD.dt, title) for i, title in enumerate(titles)]
     # The names tell these motions.
     assert "motion" not in rb.outcomes(BLOCK, named)
+    with pytest.warns(UserWarning, match="a is given more than once: its rows are made and counted as often"):
+        rb.outcomes(BLOCK, [twins[0]] * 3)
+    with pytest.raises(ValueError, match=r"scale = \[1, 2, 1\]; expected each factor once"):
+        rb.outcomes(BLOCK, RECORD, scale=[1, 2, 1])
     with pytest.warns(UserWarning, match="scale = 30; expected at most 20, beyond which noise is amplified"):
         rb.outcomes(BLOCK, RECORD, scale=[1, -30])
 

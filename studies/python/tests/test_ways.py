@@ -65,6 +65,15 @@ def test_files_have_the_curves_of_the_study(tmp_path):
     assert len(rb.ida(tmp_path / "runs", "PGV").curves) == 2 * len(analysis.curves)
 
 
+def test_fractiles_need_the_curves_on_which_they_depend():
+    """Of three curves two end standing: no half of them is known to overturn."""
+    rows = {"record": ["a", "b", "c", "c"], "PGV": [0.5, 0.5, 0.5, 1.0], "outcome": ["completed"] * 3 + ["overturned"],
+            "peak.theta/alpha": [0.1, 0.2, 0.3, 9.0]}
+    found = rb.ida(rb.Table(rows, {"PGV": "m/s"}), "PGV")
+    assert [found.level(fraction) for fraction in (0.16, 0.5, 0.84)] == [None, None, None]
+    assert np.isnan(found.fractile(0.5)[-1]) and np.isinf(found.fractile(0.84)[-1]) and "the median at no known level" in repr(found)
+
+
 @pytest.mark.parametrize(
     "study, options, message",
     [
@@ -127,12 +136,40 @@ def test_a_cloud_is_that_of_independent_programs():
     plt.close("all")
 
 
-def test_students_distribution_is_that_of_scipy():
-    from rocking_block._cloud import _exceedance
+def test_rows_of_one_motion_count_once():
+    """Errors are those of a jackknife over motions, by statsmodels' lines, and Student's t has one degree less than there are motions."""
+    random = np.random.default_rng(7)
+    motion = np.repeat(np.arange(12), 10)
+    pgv = np.exp(random.normal(-1.0, 0.6, 12))[motion] * np.exp(0.1 * random.normal(size=120))
+    magnitude = random.uniform(5.5, 7.5, 12)[motion]
+    peak = np.exp(-0.2 + 1.1 * np.log(pgv) + 0.4 * random.normal(size=12)[motion] + 0.1 * random.normal(size=120))
+    outcome = np.where(random.uniform(size=120) < pgv / 2.0, "overturned", "completed")
+    columns = {"PGV": pgv, "magnitude": magnitude, "outcome": outcome, "peak.theta/alpha": peak}
+    named = rb.Table({**columns, "record": [f"r{i}" for i in motion]}, {"PGV": "m/s"})
+    found = rb.cloud(named, "PGV", beside="magnitude", ci=0.9)
+    stands = outcome == "completed"
+    x, y, of = np.log(pgv[stands]), np.log(peak[stands]), motion[stands]
 
-    for freedom in (1, 2, 3, 4, 7, 30, 101):
-        for t in (0.0, 0.3, 1.0, 2.5, 6.0):
-            assert np.isclose(_exceedance(t, freedom), 2.0 * stats.t.sf(t, freedom), rtol=1e-9, atol=1e-14), (t, freedom)
+    def jackknife(x, y):
+        whole = np.polyfit(x, y, 1)
+        shifts = [np.polyfit(x[of != left_out], y[of != left_out], 1) - whole for left_out in range(12)]
+        return whole[::-1], np.sqrt(11 / 12 * np.sum(np.square(shifts), axis=0))[::-1]
+
+    line, errors = jackknife(x, y)
+    assert np.allclose([found.a, found.b], line, rtol=1e-9) and np.allclose(found.standard_errors, errors, rtol=1e-9)
+    reach = stats.t.ppf(0.95, 11) * errors
+    assert np.allclose([found.a_ci, found.b_ci], np.column_stack([line - reach, line + reach]), rtol=1e-9)
+    (_, slope), (_, error) = jackknife(magnitude[stands], y - line[0] - line[1] * x)
+    assert np.isclose(found.sufficiency["magnitude"].p, 2.0 * stats.t.sf(abs(slope / error), 11), rtol=1e-8)
+    assert found.independence == found.overturning.fit.independence == "clustered by 12 motions"
+    again = rb.cloud(rb.Table({**columns, "event": motion}), "PGV", ci=0.9, cluster="event")
+    assert again.b_ci == found.b_ci and again.independence == again.overturning.fit.independence == "clustered by 12 values of event"
+    alone = rb.cloud(rb.Table(columns), "PGV")
+    assert alone.independence == "rows independent" and alone.standard_errors[1] < 0.5 * found.standard_errors[1]
+    with pytest.warns(UserWarning, match="1 rows without PGV are left out"):
+        assert rb.cloud(rb.Table({**columns, "PGV": np.where(np.arange(120) == 3, np.nan, pgv)}), "PGV").unknown == 1
+    with pytest.raises(ValueError, match="found an ensemble; expected"):
+        rb.cloud(rb.Table({**columns, "ensemble.samples": [4] * 120}), "PGV")
 
 
 def test_a_cloud_without_overturning_or_with_a_clear_threshold():
@@ -183,3 +220,14 @@ def test_stripes_of_a_published_example():
     peer = np.exp(optimize.minimize(cost, [0.0, -1.0], method="Nelder-Mead", options={"xatol": 1e-12, "fatol": 1e-14}).x)
     assert np.allclose([found.fit.median, found.fit.beta], peer, rtol=1e-6)
     assert found.fractions.tolist() == (collapses / 40).tolist()
+
+
+def test_counts_of_stripes_are_their_rows():
+    """A row for each level has the fit of a row for each run; outcomes may be 0 and 1."""
+    levels, exceeded, runs = [0.2, 0.4, 0.8], [1, 4, 7], [10, 10, 9]
+    counts = rb.Table({"PGV": levels, "exceeded": exceeded, "runs": runs}, {"PGV": "m/s"})
+    rows = {"PGV": np.repeat(levels, runs), "outcome": np.concatenate([np.arange(n) < k for k, n in zip(exceeded, runs, strict=True)])}
+    found, single = rb.stripes(counts, "PGV"), rb.stripes(rb.Table(rows, {"PGV": "m/s"}), "PGV")
+    assert repr(found) == repr(single) and found.exceeded.tolist() == exceeded and found.fit.unit == "m/s"
+    with pytest.raises(ValueError, match="11 of 10 runs are exceeded in row 0; expected whole numbers, 0 to all"):
+        rb.stripes({"PGV": levels, "exceeded": [11, 4, 7], "runs": runs}, "PGV")

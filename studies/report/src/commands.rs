@@ -25,10 +25,11 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
             quoted(limit),
             report.years
         );
-        let HazardOptions { unit, site, years, gravity, .. } = options;
+        let HazardOptions { unit, site, years, kind, gravity, .. } = options;
         let years = years.map(|years| years.to_string());
         let gravity = (*gravity != Common::default().gravity).then(|| gravity.to_string());
-        for (option, value) in [("hazard-unit", unit), ("site", site), ("investigation-time", &years), ("g", &gravity)]
+        for (option, value) in
+            [("hazard-unit", unit), ("site", site), ("investigation-time", &years), ("kind", kind), ("g", &gravity)]
         {
             rate.extend(value.iter().map(|value| format!(" --{option}={}", quoted(value))));
         }

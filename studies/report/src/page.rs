@@ -8,7 +8,7 @@ use crate::pictures::Picture;
 use crate::sentences::{summary, verdict};
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
-use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, Report, Results};
+use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, RateResult, Report, Results};
 use rocking_studies::spec::words::Words;
 
 /// Fills the template.
@@ -124,9 +124,19 @@ impl Page<'_> {
         curve.map_or("—".into(), |curve| short(curve.beta))
     }
 
+    /// Writes an annual rate, with its range where runs have no known outcome.
+    fn state_rate(&self, found: &RateResult) -> String {
+        let range = found.rate_of_unknown.and_then(numbers::rate_range);
+        let range = range.map(|range| format!("; {range} with the runs of unknown outcome"));
+        rate(found.rate) + &range.unwrap_or_default()
+    }
+
     fn variant_rate(&self, variant: &Comparison) -> String {
-        let rate_of = || if variant.runs.left_out == 0 { variant.rate.map(rate) } else { None };
-        rate_of().unwrap_or_else(|| "—".into())
+        match variant.rate_of_unknown {
+            Some(range) => numbers::rate_range(range),
+            None => variant.rate.map(rate),
+        }
+        .unwrap_or_else(|| "—".into())
     }
 
     /// Writes where the runs of a state without an annual rate lie.

@@ -175,29 +175,57 @@ fn ties(report: &Report) -> Option<String> {
     Some(format!("In {broken} of {} runs {ties} breaks.", plain.runs.all()))
 }
 
-/// Names the variant with the least annual rate, if all that have one are known without a doubt.
+/// The least and the greatest annual rate of a variant over all outcomes of runs that have none; `None` without a greatest one.
+fn rates(variant: &Comparison) -> Option<[f64; 2]> {
+    match variant.rate_of_unknown {
+        Some([none, all]) => Some([none.unwrap_or(0.0), all?]),
+        None => variant.rate.map(|rate| [rate; 2]),
+    }
+}
+
+/// Names the variant with the least annual rate, if the object has one. Where runs have no known outcome, the greatest rate counts.
 fn best_rate(report: &Report) -> Option<String> {
     let (plain, variants) = report.variants.split_first()?;
-    let rate_of = |variant: &Comparison| variant.rate.filter(|_| variant.runs.left_out == 0);
-    let before = rate_of(plain)?;
-    let rates = variants.iter().filter_map(|variant| Some((variant, rate_of(variant)?)));
-    let (best, least) = rates.min_by(|(_, one), (_, other)| one.total_cmp(other))?;
-    if least >= before {
-        return Some("No variant with an annual rate reduces it.".into());
+    let before = rates(plain)?;
+    let found = variants.iter().filter_map(|variant| Some((variant, rates(variant)?)));
+    let (best, after) = found.min_by(|(_, [_, one]), (_, [_, other])| one.total_cmp(other))?;
+    if after[1] >= before[0] {
+        return Some("No variant with an annual rate is known to reduce it.".into());
     }
+    let shown = |[low, high]: [f64; 2]| match low == high {
+        true => rate(low),
+        false => numbers::rate_range([Some(low), Some(high)]).unwrap_or_default(),
+    };
     let text = format!(
         "Of the variants with an annual rate, “{}” helps most: {} instead of {}, for {}.",
         best.name,
-        rate(least),
-        rate(before),
+        shown(after),
+        shown(before),
         limit(best.limit)
     );
     Some(text + &slips(report, best).unwrap_or_default())
 }
 
-/// Names the best variants by their rates, or else by their runs.
+/// Names the variants without any exceedance.
+fn without_exceedance(report: &Report) -> Option<String> {
+    let (plain, variants) = report.variants.split_first()?;
+    let best: Vec<&Comparison> = variants.iter().filter(|variant| variant.runs.at_most() == 0).collect();
+    if plain.runs.exceeded == 0 || best.is_empty() {
+        return None;
+    }
+    let (measure, unit) = heading(&report.im);
+    let runs = numbers::separate(best[0].separate_at, report.motions.len(), (&measure, &unit))?;
+    let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
+    let helps = if best.len() == 1 { "helps" } else { "help" };
+    let mut text = format!("Of the variants, {} {} most: {runs}.", join(&names), helps);
+    text.extend(best.iter().filter_map(|variant| slips(report, variant)));
+    Some(text)
+}
+
+/// Names the best variants: those without an exceedance, then by their rates, or else by their runs.
 fn best_variants(report: &Report) -> Option<String> {
-    best_rate(report).or_else(|| fewest_runs(report))
+    let sentences = [without_exceedance(report), best_rate(report)].into_iter().flatten().collect::<Vec<_>>();
+    if sentences.is_empty() { fewest_runs(report) } else { Some(sentences.join(" ")) }
 }
 
 /// Names the variants with the fewest runs beyond the limit, and their slip. These runs are fewer than those of the object.

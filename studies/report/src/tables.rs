@@ -53,6 +53,8 @@ fn states(results: &Results) -> io::Result<String> {
         rate("rate", |found| Some(found.rate)),
         rate("rate.low", |found| found.rate_interval[0]),
         rate("rate.high", |found| found.rate_interval[1]),
+        rate("rate.if_no_unknown_exceeds", |found| found.rate_of_unknown.and_then(|[none, _]| none)),
+        rate("rate.if_all_unknown_exceed", |found| found.rate_of_unknown.and_then(|[_, all]| all)),
     ];
     table(results, "states", &columns, &results.report.states.iter().collect::<Vec<_>>())
 }
@@ -78,6 +80,12 @@ fn comparisons(results: &Results) -> io::Result<String> {
         }),
         TableColumn::optional("beta", "1", |(.., found): &Row| found.curve.map(|curve| curve.beta)),
         TableColumn::optional("rate", "1/year", |(.., found): &Row| found.rate),
+        TableColumn::optional("rate.if_no_unknown_exceeds", "1/year", |(.., found): &Row| {
+            found.rate_of_unknown.and_then(|[none, _]| none)
+        }),
+        TableColumn::optional("rate.if_all_unknown_exceed", "1/year", |(.., found): &Row| {
+            found.rate_of_unknown.and_then(|[_, all]| all)
+        }),
         TableColumn::optional("peak.slip", "m", |(.., found): &Row| found.peak_slip),
         TableColumn::optional("peak.tension/weight", "1", |(.., found): &Row| found.peak_tension),
     ];

@@ -223,7 +223,7 @@ fn measure(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Re
 /// Reads the hazard curve and its file.
 fn hazard(
     root: &Section<StudyFile>,
-    HazardTable { file: name, unit, site, investigation_time }: &HazardTable,
+    HazardTable { file: name, unit, site, investigation_time, kind }: &HazardTable,
     measure: Measure,
     gravity: f64,
     folder: &Path,
@@ -244,6 +244,7 @@ fn hazard(
             Site::Place([longitude, latitude]) => format!("{longitude},{latitude}"),
         }),
         years: investigation_time.map(|years| years.0),
+        kind: kind.clone(),
         gravity,
     };
     let curve = read_hazard(name, &text, &options).map_err(|error| refused(error.to_string()))?;

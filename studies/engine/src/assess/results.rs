@@ -189,7 +189,7 @@ pub struct SizeResult {
     pub p: f64,
     /// Blocks that rock and stand.
     pub rocked: u64,
-    /// Blocks that stay at rest.
+    /// Blocks that do not rock.
     pub at_rest: u64,
     /// Blocks that overturn.
     pub overturned: u64,
@@ -273,6 +273,10 @@ pub struct RateResult {
     pub rate: f64,
     /// Its interval (1/year).
     pub rate_interval: Interval,
+    /// The rates (1/year) if none, and if all, of the runs without a known outcome exceed the limit, which are left out otherwise. An end
+    /// is `None` where the runs have no curve then, and all is where every outcome is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_of_unknown: Option<Interval>,
     /// Probability in the years of the report.
     pub probability: f64,
     /// Fraction of the rate from measures below the runs (1).
@@ -315,6 +319,9 @@ pub struct Comparison {
     pub no_curve: Option<String>,
     /// Annual rate (1/year).
     pub rate: Option<f64>,
+    /// See [`RateResult::rate_of_unknown`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_of_unknown: Option<Interval>,
     /// See [`StateResult::separate_at`].
     pub separate_at: [Option<f64>; 2],
     /// Greatest slip (m), with limited friction.

@@ -2,9 +2,9 @@
 
 use crate::assess::plan::State;
 use crate::assess::results::{Counts, CurveResult, RateResult, StateResult};
-use crate::fragility::{Assessment, Case, CaseStore, Limit, Link, SweepTable, SweepTableError, Uncertainty};
+use crate::fragility::{Assessment, Case, CaseStore, Interval, Limit, Link, SweepTable, SweepTableError, Uncertainty};
 use crate::intensity::Measure;
-use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in};
+use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in, unknown_rates};
 use crate::statistics::range;
 
 /// Confidence level of all intervals.
@@ -18,6 +18,8 @@ pub struct StateCurve {
     pub assessment: Result<Assessment, String>,
     /// The annual rate, with a hazard curve.
     pub rate: Option<AnnualRate>,
+    /// See [`RateResult::rate_of_unknown`].
+    pub(super) rate_of_unknown: Option<Interval>,
     /// See [`StateResult::separate_at`].
     pub(super) separate_at: [Option<f64>; 2],
     /// Least and greatest measure of the runs.
@@ -35,11 +37,26 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let (cases, motions, counts) = table.cases(limit)?;
+        let (cases, mut motions, counts) = table.cases(limit)?;
         let numbers = table.numbers(&measure.to_string())?;
         let range = range(cases.iter().filter_map(|case| numbers[case.row])).unwrap_or([f64::NAN; 2]);
-        let mut store = CaseStore::default();
-        cases.iter().for_each(|case| store.push(case.row as u64, case, [numbers[case.row], Some(1.0)]));
+        let store = |cases: &[Case]| {
+            let mut store = CaseStore::default();
+            cases.iter().for_each(|case| store.push(case.row as u64, case, [numbers[case.row], Some(1.0)]));
+            store
+        };
+        let rate_of_unknown = match hazard.filter(|_| counts.exceeded_at_most > counts.exceeded) {
+            Some(hazard) => {
+                let mut curve = |exceeds| -> Result<Option<FragilityCurve>, SweepTableError> {
+                    let cases = table.completed_cases(limit, exceeds, &mut motions, |row| row as u64)?;
+                    let fit = store(&cases).fit(&motions, Link::Probit);
+                    Ok(fit.ok().and_then(|fit| FragilityCurve::of(&fit).ok()))
+                };
+                Some(unknown_rates(hazard, &[curve(false)?, curve(true)?]))
+            }
+            None => None,
+        };
+        let store = store(&cases);
         let fitted = Assessment::of(store, &motions, Link::Probit, CONFIDENCE, Uncertainty::Profile);
         let assessment = fitted.map_err(|error| error.to_string()).and_then(|found| match found.fit.dispersion() {
             // No median: where the probability falls, one half of it bounds nothing.
@@ -51,7 +68,7 @@ impl StateCurve {
         let curve = assessment.as_ref().ok().and_then(|found| FragilityCurve::of(&found.fit).ok());
         let rate = hazard.zip(curve).map(|(hazard, curve)| AnnualRate::new(hazard, &curve));
         let separate_at = separate_at(&cases, &numbers);
-        Ok(StateCurve { counts: counts.into(), assessment, rate, separate_at, range })
+        Ok(StateCurve { counts: counts.into(), assessment, rate, rate_of_unknown, separate_at, range })
     }
 
     /// The numbers of the curve.
@@ -74,6 +91,7 @@ impl StateCurve {
         Some(RateResult {
             rate: rate.rate,
             rate_interval: interval(hazard, assessment),
+            rate_of_unknown: self.rate_of_unknown,
             probability: probability_in(years, rate.rate),
             below_runs: fraction(rate.between(0.0, least)),
             above_runs: fraction(rate.between(greatest, f64::INFINITY)),

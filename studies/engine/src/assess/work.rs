@@ -190,6 +190,7 @@ fn comparison(
         curve: found.curve(),
         no_curve: found.assessment.as_ref().err().cloned(),
         rate: found.rate.as_ref().map(|rate| rate.rate),
+        rate_of_unknown: found.rate_of_unknown,
         separate_at: found.separate_at,
         peak_slip: slip,
         peak_tension: force(LinkKind::Tie)?,
@@ -319,6 +320,14 @@ fn remarks(plan: &Plan, report: &Report, curves: &[StateCurve]) -> Vec<String> {
                 state.runs.at_most(),
                 state.runs.all()
             ));
+            if let Some(rates) = state.rate.and_then(|rate| rate.rate_of_unknown) {
+                let [none, all] =
+                    rates.map(|rate| rate.map_or("not computable".into(), |rate| format!("{rate:.1e} per year")));
+                remarks.push(format!(
+                    "The annual rate of the state “{}” is {none} if none of these runs exceeds it, and {all} if all do.",
+                    state.name
+                ));
+            }
         }
     }
     remarks.extend(remarks_on_curves(plan, curves));

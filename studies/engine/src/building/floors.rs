@@ -11,7 +11,7 @@ pub struct FloorMotion {
     pub floor: usize,
     /// Absolute acceleration, exact at its samples.
     pub record: Record,
-    /// Peak floor acceleration PFA (m/s²): greatest absolute acceleration.
+    /// Peak floor acceleration PFA (m/s²): greatest absolute acceleration of a sample; see [`Building::undersampled`].
     pub pfa: f64,
     /// Peak floor velocity PFV (m/s): greatest absolute velocity, that of the ground included.
     pub pfv: f64,
@@ -81,6 +81,29 @@ impl Building {
     }
 }
 
+impl Building {
+    /// Says that the samples of a record are too far apart for the peaks of floors, which are those of their samples.
+    pub fn undersampled(&self, ground: &Record) -> Option<String> {
+        /// Least participation at a floor of a mode that counts.
+        const NOTABLE: f64 = 0.1;
+        /// Fewest samples in a period: the peak of a sine between ten of them is at most 5 % higher.
+        const FEWEST: f64 = 10.0;
+        let counts = |mode: &&Mode| mode.shape.iter().any(|at| (mode.participation * at).abs() >= NOTABLE);
+        let fastest = self.modes().iter().filter(counts).map(|mode| mode.frequency).fold(0.0, f64::max);
+        let step = ground.time_step;
+        let samples = 1.0 / (fastest * step);
+        (samples < FEWEST).then(|| {
+            let missed = 100.0 * (1.0 - libm::cos(std::f64::consts::PI / samples.max(2.0)));
+            format!(
+                "{}: a step of {step} s for a mode of the building with {fastest:.3} Hz; peaks of floors between samples may be up to \
+                 {missed:.0} % higher than PFA; expected a step of at most {:.2e} s, as by resample",
+                ground.title,
+                1.0 / (FEWEST * fastest)
+            )
+        })
+    }
+}
+
 /// Absolute acceleration of a mode's oscillator (m/s²): that of its spring and dashpot.
 fn acceleration(mode: &Mode, [u, u_dot]: [f64; 2]) -> f64 {
     let omega = mode.omega();
@@ -122,6 +145,18 @@ mod tests {
 
     /// The floor of one storey follows the closed form under a sudden constant acceleration a. It moves with
     /// `a [1 − exp(−ζωt) (cos ω_d t − ζ/√(1−ζ²) sin ω_d t)]`.
+    #[test]
+    fn samples_too_far_apart_for_a_mode_are_doubted() {
+        // 12 Hz in steps of 0.02 s: a cosine between two samples has 1/cos(0.24 π) their value.
+        let doubt = |hertz: f64| {
+            let building = Building::of_modes(&[hertz], &[1.0], &[vec![1.0]], &Damping::All(0.05)).unwrap();
+            building.undersampled(&record_of(&[1.0, 2.0], 0.02))
+        };
+        assert_eq!(doubt(4.9), None);
+        let found = doubt(12.0).unwrap();
+        assert!(found.contains("may be up to 27 % higher than PFA; expected a step of at most 8.33e-3 s"), "{found}");
+    }
+
     #[test]
     fn one_storey_under_a_step_has_the_closed_form() {
         let (zeta, omega, step) = (0.08_f64, 12.0, 0.02);

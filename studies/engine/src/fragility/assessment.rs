@@ -52,6 +52,8 @@ pub struct Assessment {
     pub data: Data,
     /// Number of cases with a value of the measure.
     pub rows: usize,
+    /// Number of cases without one, which are left out.
+    pub without_measure: usize,
     /// The curve.
     pub fit: CurveFit,
     /// Interval of the median.
@@ -95,11 +97,12 @@ impl Assessment {
         confidence: f64,
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
+        let without_measure = store.without_measure();
         let found = match store.rows(motions)? {
             StoredRows::Few(rows, records) => Assessment::of_list(&rows, &records, link, confidence, uncertainty),
             StoredRows::Many(rows) => Assessment::of_many(&rows, link, confidence, uncertainty),
         }?;
-        Ok(Assessment { cluster: motions.cluster.clone(), ..found })
+        Ok(Assessment { cluster: motions.cluster.clone(), without_measure, ..found })
     }
 
     fn of_list(
@@ -112,7 +115,7 @@ impl Assessment {
         let data = data(rows, 1)?;
         let fit = data.fit(link)?;
         let (rocking, peaks): (Vec<f64>, Vec<f64>) =
-            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.rocking_peak()?))).unzip();
+            rows.iter().filter_map(|(case, [measure, _])| Some((*measure, case.peak?))).unzip();
         let probabilities = fit.probabilities(data.observations());
         let independence = Independence::of(records);
         let covariance = clusters::covariance(&data, &fit, records);
@@ -121,6 +124,7 @@ impl Assessment {
         let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
         Ok(Assessment {
             rows: rows.len(),
+            without_measure: 0,
             median,
             dispersion,
             auc: auc(data.observations(), &probabilities),
@@ -155,6 +159,7 @@ impl Assessment {
         let Quality { auc, brier, groups, marks } = rows.quality(&fit)?;
         Ok(Assessment {
             rows: rows.count,
+            without_measure: 0,
             median,
             dispersion,
             auc,
@@ -221,7 +226,7 @@ impl Assessment {
         self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
     }
 
-    /// Returns warnings of missing intervals, and of a falling curve. `heading` is the name and unit of the measure.
+    /// Returns warnings of rows without the measure, of missing intervals, and of a falling curve. `heading` is the name and unit of the measure.
     pub fn warnings(&self, heading: &str) -> Vec<String> {
         let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
             let units = if self.independence == Independence::Rows { "rows" } else { "motions" };
@@ -246,7 +251,9 @@ impl Assessment {
                  which it grows"
             )
         });
-        few.into_iter().chain(alike).chain(falls).collect()
+        let missing = (self.without_measure > 0)
+            .then(|| format!("{heading}: {} rows without the measure are left out of the curve", self.without_measure));
+        missing.into_iter().chain(few).chain(alike).chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.

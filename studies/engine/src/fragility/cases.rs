@@ -6,7 +6,7 @@ use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::input::motion::{MOTION, Motion};
 use crate::output::table::{Series, Values};
 use crate::run::limit::Limit;
-use crate::run::outcome::End;
+use crate::run::outcome::{End, rocks};
 
 /// The outcome of a row, relative to a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,21 +17,27 @@ pub struct Case {
     pub fraction: f64,
     /// Fraction of its runs without a verdict, 0 for a single run.
     pub unknown: f64,
-    /// Peak |θ|/α, if the block lifted off and stands.
+    /// Peak |θ|/α, if the block rocks and stands.
     pub peak: Option<f64>,
     /// Number of its ground motion; `None` for a row without one, which has its own.
     pub motion: Option<usize>,
 }
 
-impl Case {
-    /// The peak of a block that rocks and stands.
-    pub(super) fn rocking_peak(&self) -> Option<f64> {
-        /// Least peak |θ|/α (1) that counts as rocking.
-        ///
-        /// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
-        const MIN_ROCKING: f64 = 1e-3;
-        self.peak.filter(|peak| *peak >= MIN_ROCKING)
-    }
+/// The outcome of a row relative to a limit, known or not.
+struct RowOutcome {
+    end: End,
+    /// Fraction of its known runs that exceeded the limit; `None` if none is known.
+    fraction: Option<f64>,
+    /// Fraction of its runs without a verdict.
+    unknown: f64,
+    /// Peak |θ|/α, if the block rocks and stands.
+    peak: Option<f64>,
+}
+
+/// The fraction of a row's runs that exceed a limit if all those without a verdict do, or none. `fraction` is that of the known ones.
+pub fn completed(fraction: Option<f64>, unknown: f64, exceeds: bool) -> f64 {
+    let of_unknown = if exceeds { unknown } else { 0.0 };
+    fraction.map_or(0.0, |fraction| fraction * (1.0 - unknown)) + of_unknown
 }
 
 /// Counts of a table's rows, relative to a limit.
@@ -145,6 +151,54 @@ impl SweepTable {
         counts: &mut RowCounts,
         place: impl Fn(usize) -> u64,
     ) -> Result<Vec<Case>, SweepTableError> {
+        let outcomes = self.outcomes(limit)?;
+        let motion_of = self.motions(motions, place)?;
+        let mut found = Vec::new();
+        for (row, (RowOutcome { end, fraction, unknown, peak }, motion)) in
+            outcomes.into_iter().zip(motion_of).enumerate()
+        {
+            match (fraction, end) {
+                (Some(fraction), _) => found.push(Case { row, fraction, unknown, peak, motion }),
+                (None, End::Undecided) => counts.undecided += 1,
+                (None, End::Separated) => counts.separated += 1,
+                (None, End::Completed) if self.column("ensemble.samples").is_err() => counts.without_response += 1,
+                (None, End::Failed | End::Completed | End::Overturned) => counts.failed += 1,
+            }
+        }
+        let exceeded = found.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
+        let unknown: f64 = found.iter().map(|case| case.unknown).sum();
+        counts.all += self.rows();
+        counts.decided += found.len();
+        counts.exceeded += exceeded;
+        counts.exceeded_at_most += exceeded + unknown + (self.rows() - found.len()) as f64;
+        counts.partly_known += found.iter().filter(|case| case.unknown > 0.0).count();
+        Ok(found)
+    }
+
+    /// Returns all rows as if every run without a verdict exceeded the limit, or none. Arguments are those of [`SweepTable::cases_of`].
+    ///
+    /// # Errors
+    /// Those of [`SweepTable::cases`].
+    pub fn completed_cases(
+        &self,
+        limit: Limit,
+        exceeds: bool,
+        motions: &mut Motions,
+        place: impl Fn(usize) -> u64,
+    ) -> Result<Vec<Case>, SweepTableError> {
+        let motion_of = self.motions(motions, place)?;
+        let case = |(row, (RowOutcome { fraction, unknown, peak, .. }, motion))| Case {
+            row,
+            fraction: completed(fraction, unknown, exceeds),
+            unknown: 0.0,
+            peak,
+            motion,
+        };
+        Ok(self.outcomes(limit)?.into_iter().zip(motion_of).enumerate().map(case).collect())
+    }
+
+    /// The outcomes of all rows.
+    fn outcomes(&self, limit: Limit) -> Result<Vec<RowOutcome>, SweepTableError> {
         let mut headings = self.table.columns().iter().map(|column| &column.heading);
         if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
             return Err(self.refused(format!(
@@ -166,10 +220,7 @@ impl SweepTable {
         let unknown = known(&format!("ensemble.unknown({limit})"));
         let samples = known("ensemble.samples");
         let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
-        let mut found = Vec::new();
-        let motion_of = self.motions(motions, place)?;
-        for (row, end) in ends.into_iter().enumerate() {
-            let (peak, motion) = (number(peaks, row)?, motion_of[row]);
+        let outcome = |(row, end): (usize, End)| {
             let mut response = None;
             for column in &limited {
                 response = self.number(column, row)?.into_iter().chain(response).reduce(f64::max);
@@ -179,28 +230,16 @@ impl SweepTable {
                 true => number(probabilities, row)?,
                 false => limit.verdict(end, response).map(|exceeds| f64::from(u8::from(exceeds))),
             };
-            match (fraction, end) {
-                (Some(fraction), _) => {
-                    let rocked = end == End::Completed && number(liftoffs, row)? != Some(0.0);
-                    let peak = peak.filter(|peak| rocked && *peak > 0.0);
-                    let of_samples = number(unknown, row)?.zip(number(samples, row)?);
-                    let unknown = of_samples.map_or(0.0, |(unknown, samples)| unknown / samples);
-                    found.push(Case { row, fraction, unknown, peak, motion });
-                }
-                (None, End::Undecided) => counts.undecided += 1,
-                (None, End::Separated) => counts.separated += 1,
-                (None, End::Completed) if !is_ensemble => counts.without_response += 1,
-                (None, End::Failed | End::Completed | End::Overturned) => counts.failed += 1,
-            }
-        }
-        let exceeded = found.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
-        let unknown: f64 = found.iter().map(|case| case.unknown).sum();
-        counts.all += self.rows();
-        counts.decided += found.len();
-        counts.exceeded += exceeded;
-        counts.exceeded_at_most += exceeded + unknown + (self.rows() - found.len()) as f64;
-        counts.partly_known += found.iter().filter(|case| case.unknown > 0.0).count();
-        Ok(found)
+            let liftoffs = number(liftoffs, row)?;
+            let peak = number(peaks, row)?.filter(|peak| end == End::Completed && rocks(*peak, liftoffs));
+            let of_samples = number(unknown, row)?.zip(number(samples, row)?);
+            let unknown = match fraction {
+                Some(_) => of_samples.map_or(0.0, |(unknown, samples)| unknown / samples),
+                None => 1.0,
+            };
+            Ok(RowOutcome { end, fraction, unknown, peak })
+        };
+        ends.into_iter().enumerate().map(outcome).collect()
     }
 
     /// The number of each row's ground motion.
@@ -299,6 +338,13 @@ mod tests {
         let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
         assert_eq!((cases, counts.without_response, counts.failed), (vec![(0, 0.0), (2, 1.0), (3, 1.0)], 1, 1));
         assert_eq!((counts.exceeded, counts.exceeded_at_most), (2.0, 4.0));
+        let completed = |exceeds: bool| {
+            let found =
+                table(text).completed_cases(Limit::Slip(0.1), exceeds, &mut Motions::default(), |row| row as u64);
+            found.unwrap().iter().map(|case| case.fraction).collect::<Vec<_>>()
+        };
+        assert_eq!(completed(false), [0.0, 0.0, 1.0, 1.0, 0.0]);
+        assert_eq!(completed(true), [0.0, 1.0, 1.0, 1.0, 1.0]);
     }
 
     #[test]

@@ -43,11 +43,12 @@ pub enum Response {
 }
 
 impl Response {
-    /// Returns the peak for ranking, infinite unless the block stands.
-    fn rank(self) -> f64 {
+    /// Returns the least and the greatest peak that the response may be, infinite where the block overturns.
+    fn bounds(self) -> [f64; 2] {
         match self {
-            Response::Stands(peak) => peak,
-            Response::Overturns | Response::Unknown => f64::INFINITY,
+            Response::Stands(peak) => [peak; 2],
+            Response::Overturns => [f64::INFINITY; 2],
+            Response::Unknown => [0.0, f64::INFINITY],
         }
     }
 }
@@ -80,6 +81,27 @@ impl IdaCurve {
             (Response::Overturns, Response::Stands(_)) => Response::Overturns,
             (Response::Unknown, _) | (_, Response::Unknown) => Response::Unknown,
         }
+    }
+
+    /// Returns the least and the greatest value of the middle between the least level that overturns the block and the level below, over
+    /// all outcomes of unknown runs. A block that stands at its last level overturns above it, if at all.
+    fn overturning_bounds(&self) -> [f64; 2] {
+        let middle =
+            |level: usize| 0.5 * (level.checked_sub(1).map_or(0.0, |below| self.levels[below]) + self.levels[level]);
+        let first = |found: fn(&Response) -> bool| self.responses.iter().position(found);
+        let last = self.levels.last().copied().unwrap_or(0.0);
+        let low = first(|response| !matches!(response, Response::Stands(_))).map_or(last, middle);
+        [low, first(|response| *response == Response::Overturns).map_or(f64::INFINITY, middle)]
+    }
+
+    /// Returns the least and the greatest level that may be the first one at which the peak reaches this one, or the block overturns.
+    fn reaching_bounds(&self, peak: f64) -> [f64; 2] {
+        let last = self.levels.last().copied().unwrap_or(0.0);
+        let high = self.reaches(peak).unwrap_or(f64::INFINITY);
+        // An unknown run may reach the peak anywhere above the level below.
+        let unknown = self.responses.iter().position(|response| *response == Response::Unknown);
+        let below = unknown.map_or(last, |level| level.checked_sub(1).map_or(0.0, |below| self.levels[below]));
+        [below.min(high), high]
     }
 
     /// Returns the least level that overturns the block, and the level below, 0 without any.
@@ -161,32 +183,62 @@ impl Ida {
         Ok(Ida { levels: levels(&curves), curves })
     }
 
-    /// Returns the fractile of the known responses at each level. It is the least one that this fraction does not exceed.
+    /// Returns the fractile of the responses of all curves at each level: the least one that this fraction of the curves does not exceed.
+    ///
+    /// It is known where all outcomes of the unknown responses give the same one. At such a level a curve without a run, beyond its last
+    /// one that stands, or with an undecided or failed run, may have any peak or overturn.
     pub fn fractile(&self, fraction: f64) -> Vec<Response> {
-        let at = |&level: &f64| {
-            let known = self.curves.iter().map(|curve| curve.at(level)).filter(|found| *found != Response::Unknown);
-            let mut known: Vec<Response> = known.collect();
-            known.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
-            known.get(rank(fraction, known.len())).copied().unwrap_or(Response::Unknown)
+        let at = |&level: &f64| match fractile(fraction, self.curves.iter().map(|curve| curve.at(level).bounds())) {
+            [low, high] if low != high => Response::Unknown,
+            [peak, _] if peak.is_finite() => Response::Stands(peak),
+            _ => Response::Overturns,
         };
         self.levels.iter().map(at).collect()
     }
 
-    /// Returns the fractile over all curves of the least level that overturns. That is the middle between the level and the one below;
-    /// `None` where this fraction of the curves does not overturn.
-    pub fn overturning(&self, fraction: f64) -> Option<f64> {
-        self.fractile_of_levels(fraction, |curve| curve.overturning().map(|[below, least]| 0.5 * (below + least)))
+    /// Returns the fractile over all curves of the least level that overturns: the least and the greatest value that it has over all
+    /// outcomes of unknown responses. For a curve the level is the middle between it and the one below.
+    ///
+    /// A curve that stands at its last level has any level above. The fractile is known where both values are the same; the greatest is
+    /// infinite where this fraction of the curves may never overturn.
+    pub fn overturning(&self, fraction: f64) -> [f64; 2] {
+        fractile(fraction, self.curves.iter().map(IdaCurve::overturning_bounds))
     }
 
-    /// Returns the fractile over all curves of the first level that reaches the peak.
-    pub fn reaching(&self, fraction: f64, peak: f64) -> Option<f64> {
-        self.fractile_of_levels(fraction, |curve| curve.reaches(peak))
+    /// Returns the level from which the [`Ida::fractile`] of the peak overturns: the least and the greatest value, as [`Ida::overturning`].
+    /// The greater the fraction of curves that it bounds, the lower the level.
+    pub fn fractile_overturns(&self, fraction: f64) -> [f64; 2] {
+        // Curves in the order of their peaks at a level: that of the fractile overturns with all after it.
+        let after = self.curves.len().saturating_sub(1 + rank(fraction, self.curves.len()));
+        order_statistic(after, self.curves.iter().map(IdaCurve::overturning_bounds))
     }
 
-    fn fractile_of_levels(&self, fraction: f64, of: impl Fn(&IdaCurve) -> Option<f64>) -> Option<f64> {
-        let mut levels: Vec<f64> = self.curves.iter().map(|curve| of(curve).unwrap_or(f64::INFINITY)).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.get(rank(fraction, levels.len())).copied().filter(|level| level.is_finite())
+    /// Returns the fractile over all curves of the first level that reaches the peak, as [`Ida::overturning`].
+    pub fn reaching(&self, fraction: f64, peak: f64) -> [f64; 2] {
+        fractile(fraction, self.curves.iter().map(|curve| curve.reaching_bounds(peak)))
+    }
+}
+
+/// Returns the position of a fractile in a sorted list of this length: the first number that this fraction of all does not exceed.
+fn rank(fraction: f64, length: usize) -> usize {
+    ((fraction * length as f64).ceil() as usize).saturating_sub(1)
+}
+
+/// Returns the least and the greatest value of a fractile of numbers between these bounds.
+fn fractile(fraction: f64, bounds: impl ExactSizeIterator<Item = [f64; 2]>) -> [f64; 2] {
+    order_statistic(rank(fraction, bounds.len()), bounds)
+}
+
+/// Returns the least and the greatest value of the number of this rank, from 0, among numbers between these bounds. Without numbers it may
+/// be any.
+fn order_statistic(rank: usize, bounds: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    let (mut lows, mut highs): (Vec<f64>, Vec<f64>) = bounds.map(|[low, high]| (low, high)).unzip();
+    [&mut lows, &mut highs].iter_mut().for_each(|ends| ends.sort_by(f64::total_cmp));
+    match lows.get(rank).zip(highs.get(rank)) {
+        // Levels of several records that are one to round-off.
+        Some((low, high)) if is_same(*low, *high) => [*low; 2],
+        Some((low, high)) => [*low, *high],
+        None => [0.0, f64::INFINITY],
     }
 }
 
@@ -252,11 +304,6 @@ pub fn curve_names(described: &[(String, Vec<String>)], rows: usize) -> Result<V
     Ok((0..rows).map(name).collect())
 }
 
-/// Returns the position of a fractile in a sorted list of this length.
-fn rank(fraction: f64, length: usize) -> usize {
-    ((fraction * length as f64).ceil() as usize).saturating_sub(1)
-}
-
 /// Returns the levels that all curves share. Otherwise they are evenly spaced up to the greatest.
 fn levels(curves: &[IdaCurve]) -> Vec<f64> {
     /// Number of evenly spaced levels.
@@ -276,9 +323,9 @@ fn levels(curves: &[IdaCurve]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Three records at two levels, in any order.
+    /// Three records at two levels, in any order. One run fails at the second.
     #[test]
-    fn fractiles_ignore_unknown_responses() {
+    fn fractiles_are_unknown_where_too_few_responses_are_known() {
         let head = "row,p [rad/s],record,vertical,scale [1],PGV [m/s],outcome,peak.theta/alpha [1]\n";
         let rows = "0,1,a,,1,0.5,completed,0.1\n1,1,a,,2,1.0000000000000002,overturned,9\n2,1,b,,3,0.5,completed,0.3\n\
                     3,1,b,,6,1,completed,0.9\n4,1,c,,1,1,failed,0.2\n5,1,c,,0.5,0.5,completed,0.2\n";
@@ -286,14 +333,44 @@ mod tests {
             |rows: &str| Ida::read(&SweepTable::read("t.csv", format!("{head}{rows}").as_bytes()).unwrap(), "PGV");
         let ida = read(rows).unwrap();
         assert_eq!((ida.levels.len(), ida.curves.len()), (2, 3));
-        assert_eq!(ida.fractile(0.16), [Response::Stands(0.1), Response::Stands(0.9)]);
-        assert_eq!(ida.fractile(0.5), [Response::Stands(0.2), Response::Stands(0.9)]);
+        assert_eq!(ida.fractile(0.16), [Response::Stands(0.1), Response::Unknown]);
+        assert_eq!(ida.fractile(0.5), [Response::Stands(0.2), Response::Unknown]);
         assert_eq!(ida.fractile(0.84), [Response::Stands(0.3), Response::Overturns]);
-        let near = |found: Option<f64>, expected: f64| found.is_some_and(|found| (found - expected).abs() < 1e-12);
-        assert!(near(ida.overturning(0.16), 0.75) && ida.overturning(0.5).is_none());
-        assert!(near(ida.curves[1].reaches(0.6), 0.75));
+        assert_eq!(ida.overturning(0.16), [0.75; 2]);
+        assert_eq!((ida.overturning(0.5), ida.overturning(0.84)), ([0.75, f64::INFINITY], [1.0, f64::INFINITY]));
+        assert!((ida.curves[1].reaches(0.6).unwrap() - 0.75).abs() < 1e-12);
         let message = read(&rows.replace("3,0.5,completed", "3,,completed")).unwrap_err().to_string();
         assert!(message.contains("row 2 has PGV [m/s] = "), "{message}");
+    }
+
+    /// Curves that end standing or undecided leave no fractile known that depends on them, in any of their completions.
+    #[test]
+    fn curves_without_an_outcome_may_have_any() {
+        let ida = |curves: &[&[(f64, End)]]| {
+            let rows = curves.iter().enumerate().flat_map(|(number, points)| {
+                points.iter().map(move |&(level, end)| (number.to_string(), level, Some(0.1 * level), end))
+            });
+            Ida::of(rows).unwrap()
+        };
+        let (stands, falls, open) = (End::Completed, End::Overturned, End::Undecided);
+        // Two of three stand at their last level, below the one at which the third overturns.
+        let found = ida(&[&[(1.0, stands)], &[(1.0, stands)], &[(1.0, stands), (2.0, falls)]]);
+        let at_last = |fraction: f64| *found.fractile(fraction).last().unwrap();
+        assert_eq!([0.16, 0.5, 0.84].map(at_last), [Response::Unknown, Response::Unknown, Response::Overturns]);
+        assert_eq!(found.overturning(0.5), [1.0, f64::INFINITY]);
+        // The greatest fractile of the peak is that of the curve that overturns first.
+        assert_eq!([0.84, 0.16].map(|fraction| found.fractile_overturns(fraction)), [[1.0, 1.5], [1.5, f64::INFINITY]]);
+        // Three of four are undecided: their least levels may lie below that of the fourth.
+        let found = ida(&[&[(1.0, open)], &[(1.0, open)], &[(1.0, open)], &[(1.0, falls)]]);
+        assert_eq!(
+            [0.16, 0.5, 0.84].map(|fraction| found.fractile(fraction)[0]),
+            [Response::Unknown, Response::Unknown, Response::Overturns]
+        );
+        assert_eq!([0.16, 0.84].map(|fraction| found.overturning(fraction)), [[0.5; 2], [0.5, f64::INFINITY]]);
+        // An undecided run may reach a peak above the level below it.
+        let found = ida(&[&[(1.0, stands), (2.0, open), (3.0, falls)]]);
+        assert_eq!((found.reaching(0.5, 0.05), found.reaching(0.5, 0.2)), ([0.5; 2], [1.0, 3.0]));
+        assert_eq!(found.overturning(0.5), [1.5, 2.5]);
     }
 
     /// Tables have the number of a row first, in files, and the keys of folders last.
@@ -357,7 +434,7 @@ mod tests {
         // At 2.5 one overturns; the other has 0.5.
         assert_eq!(ida.fractile(0.5)[62], Response::Stands(0.8 * 2.52 / 4.0));
         assert_eq!(ida.fractile(0.84)[62], Response::Overturns);
-        assert_eq!([ida.overturning(0.5), ida.overturning(0.84)], [Some(2.5), None]);
-        assert_eq!(ida.reaching(0.84, 0.4), Some(2.0));
+        assert_eq!([ida.overturning(0.5), ida.overturning(0.84)], [[2.5; 2], [4.0, f64::INFINITY]]);
+        assert_eq!(ida.reaching(0.84, 0.4), [2.0; 2]);
     }
 }

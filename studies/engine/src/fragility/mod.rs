@@ -17,6 +17,7 @@
 //! | `likelihood` | a linear predictor, an outcome → the log-likelihood and its derivatives |
 //! | `regression` | data → the curve of maximum likelihood |
 //! | `clusters` | rows that share motions → covariance of the coefficients |
+//! | `line` | points that share motions → their least-squares line |
 //! | `profile` | a curve → intervals and bands of the profile likelihood |
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
@@ -48,6 +49,7 @@ mod export;
 mod goodness;
 mod ida;
 mod likelihood;
+mod line;
 mod many;
 mod nodes;
 mod observation;
@@ -63,13 +65,14 @@ pub use crate::output::table::split_heading;
 pub use crate::run::limit::Limit;
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of};
 pub use bootstrap::{Bootstrap, bootstrap};
-pub use cases::{Case, Motions, RowCounts};
+pub use cases::{Case, Motions, RowCounts, completed};
 pub use clusters::Independence;
 pub use data::Data;
 pub use export::{Component, LossProgram, openquake, pelicun};
 pub use goodness::{Goodness, Group};
 pub use ida::{Ida, IdaCurve, Response, curve_names, describes_curve};
 pub use likelihood::Link;
+pub use line::Line;
 pub use observation::{CurveFitError, Observation};
 pub use profile::{Interval, LikelihoodProfile};
 pub use quality::{auc, brier, efficiency, sufficiency};

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
+use crate::fragility::line::Line;
 use crate::fragility::observation::{CurveFitError, Observation};
 use crate::fragility::regression::CurveFit;
 
@@ -83,19 +84,7 @@ pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
 /// than three pairs, or a constant measure.
 pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     let [x, y] = [measures, peaks].map(|values| values.iter().map(|&value| libm::log(value)).collect::<Vec<f64>>());
-    let count = x.len() as f64;
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
-    let (mean_x, mean_y) = (mean(&x), mean(&y));
-    let product = |a: &[f64], mean_a: f64, b: &[f64], mean_b: f64| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
-    };
-    let (xx, xy) = (product(&x, mean_x, &x, mean_x), product(&x, mean_x, &y, mean_y));
-    let slope = xy / xx;
-    let residuals = x.iter().zip(&y).map(|(x, y)| {
-        let residual = y - mean_y - slope * (x - mean_x);
-        residual * residual
-    });
-    (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
+    Line::of(&x, &y, &(0..x.len()).collect::<Vec<_>>()).map(|line| line.deviation)
 }
 
 /// The scatter of log peaks about their regression on the log measure. The rows are in any order.

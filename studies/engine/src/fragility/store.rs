@@ -1,8 +1,11 @@
 //! Cases in batches → a list of rows, or sorted rows if they are many.
 
 use crate::fragility::cases::{Case, Motions, RowCounts};
+use crate::fragility::data::Data;
+use crate::fragility::likelihood::Link;
 use crate::fragility::many::{ManyRows, ManyRowsBuilder};
-use crate::fragility::observation::CurveFitError;
+use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::regression::CurveFit;
 use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::run::limit::Limit;
 
@@ -15,6 +18,8 @@ pub struct CaseStore {
     /// Places in the table, cases and measures.
     list: Vec<(u64, Case, [f64; 2])>,
     many: Option<ManyRowsBuilder>,
+    /// Number of cases without a value of a measure, which are left out.
+    without_measure: usize,
     /// The error of the first row that a fit refuses.
     refused: Option<CurveFitError>,
 }
@@ -28,9 +33,13 @@ pub(super) enum StoredRows {
 }
 
 impl CaseStore {
-    /// Takes a case with its place in the table. For a curve, the second measure is 1. A case without a value of a measure is left out.
+    /// Takes a case with its place in the table. For a curve, the second measure is 1. A case without a value of a measure is left out and
+    /// counted.
     pub fn push(&mut self, place: u64, case: &Case, measures: [Option<f64>; 2]) {
-        let [Some(first), Some(second)] = measures else { return };
+        let [Some(first), Some(second)] = measures else {
+            self.without_measure += 1;
+            return;
+        };
         match &mut self.many {
             None => {
                 self.list.push((place, *case, [first, second]));
@@ -46,6 +55,26 @@ impl CaseStore {
                     self.refused = many.push(case, [first, second]).err();
                 }
             }
+        }
+    }
+
+    /// Number of cases that were left out since they have no value of a measure.
+    pub fn without_measure(&self) -> usize {
+        self.without_measure
+    }
+
+    /// Fits the curve of the first measure; `motions` are those of the cases.
+    ///
+    /// # Errors
+    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    pub fn fit(self, motions: &Motions, link: Link) -> Result<CurveFit, CurveFitError> {
+        match self.rows(motions)? {
+            StoredRows::Few(rows, _) => {
+                let observation =
+                    |(case, [measure, _]): &(Case, [f64; 2])| Observation::with_probability(&[*measure], case.fraction);
+                Data::new(rows.iter().map(observation).collect())?.fit(link)
+            }
+            StoredRows::Many(rows) => rows.curve(link).map(|(_, fit, _)| fit),
         }
     }
 
@@ -93,6 +122,9 @@ pub struct Collected {
     columns: Vec<(String, Option<String>)>,
     /// The cases over each list of columns.
     pub stores: Vec<CaseStore>,
+    /// The cases over the first list of columns as if no run without a verdict exceeded the limit, then as if all did, if they are asked
+    /// for.
+    pub completions: Option<[CaseStore; 2]>,
     /// The ground motions of the cases.
     pub motions: Motions,
     /// Counts of the rows.
@@ -104,7 +136,15 @@ impl Collected {
     /// columns: one measure or two.
     pub fn new(limit: Option<Limit>, cluster: Option<String>, columns: Vec<(String, Option<String>)>) -> Collected {
         let stores = columns.iter().map(|_| CaseStore::default()).collect();
-        Collected { limit, columns, stores, motions: Motions::clustered(cluster), counts: RowCounts::default() }
+        let motions = Motions::clustered(cluster);
+        Collected { limit, columns, stores, completions: None, motions, counts: RowCounts::default() }
+    }
+
+    /// Keeps the completions as well.
+    #[must_use]
+    pub fn with_completions(mut self) -> Collected {
+        self.completions = Some(Default::default());
+        self
     }
 
     /// Takes a batch of rows. `is_part` says that the rows of the whole table are in the order of their column `row`, otherwise in that of
@@ -127,6 +167,12 @@ impl Collected {
             for case in &cases {
                 let second = second.as_ref().map_or(Some(1.0), |numbers| numbers[case.row]);
                 store.push(place(case.row), case, [first[case.row], second]);
+            }
+        }
+        for (store, exceeds) in self.completions.iter_mut().flatten().zip([false, true]) {
+            let measures = batch.numbers(&self.columns[0].0)?;
+            for case in batch.completed_cases(limit, exceeds, &mut self.motions, place)? {
+                store.push(place(case.row), &case, [measures[case.row], Some(1.0)]);
             }
         }
         Ok(())

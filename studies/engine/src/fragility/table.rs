@@ -201,8 +201,7 @@ impl SweepTable {
 
     /// The usual limit: overturning, or the balance of blocks with ties. Ties may hold a block beyond the balance at rest or in motion.
     pub fn usual_limit(&self) -> Limit {
-        let has_ties = self.column(OVER_BALANCE).is_ok() && self.column("ensemble.samples").is_err();
-        if has_ties { Limit::Balance } else { Limit::Overturned }
+        if self.column(OVER_BALANCE).is_ok() { Limit::Balance } else { Limit::Overturned }
     }
 
     /// The end of each row's run.

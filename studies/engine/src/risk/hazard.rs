@@ -16,10 +16,13 @@ pub struct HazardCurve {
     rates: Vec<f64>,
 }
 
+/// Greatest rise of a rate, over the rate before, that is round-off: that of simulated catalogues and of probabilities near 1e-10.
+const ROUND_OFF: f64 = 1e-5;
+
 impl HazardCurve {
-    /// Checks levels and annual rates, and drops levels at the end with rate zero.
+    /// Checks levels and annual rates, and drops a first level of zero, and levels at the end with rate zero.
     ///
-    /// Levels are above zero and increase; rates do not. Two of them are above zero.
+    /// Levels increase from zero or above; rates do not, but for rises within round-off, which are levelled. Two of them are above zero.
     ///
     /// # Errors
     /// The first level or rate that violates this.
@@ -28,7 +31,22 @@ impl HazardCurve {
             let found = format!("{} levels and {} rates", levels.len(), rates.len());
             return Err(Mismatch::new(found, "a rate for each level"));
         }
-        for (i, (&level, &rate)) in levels.iter().zip(rates).enumerate() {
+        let mut remarks = Vec::new();
+        // The logarithm of a measure needs no level 0, at which every event counts.
+        let [levels, rates] = match levels.first() {
+            Some(0.0) => {
+                remarks.push("the level 0 was left out".to_string());
+                [&levels[1..], &rates[1..]]
+            }
+            _ => [levels, rates],
+        };
+        let mut rates = rates.to_vec();
+        for i in 1..rates.len() {
+            if rates[i] > rates[i - 1] && rates[i] <= rates[i - 1] * (1.0 + ROUND_OFF) {
+                rates[i] = rates[i - 1];
+            }
+        }
+        for (i, (&level, &rate)) in levels.iter().zip(&rates).enumerate() {
             if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
                 let expected = match i {
                     0 => "a level above 0".into(),
@@ -48,7 +66,6 @@ impl HazardCurve {
         if positive < 2 {
             return Err(Mismatch::new(format!("{positive} levels with a rate above 0"), "two or more"));
         }
-        let mut remarks = Vec::new();
         if positive < levels.len() {
             remarks.push(format!(
                 "{} levels from {} on have a rate of 0 and were left out",
@@ -56,7 +73,7 @@ impl HazardCurve {
                 levels[positive]
             ));
         }
-        let [levels, rates] = [levels, rates].map(|all| all[..positive].to_vec());
+        let [levels, rates] = [levels, &rates].map(|all| all[..positive].to_vec());
         Ok(HazardCurve { measure: None, unit: None, remarks, levels, rates })
     }
 
@@ -164,13 +181,22 @@ mod tests {
     fn invalid_curves_are_refused_with_the_values_found() {
         let refused = |levels: &[f64], rates: &[f64]| HazardCurve::new(levels, rates).unwrap_err().to_string();
         assert_eq!(refused(&[0.1], &[0.1, 0.2]), "found 1 levels and 2 rates; expected a rate for each level");
-        assert_eq!(refused(&[0.0, 1.0], &[0.2, 0.1]), "found 0 as level 1; expected a level above 0");
+        assert_eq!(refused(&[-1.0, 1.0], &[0.2, 0.1]), "found -1 as level 1; expected a level above 0");
         let found = refused(&[0.2, 0.2], &[0.2, 0.1]);
         assert_eq!(found, "found 0.2 as level 2; expected levels that increase, here above 0.2");
         let found = refused(&[0.1, 0.2], &[0.1, 0.2]);
         assert!(found.starts_with("found the rate 0.2 at the level 0.2; expected rates"), "{found}");
         assert_eq!(refused(&[0.1, 0.2], &[0.1, 0.0]), "found 1 levels with a rate above 0; expected two or more");
         assert!(refused(&[0.1, 0.2], &[f64::NAN, 0.0]).contains("the rate NaN"));
+    }
+
+    /// A simulated catalogue has the level 0, and rates that rise in their last digits.
+    #[test]
+    fn a_level_of_zero_and_rises_by_round_off_are_no_faults() {
+        let hazard = HazardCurve::new(&[0.0, 0.1, 0.2, 0.4], &[1.0, 1e-4, 1e-4 + 1e-10, 1e-5]).unwrap();
+        assert_eq!((hazard.levels(), hazard.rates()), (&[0.1, 0.2, 0.4][..], &[1e-4, 1e-4, 1e-5][..]));
+        assert_eq!(hazard.remarks, ["the level 0 was left out"]);
+        assert!(HazardCurve::new(&[0.1, 0.2], &[1e-4, 1.01e-4]).is_err());
     }
 
     #[test]

@@ -23,4 +23,4 @@ mod rate;
 pub use curve::FragilityCurve;
 pub use hazard::HazardCurve;
 pub use hazard_file::{HazardOptions, read_hazard};
-pub use rate::{AnnualRate, RatePart, interval, probability_in};
+pub use rate::{AnnualRate, RatePart, interval, probability_in, unknown_rates};

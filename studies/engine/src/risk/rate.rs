@@ -94,6 +94,17 @@ impl AnnualRate {
     }
 }
 
+/// The rates if no run without a known outcome exceeds the limit, and if all do. `completions` are the curves of both; `None` where the runs
+/// have no curve.
+///
+/// Runs without a known outcome are left out of a curve, and its interval does not know of them.
+pub fn unknown_rates(hazard: &HazardCurve, completions: &[Option<FragilityCurve>; 2]) -> Interval {
+    completions.each_ref().map(|curve| {
+        let rate = AnnualRate::new(hazard, curve.as_ref()?).rate;
+        Some(rate).filter(|rate| rate.is_finite())
+    })
+}
+
 /// The probability of at least one event in some years. Events have this annual rate and are independent.
 pub fn probability_in(years: f64, rate: f64) -> f64 {
     -libm::expm1(-rate * years)

@@ -83,6 +83,17 @@ impl std::str::FromStr for End {
     }
 }
 
+/// Least peak |θ|/α (1) of a block that rocks.
+///
+/// Accelerations just above uplift leave peaks down to 1e-19, whose logarithms would dominate means and deviations.
+pub const MIN_ROCKING: f64 = 1e-3;
+
+/// Whether a block that stands has rocked: it lifted off and reached [`MIN_ROCKING`]. `liftoffs` is the number of its lift-offs, where it is
+/// known.
+pub fn rocks(peak: f64, liftoffs: Option<f64>) -> bool {
+    peak >= MIN_ROCKING && liftoffs != Some(0.0)
+}
+
 /// Friction, ties and dampers of blocks, which have additional columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holds {

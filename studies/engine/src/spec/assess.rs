@@ -55,6 +55,8 @@ pub struct HazardTable {
     pub site: Option<Site>,
     /// Investigation time of probabilities, if the file does not state it [years].
     pub investigation_time: Option<Positive>,
+    /// Kind of the curves of OpenQuake, such as "quantile-0.84", instead of the mean.
+    pub kind: Option<String>,
 }
 
 /// A name, or longitude and latitude.

@@ -1,7 +1,7 @@
 //! The table of a spectrum → outcomes of each curve, statistics over the ground motions.
 //!
 //! Peak rotations of the blocks that rock and stand are taken as lognormal: the statistics are those of `ln(|θ|max/α)`. Blocks that
-//! overturn, stay at rest, or have a run that ends at complete separation, undecided or failed, are excluded and counted. Where
+//! overturn, do not rock, or have a run that ends at complete separation, undecided or failed, are excluded and counted. Where
 //! some blocks overturn, the mean is conditional on standing.
 
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use crate::output::table::{Series, Table, TableColumn};
-use crate::run::outcome::End;
+use crate::run::outcome::{End, rocks};
 use crate::spectrum::{Spectrum, SpectrumInputs};
 
 /// Numbers of blocks by the ends of their runs.
@@ -77,7 +77,7 @@ pub struct Greatest {
 pub struct SizeStatistics {
     /// The blocks by their ends.
     pub ends: EndCounts,
-    /// Blocks that completed and rocked: those with a peak rotation above zero.
+    /// Blocks that completed and [rocked](rocks).
     pub rocked: u64,
     /// Mean of ln(|θ|max/α) of those that rocked.
     mean: f64,
@@ -86,9 +86,9 @@ pub struct SizeStatistics {
 }
 
 impl SizeStatistics {
-    fn add(&mut self, BlockOutcome { end, peak, .. }: BlockOutcome) {
+    fn add(&mut self, BlockOutcome { end, peak, liftoffs, .. }: BlockOutcome) {
         self.ends.add(end);
-        if end == End::Completed && peak > 0.0 {
+        if end == End::Completed && rocks(peak, Some(liftoffs as f64)) {
             self.rocked += 1;
             let logarithm = libm::log(peak);
             let off = logarithm - self.mean;
@@ -97,7 +97,7 @@ impl SizeStatistics {
         }
     }
 
-    /// Blocks that completed and stayed at rest.
+    /// Blocks that completed and did not rock.
     pub fn at_rest(&self) -> u64 {
         self.ends.completed - self.rocked
     }
@@ -152,6 +152,8 @@ pub struct BlockOutcome {
     pub peak: f64,
     /// Number of complete separations.
     pub flights: u64,
+    /// Number of lift-offs.
+    pub liftoffs: u64,
 }
 
 impl BlockOutcome {
@@ -161,8 +163,9 @@ impl BlockOutcome {
     /// A column is missing, or a value is impossible.
     pub fn all(rows: &Table) -> Result<Vec<BlockOutcome>, String> {
         let column = |name| rows.column(name).ok_or_else(|| format!("found no column {name} in the table"));
-        let [number, end, peak, flights] = ["row", "outcome", "peak.theta/alpha", "flights"].map(column);
-        let (numbers, end, peak, flights) = (number?, end?, peak?, flights?);
+        let [number, end, peak, flights, liftoffs] =
+            ["row", "outcome", "peak.theta/alpha", "flights", "events.liftoffs"].map(column);
+        let (numbers, end, peak, flights, liftoffs) = (number?, end?, peak?, flights?, liftoffs?);
         let outcome = |row: usize| {
             let number = |series: &Series| {
                 let number = series.number(row).filter(|number| number.is_finite() && *number >= 0.0);
@@ -172,8 +175,8 @@ impl BlockOutcome {
                 })
             };
             let end = end.word(row).unwrap_or_default().parse()?;
-            let (peak, flights) = (number(peak)?, number(flights)? as u64);
-            Ok(BlockOutcome { row: numbers.number(row).unwrap_or_default() as u64, end, peak, flights })
+            let (peak, flights, liftoffs) = (number(peak)?, number(flights)? as u64, number(liftoffs)? as u64);
+            Ok(BlockOutcome { row: numbers.number(row).unwrap_or_default() as u64, end, peak, flights, liftoffs })
         };
         (0..rows.rows()).map(outcome).collect()
     }
@@ -280,4 +283,22 @@ fn groups(spectrum: &Spectrum) -> Vec<FoundationStatistics> {
         }
     }
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A record a ten-millionth above uplift leaves a peak of 1e-19, and supports give way without a lift-off: neither is rocking.
+    #[test]
+    fn mean_and_deviation_are_those_of_blocks_that_rock() {
+        let mut found = SizeStatistics::default();
+        let outcomes = [(0.2, 4), (0.3, 2), (1e-19, 1), (2e-3, 0), (0.0, 0)];
+        for (row, (peak, liftoffs)) in (0..).zip(outcomes) {
+            found.add(BlockOutcome { row, end: End::Completed, peak, flights: 0, liftoffs });
+        }
+        assert_eq!((found.rocked, found.at_rest()), (2, 3));
+        assert!((found.geometric_mean().unwrap() - 0.06_f64.sqrt()).abs() < 1e-15);
+        assert!((found.deviation().unwrap() - 1.5_f64.ln() / 2.0_f64.sqrt()).abs() < 1e-15);
+    }
 }

@@ -74,10 +74,12 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let elsewhere = [&Measure::OF_FLOOR[..], &Measure::OF_BLOCK].concat();
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let (mut motions, remarks) = records::read(&file, folder, &of_record, || gravity(&given, source))?;
+    let (mut motions, mut remarks) = records::read(&file, folder, &of_record, || gravity(&given, source))?;
     let building = building::file::read(&file)?;
     check_building(&file, &motions, &strengths)?;
     if let Some((building, floors)) = &building {
+        let records = motions.iter().filter_map(|motion| motion.ground.horizontal.as_ref());
+        remarks.extend(records.filter_map(|record| building.undersampled(record)));
         motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
     }

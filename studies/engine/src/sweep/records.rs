@@ -87,7 +87,7 @@ fn distinct_names(motions: &[RecordFiles]) -> Vec<[String; 2]> {
     motions.iter().map(|files| [name(files, 0), name(files, 1)]).collect()
 }
 
-/// Says which horizontal records of different files have the same samples.
+/// Says which ground motions have the samples of another one.
 fn repeated(motions: &[RecordFiles]) -> Vec<String> {
     let mut seen: Vec<(String, &str)> = Vec::new();
     let mut remarks = Vec::new();
@@ -99,7 +99,7 @@ fn repeated(motions: &[RecordFiles]) -> Vec<String> {
                 "{first} and {file} hold the same samples ({}): intervals count them as one motion",
                 checksum(record)
             )),
-            Some(_) => {}
+            Some(_) => remarks.push(format!("{file} is named more than once: its rows are made and counted as often")),
             None => seen.push((content, file)),
         }
     }

@@ -75,7 +75,8 @@ pub(super) fn read(file: &Section<StudyFile>) -> Result<Strengths, StudyFileErro
     }
     let StudyTable { scales, levels, hunt, least, .. } = &file.study;
     if let Some(LevelsTable { im, values }) = levels {
-        return Ok(Strengths::Levels(measure(file, "levels", im)?, values.iter().map(|value| value.0).collect()));
+        let measure = measure(file, "levels", im)?;
+        return Ok(Strengths::Levels(measure, distinct(file, "levels.values", values.iter().map(|value| value.0))?));
     }
     if let Some(HuntTable { im, first, step, growth, resolution, runs }) = hunt {
         let found = Hunt {
@@ -97,8 +98,24 @@ pub(super) fn read(file: &Section<StudyFile>) -> Result<Strengths, StudyFileErro
     let scales = scales.clone().unwrap_or_else(|| vec![1.0]);
     match scales.iter().position(|scale| *scale == 0.0) {
         Some(number) => Err(file.wrong(&format!("study.scales.{number}"), "a factor other than 0")),
-        None => Ok(Strengths::Scales(scales)),
+        None => Ok(Strengths::Scales(distinct(file, "scales", scales.into_iter())?)),
     }
+}
+
+/// Refuses a value that occurs twice, whose rows would count twice.
+fn distinct(
+    file: &Section<StudyFile>,
+    key: &str,
+    values: impl Iterator<Item = f64>,
+) -> Result<Vec<f64>, StudyFileError> {
+    let mut found = Vec::new();
+    for (number, value) in values.enumerate() {
+        if found.contains(&value) {
+            return Err(file.wrong(&format!("study.{key}.{number}"), "each value once"));
+        }
+        found.push(value);
+    }
+    Ok(found)
 }
 
 /// Reads a measure that grows with the factor on the record.

@@ -1,5 +1,7 @@
 //! `rocking ida`: a study file → incremental dynamic analysis. It has a table of runs, fractiles and a picture.
 
+use std::collections::BTreeMap;
+
 use clap::Parser;
 use serde_json::json;
 
@@ -11,11 +13,12 @@ use crate::output::report::is_standard_output;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::fragility as charts;
 use rocking_charts::numerals::significant;
-use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
+use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable, SweepTableError};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
 use rocking_studies::sweep::file::Checks;
 use rocking_studies::sweep::strength::Strengths;
+use rocking_studies::sweep::strong_scale;
 
 /// Options of `rocking ida`.
 #[derive(Parser)]
@@ -61,10 +64,25 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let name = if is_standard_output(csv) { "the table".into() } else { csv.display().to_string() };
     let table = SweepTable::new(&name, table);
     let ida = Ida::read(&table, &measure.to_string())?;
+    let mut remarks = sweep.remarks.clone();
+    if matches!(sweep.strengths, Strengths::Hunt(..)) {
+        remarks.extend(strong_scales(&table)?);
+        warn(&remarks[sweep.remarks.len()..]);
+    }
     outputs
         .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
     outputs.write()?;
-    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &sweep.remarks)
+    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &remarks)
+}
+
+/// Doubts the greatest factors on the records of a hunt, which are known after its runs.
+fn strong_scales(table: &SweepTable) -> Result<Vec<String>, SweepTableError> {
+    let mut largest: BTreeMap<String, f64> = BTreeMap::new();
+    for (record, scale) in table.words("record").unwrap_or_default().into_iter().zip(table.numbers("scale")?) {
+        let known = largest.entry(record).or_default();
+        *known = known.max(scale.unwrap_or_default());
+    }
+    Ok(largest.into_iter().filter_map(|(record, scale)| strong_scale(&record, "is", scale)).collect())
 }
 
 /// The curves of an analysis in numbers.
@@ -86,32 +104,31 @@ fn items(ida: &Ida, measure: Measure) -> Summary {
     let curves = ida.curves.len();
     summary.item("curves", curves, "curves", format!("{curves}, {overturning} overturning"));
     summary.entry("overturning", overturning);
-    let unit = if measure.unit() == "1" { String::new() } else { format!(" {}", measure.unit()) };
-    // None where fewer curves overturn.
-    let levels = FRACTILES.map(|fraction| (fraction, ida.overturning(fraction)));
-    let shown = levels.map(|(fraction, level)| {
-        let level = level.map_or("none".into(), |level| format!("{}{unit}", significant(level, 4)));
-        format!("{} % {level}", significant(100.0 * fraction, 2))
-    });
-    summary.item(
-        "overturning_fractiles",
-        levels.map(|(fraction, level)| Object::default().with("fraction", fraction).with("level", level)),
-        "overturning",
-        format!("by {measure}: {}", shown.join(", ")),
-    );
-    add_fractiles(&mut summary, ida, &format!("{measure}{}", unit.replace(' ', ", ")));
+    let unit = if measure.unit() == "1" { String::new() } else { format!(", {}", measure.unit()) };
+    add_fractiles(&mut summary, ida, &format!("{measure}{unit}"));
     summary.entry("capacities", capacities);
     summary
 }
 
-/// Adds the fractiles of the peak |θ|/α at all levels. The measure has this heading.
+/// Writes the least and the greatest value of a fractile.
+fn between([low, high]: [f64; 2], write: fn(f64) -> String) -> String {
+    match high {
+        _ if low == high => write(low),
+        f64::INFINITY => format!("above {}", write(low)),
+        _ => format!("{} to {}", write(low), write(high)),
+    }
+}
+
+/// Adds the fractiles of the peak |θ|/α over the curves at all levels, and the levels from which they overturn. The measure has this
+/// heading.
 fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
     /// Levels shown, evenly among all.
     const SHOWN: usize = 6;
     let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
     let peaks = |i: usize| fractiles.each_ref().map(|fractile| fractile[i]);
-    let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>10} {b:>10} {c:>10}");
-    summary.line("peak |θ|/α", line(heading, ["16 %", "50 %", "84 %"]));
+    let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>14} {b:>14} {c:>14}");
+    summary.line("fractiles", "peak |θ|/α that 16, 50 and 84 % of the curves do not exceed");
+    summary.line("", line(heading, ["16 %", "50 %", "84 %"]));
     let step = ida.levels.len().div_ceil(SHOWN).max(1);
     for (i, level) in ida.levels.iter().enumerate().skip(step - 1).step_by(step) {
         let shown = peaks(i).map(|peak| match peak {
@@ -121,6 +138,15 @@ fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
         });
         summary.line("", line(&significant(*level, 4), shown.each_ref().map(String::as_str)));
     }
+    let overturns = FRACTILES.map(|fraction| (fraction, ida.fractile_overturns(fraction)));
+    let shown = overturns.map(|(_, level)| between(level, |level| significant(level, 4)));
+    summary.line("", line("overturns at", shown.each_ref().map(String::as_str)));
+    let overturns = overturns.map(|(fraction, [low, high])| {
+        let known = Some(low).filter(|low| *low == high);
+        let range = [Some(low), Some(high).filter(|high| high.is_finite())];
+        Object::default().with("fraction", fraction).with("overturns", known).with("range", range)
+    });
+    summary.entry("fractiles_overturn", overturns);
     let peak = |response: Response| match response {
         Response::Stands(peak) => json!(peak),
         Response::Overturns => "overturned".into(),

@@ -53,7 +53,7 @@ impl ManyRowsBuilder {
             }
             None => self.own += 1,
         }
-        if let Some(peak) = case.rocking_peak() {
+        if let Some(peak) = case.peak {
             self.scatter.take(measures[0], peak);
         }
         let motion = case.motion.map_or(OWN, |number| number as u32);

@@ -63,7 +63,7 @@ fn many_rows_have_the_curve_of_a_list() {
     let groups = Goodness::of(&groups(data.observations(), &probabilities, &records)).unwrap();
     near(found.goodness().unwrap().deviance, groups.deviance, 1e-9);
     let (measures, peaks): (Vec<f64>, Vec<f64>) =
-        rows.iter().filter_map(|(case, [first, _])| Some((*first, case.rocking_peak()?))).unzip();
+        rows.iter().filter_map(|(case, [first, _])| Some((*first, case.peak?))).unzip();
     near(found.efficiency.unwrap(), efficiency(&measures, &peaks).unwrap(), 1e-10);
     let covariance = clusters::covariance(&data, &fit, &records).unwrap();
     near(found.standard_errors()[0], covariance[(0, 0)].sqrt(), 1e-9);

@@ -32,6 +32,8 @@ pub struct HazardOptions {
     pub site: Option<String>,
     /// Years to which the file's probabilities refer.
     pub years: Option<f64>,
+    /// Kind of the curves that a file of OpenQuake must hold, such as `quantile-0.84`, instead of the mean.
+    pub kind: Option<String>,
     /// Gravity (m/s²) for levels in g.
     pub gravity: f64,
 }
@@ -147,6 +149,21 @@ fn check_without_site(options: &HazardOptions) -> Result<(), Mismatch> {
     options.site.as_ref().map_or(Ok(()), refused)
 }
 
+/// Refuses curves of another kind than the mean, unless they are asked for.
+fn check_kind(options: &HazardOptions, kind_of_file: Option<String>) -> Result<(), Mismatch> {
+    /// The kind of most files, and of those that name none.
+    const MEAN: &str = "mean";
+    let (wanted, found) = (options.kind.as_deref().unwrap_or(MEAN), kind_of_file.as_deref().unwrap_or(MEAN));
+    match wanted == found {
+        true => Ok(()),
+        false if options.kind.is_none() => {
+            let expected = format!("the mean, or the choice of this kind, {found}: rates are then of this kind, too");
+            Err(Mismatch::new(format!("the curves of the kind {found}"), expected))
+        }
+        false => Err(Mismatch::new(format!("the curves of the kind {found}"), wanted)),
+    }
+}
+
 fn number(text: &str, location: &str) -> Result<f64, Mismatch> {
     text.trim().parse().map_err(|_| Mismatch::new(format!("`{text}` in {location}"), "a number"))
 }
@@ -164,6 +181,7 @@ fn csv(file: &str, text: &str, options: &HazardOptions) -> Result<RawCurve, Mism
     };
     let years_of_file =
         value_in_comment("investigation_time").map(|text| number(&text, "investigation_time")).transpose()?;
+    check_kind(options, value_in_comment("kind"))?;
     let has_sites = header.iter().any(|name| name.eq_ignore_ascii_case("lon"));
     if let Some(columns) = positions(&header, ["imt", "iml", "poe"]) {
         let site = ["lon", "lat"].map(value_in_comment);

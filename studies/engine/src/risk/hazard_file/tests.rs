@@ -3,7 +3,7 @@
 use super::*;
 
 fn options() -> HazardOptions {
-    HazardOptions { measure: None, unit: None, site: None, years: None, gravity: 10.0 }
+    HazardOptions { measure: None, unit: None, site: None, years: None, kind: None, gravity: 10.0 }
 }
 
 #[track_caller]
@@ -252,4 +252,24 @@ fn other_files_are_refused_with_the_content_found() {
     let other = HazardOptions { measure: Some("PGV".into()), ..options() };
     let refused = read_hazard("h.csv", "PGA [g],rate\n0.1,0.2\n0.2,0.1\n", &other).unwrap_err().to_string();
     assert_eq!(refused, "found a hazard curve of PGA; expected one of PGV");
+}
+
+/// A quantile of the hazard is no mean: its rates are lower or higher by factors.
+#[test]
+fn curves_of_openquake_are_the_mean_unless_another_kind_is_asked_for() {
+    let file = |kind: &str| {
+        format!(
+            "#,,,,,\"generated_by='OpenQuake engine 3.20.0', kind='{kind}', investigation_time=50.0, imt='PGA'\"\n\
+             lon,lat,depth,poe-0.1,poe-0.2,poe-0.4,poe-0.8\n1,2,0,0.1,0.05,0.01,0.001\n"
+        )
+    };
+    let read = |found: &str, wanted: Option<&str>| {
+        let options = HazardOptions { kind: wanted.map(String::from), ..options() };
+        read_hazard("h.csv", &file(found), &options).map_err(|error| error.to_string())
+    };
+    assert_eq!(read("mean", None), read("quantile-0.15", Some("quantile-0.15")));
+    let refused = read("quantile-0.15", None).unwrap_err();
+    assert!(refused.starts_with("found the curves of the kind quantile-0.15; expected the mean, or"), "{refused}");
+    let refused = read("mean", Some("quantile-0.84")).unwrap_err();
+    assert_eq!(refused, "found the curves of the kind mean; expected quantile-0.84");
 }

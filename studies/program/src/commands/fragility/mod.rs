@@ -83,8 +83,20 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
 
     let mut table = options.cases()?;
     let mut assess = |i: usize| options.assess(&mut table, i, plot.is_some(), explicit);
-    let curves = (0..im.len()).map(&mut assess).collect::<anyhow::Result<Vec<_>>>()?;
+    let (mut curves, mut without_curve) = (Vec::new(), Vec::new());
+    for found in (0..im.len()).map(&mut assess) {
+        match found {
+            Ok(curve) => curves.push(curve),
+            // A measure without a curve, as one that separates both classes, does not end the comparison.
+            Err(error) if im.len() > 1 => without_curve.push(error),
+            Err(error) => return Err(error),
+        }
+    }
+    if curves.is_empty() {
+        return Err(without_curve.remove(0));
+    }
     let mut warnings = Vec::from_iter(warning_of_left_out(&table.counts));
+    warnings.extend(without_curve.iter().map(|error| format!("{error:#}")));
     for warning in curves.iter().flat_map(|curve| &curve.warnings) {
         // That of missing intervals is the same for all measures.
         if !warnings.contains(warning) {
@@ -194,7 +206,10 @@ impl FragilityCommand {
         let TableCases { name, blocks, headings, limit, motions, stores, further, .. } = table;
         let (measure, Some(heading)) = (&im[i], headings.get(i)) else { anyhow::bail!("{name}: no rows") };
         let at = || format!("{name}: {measure}");
-        let mut store = || stores.next().unwrap_or_default();
+        // All stores of the measure, also if it has no curve.
+        let count = 1 + beside.len() + usize::from(self.surface.is_some());
+        let mut own = stores.by_ref().take(count).collect::<Vec<_>>().into_iter();
+        let mut store = || own.next().unwrap_or_default();
         let found = Assessment::of(store(), motions, link, ci, fit.uncertainty()).with_context(at)?;
         let mut warnings = found.warnings(heading);
         let p_value = |other: &String| {

@@ -19,9 +19,12 @@ use crate::output::report::ReportOptions;
 use crate::output::summary::Object;
 use report::RateReport;
 use rocking_charts::fragility::probability_of;
-use rocking_studies::fragility::{Assessment, Collected, Interval, Limit};
+use rocking_studies::fragility::{Assessment, CaseStore, Collected, Interval, Limit};
 use rocking_studies::intensity::MeasureColumn;
-use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard};
+use rocking_studies::mismatch::Mismatch;
+use rocking_studies::risk::{
+    AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, unknown_rates,
+};
 use rocking_studies::spec::words::Words;
 use rocking_studies::statistics::range;
 
@@ -62,6 +65,9 @@ struct HazardReading {
     /// Years to which the probabilities of the file refer; without it, it has annual rates
     #[arg(long, value_name = "YEARS")]
     investigation_time: Option<f64>,
+    /// Kind of the curves of OpenQuake, such as quantile-0.84, instead of the mean
+    #[arg(long, value_name = "KIND")]
+    kind: Option<String>,
 }
 
 #[derive(Args)]
@@ -92,6 +98,8 @@ struct Fragility {
     /// Its measure, with the unit of its numbers.
     over: MeasureColumn,
     assessment: Option<Assessment>,
+    /// Rows of its table without a known outcome, with the curves if none of them exceeds the limit, and if all do.
+    unknown: Option<(usize, [Option<FragilityCurve>; 2])>,
     /// Name of its probability.
     ordinate: String,
     /// Least and greatest measure of the rows.
@@ -106,8 +114,9 @@ struct Fragility {
 pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let FragilityOptions { table, empirical, fit, .. } = &options.fragility;
     fit.check(explicit)?;
-    explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
-    explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
+    let of_table = ["limit", "where", "partial", "link", "ci", "cluster", "bootstrap"];
+    explicit.refuse_unless(table.is_some(), &of_table, "without --table")?;
+    explicit.refuse_unless(!empirical, &["link", "ci", "cluster", "bootstrap"], "with --empirical")?;
     check("g", options.block.g, |x| x > 0.0, "an acceleration above 0")?;
     for &years in &options.years {
         check("years", years, |x| x > 0.0, "a number of years above 0")?;
@@ -130,7 +139,8 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
     let ends = fragility.assessment.as_ref().map(|assessment| (fit.ci, interval(&hazard, assessment)));
     let heading = fragility.over.to_string();
     let (fragility, found, years) = (&fragility, &found, &options.years);
-    let report = RateReport { file, im: &heading, fragility, found, ends, years };
+    let unknown = fragility.unknown.as_ref().map(|(rows, curves)| (*rows, unknown_rates(&hazard, curves)));
+    let report = RateReport { file, im: &heading, fragility, found, ends, unknown, years };
     outputs.fill("plot", || {
         let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
         let svg = rocking_charts::rate::rate(&report.lines(), found, &heading, &fragility.ordinate, band)?;
@@ -149,12 +159,13 @@ impl RateCommand {
     /// Reads the hazard curve of the measure of a fragility curve. It is relative to the block if that measure is.
     fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
         let behind = self.block.behind(&fragility.over, explicit)?;
-        let HazardReading { site, hazard_unit, investigation_time } = &self.reading;
+        let HazardReading { site, hazard_unit, investigation_time, kind } = &self.reading;
         let options = HazardOptions {
             measure: Some(behind.0.name.clone()),
             unit: hazard_unit.clone(),
             site: site.clone(),
             years: *investigation_time,
+            kind: kind.clone(),
             gravity: self.block.g,
         };
         let (name, text) = input::text(&self.hazard)?;
@@ -192,6 +203,7 @@ impl FragilityOptions {
             json: of_curve("lognormal", &over).with("median", median).with("beta", beta),
             over,
             assessment: None,
+            unknown: None,
             ordinate: "probability of exceedance".into(),
             rows: None,
         })
@@ -200,7 +212,8 @@ impl FragilityOptions {
     fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let FitOptions { link, ci, .. } = self.fit;
-        let mut found = Collected::new(self.fit.limit, self.fit.cluster.clone(), vec![(im.into(), None)]);
+        let columns = vec![(im.into(), None)];
+        let mut found = Collected::new(self.fit.limit, self.fit.cluster.clone(), columns).with_completions();
         let mut heading = None;
         let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
             if heading.is_none() {
@@ -210,7 +223,13 @@ impl FragilityOptions {
         })?;
         let over = MeasureColumn::of_heading(heading.as_deref().unwrap_or(im));
         let limit = found.limit.unwrap_or(Limit::Overturned);
-        let Collected { stores, motions, .. } = found;
+        let Collected { stores, completions, motions, counts, .. } = found;
+        let completed = |store: CaseStore| match self.empirical {
+            true => tabulated(&store.levels(&motions).ok()?).ok(),
+            false => FragilityCurve::of(&store.fit(&motions, link).ok()?).ok(),
+        };
+        let rows = counts.all - counts.decided + counts.partly_known;
+        let unknown = completions.filter(|_| rows > 0).map(|stores| (rows, stores.map(completed)));
         let store = stores.into_iter().next().unwrap_or_default();
         let at = || format!("{name}: {im}");
         let ordinate = probability_of(limit);
@@ -224,12 +243,10 @@ impl FragilityOptions {
                 levels.len()
             );
             let rows = range(levels.iter().map(|(level, ..)| *level));
-            let (levels, fractions): (Vec<f64>, Vec<f64>) =
-                levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
-            let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
+            let curve = tabulated(&levels).with_context(at)?;
             let text = format!("empirical, fractions at {} levels of {over}; {limit} in {name}", levels.len());
             let json = json("empirical").with("levels", levels.len());
-            return Ok(Fragility { curve, over, assessment: None, ordinate, rows, text, json });
+            return Ok(Fragility { curve, over, assessment: None, unknown, ordinate, rows, text, json });
         }
         let assessment = Assessment::of(store, &motions, link, ci, self.fit.uncertainty()).with_context(at)?;
         let rows = range(assessment.marks().iter().map(|row| row.measures[0]));
@@ -238,8 +255,15 @@ impl FragilityOptions {
         let text = format!("{link} over {over}, median {median:.4}, beta {beta:.4}; {limit} in {name}");
         let json =
             json(link.word()).with("median", median).with("beta", beta).with("intervals", assessment.intervals());
-        Ok(Fragility { curve, over, assessment: Some(assessment), ordinate, rows, text, json })
+        Ok(Fragility { curve, over, assessment: Some(assessment), unknown, ordinate, rows, text, json })
     }
+}
+
+/// The curve of levels with their sums of fractions and numbers of rows.
+fn tabulated(levels: &[(f64, f64, usize)]) -> Result<FragilityCurve, Mismatch> {
+    let (levels, fractions): (Vec<f64>, Vec<f64>) =
+        levels.iter().map(|(level, sum, rows)| (*level, sum / *rows as f64)).unzip();
+    FragilityCurve::tabulated(&levels, &fractions)
 }
 
 /// Begins the numbers of a curve with its kind, its measure and its unit.

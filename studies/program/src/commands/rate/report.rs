@@ -33,6 +33,8 @@ pub struct RateReport<'a> {
     pub found: &'a AnnualRate,
     /// The ends of its interval at a confidence level.
     pub ends: Option<(f64, Interval)>,
+    /// Rows of the table without a known outcome, with the rates if none of them exceeds the limit, and if all do.
+    pub unknown: Option<(usize, Interval)>,
     /// Numbers of years for the probability of an exceedance.
     pub years: &'a [f64],
 }
@@ -106,6 +108,17 @@ impl RateReport<'_> {
         summary.entry("rate_interval", interval);
         if let Some((confidence, _)) = self.ends {
             summary.entry("confidence", confidence);
+        }
+        if let Some((rows, rates)) = self.unknown {
+            let text =
+                |rate: Option<f64>| rate.map_or("no curve".into(), |rate| format!("{} per year", per_year(rate)));
+            let [none, all] = rates.map(text);
+            summary.item(
+                "rate_of_unknown",
+                rates,
+                "unknown",
+                format!("{rows} rows have no known outcome: {none} if none of them exceeds the limit, {all} if all do"),
+            );
         }
         let (years, periods) = (1.0 / rate, [interval[1], interval[0]].map(|end| end.map(|rate| 1.0 / rate)));
         let text = format!("{} years{}", period(years), ends(periods, period));

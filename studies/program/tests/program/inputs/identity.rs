@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::program::{Table, program, succeeds};
+use crate::program::{Table, program, refusal, succeeds};
 
 /// Writes a study of these tables `[[records]]`, and returns the names of the records in its table and the warnings.
 fn sweep(folder: &Path, study: &str, records: &[&str]) -> (Vec<String>, String) {
@@ -35,7 +35,8 @@ fn records_of_one_file_have_names_of_their_own() {
     assert_eq!(warnings, "");
     // The same record twice is one record; other processing makes another.
     let filtered = format!("{only}\nbaseline = true");
-    let (names, _) = sweep(folder.path(), "", &[only, only, &filtered]);
+    let (names, warnings) = sweep(folder.path(), "", &[only, only, &filtered]);
+    assert!(warnings.contains("one.csv is named more than once: its rows are made and counted as often"), "{warnings}");
     assert_eq!(names[0], names[1]);
     assert_eq!(names[2], "one.csv (baseline removed)");
 }
@@ -78,7 +79,7 @@ fn doubts_about_records_are_said_once() {
     let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
     let (_, warnings) = sweep(folder.path(), "scales = [1, 21]", &tables);
     let warnings: Vec<&str> = warnings.lines().filter(|line| line.contains("warning")).collect();
-    assert_eq!(warnings.len(), 6, "{warnings:#?}");
+    assert_eq!(warnings.len(), 7, "{warnings:#?}");
     assert!(
         warnings[0].ends_with("large.csv: the peak is 5.000e1 m/s², more than in any earthquake"),
         "{}",
@@ -86,12 +87,20 @@ fn doubts_about_records_are_said_once() {
     );
     assert!(warnings[1].contains("a.csv and b.csv hold the same samples (crc32 "), "{}", warnings[1]);
     assert!(
-        warnings[2].ends_with("a.csv is scaled by up to 21.0; expected at most 20, beyond which noise is amplified"),
+        warnings[3].ends_with("a.csv is scaled by up to 21.0; expected at most 20, beyond which noise is amplified"),
         "{}",
-        warnings[2]
+        warnings[3]
     );
+    // A search may come as far as its range.
+    let least = "least = { im = \"PGA\", from = 1, to = 9, points = 3, resolution = 0.1 }";
+    let (_, warnings) = sweep(folder.path(), least, &tables[..1]);
+    assert!(warnings.contains("a.csv may be scaled by up to 22.5; expected at most 20"), "{warnings}");
     let (_, warnings) = sweep(folder.path(), "levels = { im = \"PGA\", values = [8] }", &tables[..1]);
     assert_eq!(warnings.lines().filter(|line| line.contains("warning")).count(), 0, "{warnings}");
     let (_, warnings) = sweep(folder.path(), "levels = { im = \"PGA\", values = [9] }", &tables[..1]);
     assert!(warnings.contains("a.csv is scaled by up to 22.5"), "{warnings}");
+    let study = std::fs::read_to_string(folder.path().join("study.toml")).unwrap().replace("[9]", "[8, 7, 8]");
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let found = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv", "--force"]);
+    assert!(found.contains("study.toml:3: values = 8; expected each value once"), "{found}");
 }

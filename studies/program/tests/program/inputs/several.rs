@@ -60,7 +60,7 @@ fn the_rows_are_those_of_the_single_records() {
     }
 }
 
-/// Mean and deviation cover the logarithms of positive peaks of blocks that stand.
+/// Mean and deviation cover the logarithms of the peaks of blocks that lifted off, reached a thousandth of α, and stand.
 #[test]
 fn statistics_cover_the_blocks_that_rock_and_stand() {
     let folder = folder();
@@ -73,12 +73,13 @@ fn statistics_cover_the_blocks_that_rock_and_stand() {
         let rows: Vec<usize> = (0..4).map(|motion| 14 * motion + row).collect();
         assert!(rows.iter().all(|&r| all.get(r, "p") == statistics.get(row, "p")));
         let count = |word: &str| rows.iter().filter(|&&r| all.get(r, "outcome") == word).count();
-        let completed: Vec<f64> = rows
+        let completed: Vec<(f64, f64)> = rows
             .iter()
             .filter(|&&r| all.get(r, "outcome") == "completed")
-            .map(|&r| all.number(r, "peak.theta/alpha"))
+            .map(|&r| (all.number(r, "peak.theta/alpha"), all.number(r, "events.liftoffs")))
             .collect();
-        let logarithms: Vec<f64> = completed.iter().filter(|peak| **peak > 0.0).map(|peak| peak.ln()).collect();
+        let rocks = |(peak, liftoffs): &(f64, f64)| (*peak >= 1e-3 && *liftoffs > 0.0).then(|| peak.ln());
+        let logarithms: Vec<f64> = completed.iter().filter_map(rocks).collect();
         assert_eq!(statistics.get(row, "records"), "4");
         let counts = [logarithms.len(), completed.len() - logarithms.len(), count("overturned"), count("separated")];
         for (name, count) in ["rocked", "at_rest", "overturned", "separated"].into_iter().zip(counts) {

@@ -5,6 +5,7 @@ mod findings;
 mod fragility;
 mod friction;
 mod lanes;
+mod measures;
 mod parts;
 mod rate;
 mod search;

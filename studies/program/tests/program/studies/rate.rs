@@ -197,3 +197,37 @@ fn incomplete_or_contradictory_options_are_refused() {
     let printed = stdout(folder.path(), &["rate", "hazard.csv", "--median", "1", "--beta", "0.3", "--im", "PGV [m/s]"]);
     assert!(printed.starts_with("hazard        hazard.csv: PGV [m/s], 6 levels from 0.0500 to 2.0000"), "{printed}");
 }
+
+/// Rows without a known outcome are left out; beside that rate stand those of the tables in which none of them exceeds the limit, and all.
+#[test]
+fn rows_without_an_outcome_give_a_range() {
+    let folder = folder();
+    let rate = |outcome: &str, more: &[&str]| -> Value {
+        let row = "6,c,0.4,0.6,completed";
+        assert!(TABLE.contains(row));
+        let table = TABLE.replace(row, &format!("6,c,0.4,0.6,{outcome}"));
+        fs::write(folder.path().join("table.csv"), table).unwrap();
+        let arguments = [&["rate", "hazard.csv", "--table", "table.csv", "--im", "PGV", "--json"], more].concat();
+        serde_json::from_str(&stdout(folder.path(), &arguments)).unwrap()
+    };
+    for more in [&[][..], &["--empirical"]] {
+        let [none, all] = ["completed", "overturned"].map(|outcome| rate(outcome, more));
+        assert!(none["rate_of_unknown"].is_null());
+        let found = rate("undecided", more);
+        assert_eq!(found["rate_of_unknown"], Value::from(vec![none["rate"].clone(), all["rate"].clone()]), "{more:?}");
+    }
+    let text = stdout(folder.path(), &["rate", "hazard.csv", "--table", "table.csv", "--im", "PGV"]);
+    assert!(
+        text.contains("unknown       1 rows have no known outcome: ") && text.contains(" per year if all do"),
+        "{text}"
+    );
+}
+
+#[test]
+fn options_of_a_table_have_no_effect_on_a_median() {
+    let folder = folder();
+    let median = ["rate", "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV [m/s]"];
+    for option in [&["--limit", "0.5"][..], &["--partial"], &["--cluster", "record"]] {
+        refused(folder.path(), &[&median, option].concat(), &[option[0], "without --table"]);
+    }
+}
