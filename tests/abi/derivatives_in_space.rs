@@ -88,6 +88,20 @@ fn directional_derivatives_are_exact_and_dependencies_true() {
     }
 }
 
+/// A frictionless foot at rest has no direction of slip, and finite derivatives.
+#[test]
+fn derivatives_are_finite_where_nothing_moves() {
+    let solver = Solver::begin(&[("friction", 0.0)], true);
+    for unknown in ["slip_rate_SW", "stretch_x_rate_SW", "power.slip", "u_ddot", "friction_demand"] {
+        for known in ["u_dot", "stretch_x_SW", "v", "a_gx"] {
+            let (unknown, known, mut found) = (reference(unknown), reference(known), f64::NAN);
+            let i = &solver.instance;
+            assert_eq!(call!(i, get_directional_derivative, &unknown, 1, &known, 1, &1.0, &mut found), OK);
+            assert!(found.is_finite());
+        }
+    }
+}
+
 /// What is no direction, or no unknown, is refused by name.
 #[test]
 fn other_directions_are_refused() {
