@@ -134,10 +134,11 @@ impl FootForces<f64> {
     }
 }
 
-/// Returns the length of a horizontal vector.
+/// Returns the length of a horizontal vector. That of zero has no derivative.
 #[inline(always)]
 fn size<T: Component>([x, y]: [T; 2]) -> T {
-    (x * x + y * y).sqrt()
+    let square = x * x + y * y;
+    T::select_less(square.value(), f64::MIN_POSITIVE.into(), T::from(0.0), square.sqrt())
 }
 
 /// Returns the height of a lifted support's top above its foot's place at rest (m), and its rate (m/s).

@@ -3,6 +3,7 @@
 mod bad_state;
 mod bad_step;
 mod callbacks;
+mod derivatives_in_space;
 #[allow(dead_code, reason = "the planar unit's own tests use the rest")]
 mod description;
 mod exchange_calls;

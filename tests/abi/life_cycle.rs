@@ -3,7 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use crate::functions::*;
-use crate::host::{FMU, Instance, call, reference};
+use crate::host::{Instance, call, reference};
 use crate::unit::{INDICATOR_COUNT, STATE_COUNT};
 
 /// The states that a synchronous FMU can be in.

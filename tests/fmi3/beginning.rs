@@ -263,5 +263,5 @@ fn undeclared_dependencies_are_refused() {
     refuses("theta", ARRAYS[0], 4, &["= 4", "expected 5"]);
     assert_eq!(call!(instance, exit_initialization_mode), OK);
     refuses("theta", "gamma", 1, &["gamma", "expected an input"]);
-    refuses("theta", ARRAYS[0], 1, &["does not exist"]);
+    refuses("theta", ARRAYS[0], 5, &["does not exist"]);
 }

@@ -87,7 +87,7 @@ def follows(fmu, seed):
     found = compare(fmu, seed)
     assert found is not None, "other events"
     print(f"seed {seed}: {found[2]} events, {found[0]:.1e} s, {found[1]:.1e} alpha")
-    assert found[0] < 1e-5 and found[1] < 1e-5
+    assert found[0] < 1e-6 and found[1] < 1e-6
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -14,7 +14,7 @@ use crate::bindings::exports::fmi::fmi3::model_exchange::{
     CompletedStepResult, DiscreteStatesInfo, GuestModelExchangeInstance, IntervalFraction, IntervalQualifier,
     ModelExchangeInstance, Status, VariableDependency,
 };
-use crate::instance::{Instance, State, Unit};
+use crate::instance::{Instance, Unit};
 
 impl GuestModelExchangeInstance for Instance {
     common_methods!();
@@ -45,7 +45,7 @@ impl GuestModelExchangeInstance for Instance {
     fn get_continuous_state_derivatives(&self) -> Result<Vec<f64>, Status> {
         self.get(
             Call::GetContinuousStateDerivatives,
-            |_| State::STATES,
+            |unit| unit.unit.state_count(),
             |unit, values| unit.get_exchanged(Exchanged::Derivatives, values),
         )
     }
@@ -53,7 +53,7 @@ impl GuestModelExchangeInstance for Instance {
     fn get_event_indicators(&self) -> Result<Vec<f64>, Status> {
         self.get(
             Call::GetEventIndicators,
-            |_| State::INDICATORS,
+            |unit| unit.unit.indicator_count(),
             |unit, values| unit.get_exchanged(Exchanged::Indicators, values),
         )
     }
@@ -61,7 +61,7 @@ impl GuestModelExchangeInstance for Instance {
     fn get_continuous_states(&self) -> Result<Vec<f64>, Status> {
         self.get(
             Call::GetContinuousStates,
-            |_| State::STATES,
+            |unit| unit.unit.state_count(),
             |unit, values| unit.get_exchanged(Exchanged::States, values),
         )
     }
@@ -69,17 +69,17 @@ impl GuestModelExchangeInstance for Instance {
     fn get_nominals_of_continuous_states(&self) -> Result<Vec<f64>, Status> {
         self.get(
             Call::GetNominalsOfContinuousStates,
-            |_| State::STATES,
+            |unit| unit.unit.state_count(),
             |unit, values| unit.get_exchanged(Exchanged::Nominals, values),
         )
     }
 
     fn get_number_of_event_indicators(&self) -> Result<u64, Status> {
-        self.ask(Call::GetNumberOfEventIndicators, |_| Ok(State::INDICATORS as u64))
+        self.ask(Call::GetNumberOfEventIndicators, |unit| Ok(unit.unit.indicator_count() as u64))
     }
 
     fn get_number_of_continuous_states(&self) -> Result<u64, Status> {
-        self.ask(Call::GetNumberOfContinuousStates, |_| Ok(State::STATES as u64))
+        self.ask(Call::GetNumberOfContinuousStates, |unit| Ok(unit.unit.state_count() as u64))
     }
 
     fn completed_integrator_step(&self, _: bool) -> Result<CompletedStepResult, Status> {

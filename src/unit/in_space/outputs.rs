@@ -44,6 +44,7 @@ const SE: usize = 2;
 const NE: usize = 3;
 
 /// Returns the source of an output.
+#[expect(clippy::too_many_lines, reason = "a line for each output")]
 pub fn source(output: Output) -> SpaceSource {
     use SpaceSource::{Discrete, Energy, Foot, FrictionDemand, Observed, Peak};
     match output {
