@@ -28,7 +28,7 @@ fn samples_of_all_directions_act() {
             block.ok(call!(block, exit_configuration_mode));
             assert_eq!((block.get("record.samples"), block.get("foot_count")), (300.0, 5.0));
             block.ok(call!(block, set_float64, &reference(name), 1, samples.as_ptr(), samples.len()));
-            block.set_all(&[("record.dt", 0.01), ("record.scale", 1.5), ("record.azimuth", azimuth)]);
+            block.set_all(&[("record.dt", 0.01), ("record.scale", 3.0), ("record.azimuth", azimuth)]);
             block.initialize(false);
             (0..20).for_each(|i| _ = block.step(f64::from(i) * 0.1, 0.1));
             assert!(block.get("events.lift_offs") > 0.0);
