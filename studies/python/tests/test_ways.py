@@ -165,7 +165,7 @@ def test_rows_of_one_motion_count_once():
     again = rb.cloud(rb.Table({**columns, "event": motion}), "PGV", ci=0.9, cluster="event")
     assert again.b_ci == found.b_ci and again.independence == again.overturning.fit.independence == "clustered by 12 values of event"
     alone = rb.cloud(rb.Table(columns), "PGV")
-    assert alone.independence == "rows independent" and alone.standard_errors[1] < 0.5 * found.standard_errors[1]
+    assert alone.independence == "rows independent" and alone.standard_errors[1] < 0.7 * found.standard_errors[1]
     with pytest.warns(UserWarning, match="1 rows without PGV are left out"):
         assert rb.cloud(rb.Table({**columns, "PGV": np.where(np.arange(120) == 3, np.nan, pgv)}), "PGV").unknown == 1
     with pytest.raises(ValueError, match="found an ensemble; expected"):

@@ -236,7 +236,7 @@ fn order_statistic(rank: usize, bounds: impl Iterator<Item = [f64; 2]>) -> [f64;
     [&mut lows, &mut highs].iter_mut().for_each(|ends| ends.sort_by(f64::total_cmp));
     match lows.get(rank).zip(highs.get(rank)) {
         // Levels of several records that are one to round-off.
-        Some((low, high)) if is_same(*low, *high) => [*low; 2],
+        Some((low, high)) if high.is_finite() && is_same(*low, *high) => [*low; 2],
         Some((low, high)) => [*low, *high],
         None => [0.0, f64::INFINITY],
     }

@@ -93,7 +93,9 @@ const LARGEST_SCALE: f64 = 20.0;
 pub fn strong_scale(name: &str, is: &str, largest: f64) -> Option<String> {
     (largest > LARGEST_SCALE).then(|| {
         let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
-        format!("{name} {is} scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified")
+        format!(
+            "{name} {is} scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified"
+        )
     })
 }
 
