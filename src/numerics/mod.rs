@@ -26,7 +26,7 @@ pub(crate) mod repeat;
 pub mod roots;
 pub mod scalar;
 pub mod short;
-pub(crate) mod stepper;
+pub mod stepper;
 #[cfg(test)]
 mod tests;
 #[cfg(feature = "lanes")]

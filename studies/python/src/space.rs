@@ -27,8 +27,10 @@ use crate::studies::batches;
 use crate::work::wait;
 
 /// The components by the names of Python.
-const COMPONENTS: ComponentNames =
-    ComponentNames { names: ["x", "y", "vertical"], resample: "Record.processed(resample=...) gives all components one step" };
+const COMPONENTS: ComponentNames = ComponentNames {
+    names: ["x", "y", "vertical"],
+    resample: "Record.processed(resample=...) gives all components one step",
+};
 
 /// The parameters of a block in space; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, extends = NumbersInSpace, eq, hash, module = "rocking_block._engine")]
@@ -162,8 +164,25 @@ pub struct NumbersInSpace {
 impl NumbersInSpace {
     #[allow(non_snake_case)]
     fn of(parameters: &SpaceParameters, body: &SpaceBody) -> NumbersInSpace {
-        let [alpha, alpha_edge, p, omega_v, xi_v, kappa, xi_h, friction, R0, width, center_height, mass, g, K, C, K_h, C_h] =
-            facts::of_block(parameters, body).map(|(_, value)| value);
+        let [
+            alpha,
+            alpha_edge,
+            p,
+            omega_v,
+            xi_v,
+            kappa,
+            xi_h,
+            friction,
+            R0,
+            width,
+            center_height,
+            mass,
+            g,
+            K,
+            C,
+            K_h,
+            C_h,
+        ] = facts::of_block(parameters, body).map(|(_, value)| value);
         NumbersInSpace {
             alpha,
             alpha_edge,
@@ -265,11 +284,7 @@ pub fn history_in_space<'py>(
     let first = DirectedPulse::horizontal(pulse, azimuth.to_radians());
     let run = RunInSpace {
         parameters: parameters.clone(),
-        setup: SpaceSetup {
-            body: body.clone(),
-            settings,
-            pulses: [first, DirectedPulse::NONE, DirectedPulse::NONE],
-        },
+        setup: SpaceSetup { body: body.clone(), settings, pulses: [first, DirectedPulse::NONE, DirectedPulse::NONE] },
         initial,
         ground,
         duration: options.duration,

@@ -47,11 +47,8 @@ pub fn of_components(
     SpaceGround { records, azimuth }.checked().map_err(|error| {
         let of_unit = ["record.x", "record.y", "record.z"];
         let named = of_unit.iter().zip(names).fold(error, |error, (unit, name)| error.replace(unit, name));
-        let advice = if named.contains(" time step of ") {
-            resample
-        } else {
-            "cut the components to the samples that all have"
-        };
+        let advice =
+            if named.contains(" time step of ") { resample } else { "cut the components to the samples that all have" };
         format!("{named}; {advice}")
     })
 }

@@ -14,9 +14,7 @@ use crate::output::progress::Progress;
 use crate::output::summary::{Object, Summary};
 use rocking_block::run::{Ending, OnSeparation};
 use rocking_block::space::excitation::MAX_PULSES;
-use rocking_block::space::{
-    DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup,
-};
+use rocking_block::space::{DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup};
 use rocking_charts::history_in_space::{block_line, history as picture};
 use rocking_studies::run::outcome::End;
 use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
