@@ -85,6 +85,9 @@ impl Line {
     }
 }
 
+/// Fraction of the determinant of independent columns below which x does not vary, to round-off.
+const SINGULAR: f64 = 1e-10;
+
 /// Covariance of the level at the mean of x and of the slope, by leaving out one motion at a time. A line is linear in its coefficients, so
 /// that one Newton step refits it.
 fn jackknife(x: &[f64], mean: f64, residuals: &[f64], motions: &[usize], count: usize) -> Option<DMatrix<f64>> {
@@ -98,7 +101,14 @@ fn jackknife(x: &[f64], mean: f64, residuals: &[f64], motions: &[usize], count: 
     }
     let whole: DMatrix<f64> = sums.iter().map(|(_, information)| information).sum();
     let present = sums.iter().filter(|(_, information)| information[(0, 0)] > 0.0);
-    clusters::of_shifts(present.map(|(score, information)| clusters::step(&whole, score, information)), 2, count)
+    let shift = |(score, information): &(DVector<f64>, DMatrix<f64>)| {
+        // Motions that share one x leave no slope, to round-off.
+        let rest = &whole - information;
+        let spread = rest[(0, 0)] * rest[(1, 1)];
+        let has_slope = spread - rest[(0, 1)] * rest[(0, 1)] > SINGULAR * spread;
+        has_slope.then(|| clusters::step(&whole, score, information)).flatten()
+    };
+    clusters::of_shifts(present.map(shift), 2, count)
 }
 
 #[cfg(test)]
@@ -139,6 +149,10 @@ mod tests {
         // One motion has all that varies.
         let lonely = Line::of(&[0.0, 1.0, 2.0, 0.5, 0.5], &[0.0, 1.0, 1.0, 2.0, 3.0], &[0, 0, 0, 1, 2]).unwrap();
         assert_eq!((lonely.standard_errors[1], lonely.intervals(0.95)[1], lonely.p()), (f64::INFINITY, [None; 2], 1.0));
+        // Each of two motions has one x, as a property of records has.
+        let x = [0.313, 0.313, 0.313, 0.787, 0.787].map(|x: f64| x * 1.1);
+        let property = Line::of(&x, &[0.0, 1.0, 1.0, 2.0, 3.0], &[0, 0, 0, 1, 1]).unwrap();
+        assert_eq!((property.standard_errors, property.p()), ([f64::INFINITY; 2], 1.0));
     }
 
     /// Coverage of the 95 % interval of a slope, and rejections of a property without effect at 5 %, in trials with rows that share the
