@@ -186,7 +186,7 @@ def cloud(
     missing = int((np.isnan(measure) & ~np.isnan(overturned)).sum())
     if missing:
         warnings.warn(f"{missing} rows without {im} are left out", stacklevel=2)
-    measure, overturned, peak, motions = (column[known] for column in (measure, overturned, peak, motions))
+    measure, overturned, peak, motions = measure[known], overturned[known], peak[known], motions[known]
     if (measure <= 0.0).any():
         raise ValueError(f"{im} = {measure.min():g} in a row; expected measures > 0")
     # Blocks that stand have their peak if they rock.

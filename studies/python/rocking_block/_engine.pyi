@@ -320,6 +320,7 @@ def read_hazard(
     unit: str | None,
     site: str | None,
     investigation_time: float | None,
+    kind: str | None,
     g: float,
 ) -> _Hazard: ...
 def check_hazard(levels: _Floats, rates: _Floats, unit: str | None, g: float) -> _Hazard: ...

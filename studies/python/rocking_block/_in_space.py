@@ -245,7 +245,8 @@ class BlockInSpace(_engine.BlockInSpace):
             found = ", ".join(f"{count} of {name}" for name, count in counts.items())
             raise ValueError(f"found {found}; expected equal numbers of components")
         count = max(counts.values(), default=1)
-        motions = list(zip(*(records or [None] * count for records in components.values()), strict=True))
+        nothing: list[Record | None] = [None] * count
+        motions = list(zip(*(records or nothing for records in components.values()), strict=True))
         scales, azimuths = (_numbers(name, values) for name, values in (("scale", scale), ("azimuth", azimuth)))
         if not counts and scales != [1.0]:
             raise ValueError("scale has no effect without records")

@@ -19,14 +19,14 @@ sys.path.insert(0, str(EXAMPLES))
 def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(codes) == 4
+    assert len(codes) == 5
     names = {}
     # scripts/dev/check has what the last one imports.
     is_complete = all(importlib.util.find_spec(package) for package in ("duckdb", "polars"))
     for code in codes if is_complete else codes[:-1]:
         exec(compile(code, "python.md", "exec"), names)
-    printed = re.search(r"print\(run\)  # (.*)", codes[0])[1]
-    assert capsys.readouterr().out.startswith(f"{printed}\n")
+    printed = re.findall(r"print\((?:run|shaken|\*around.*)\)  # (.*)", "".join(codes))
+    assert len(printed) == 3 and capsys.readouterr().out.startswith("".join(f"{line}\n" for line in printed))
     assert isinstance(names["fit"], rb.Fragility) and names["table"].shape == (20, 5, 8)
 
 

@@ -1,4 +1,4 @@
-//! The FMU of FMI 3.0 through the functions that rust-fmi makes from the standard's headers. Its reader of modelDescription.xml
+//! The FMUs of FMI 3.0 through the functions that rust-fmi makes from the standard's headers. Its reader of modelDescription.xml
 //! (fmi-schema 0.8.0) refuses the standard's attribute `unit` of a variable, and so any FMU with units.
 
 use std::ffi::CString;
@@ -7,12 +7,13 @@ use std::path::PathBuf;
 use std::ptr::{null, null_mut};
 
 use fmi_sys::fmi3::{Fmi3Binding, fmi3Status_fmi3OK as OK};
-use rocking_block::unit::variables::{TOKEN, VARIABLES};
+use importer_tests::{Case, IN_SPACE, IN_THE_PLANE};
+use rocking_block::unit::{in_space, variables};
 
-/// Unpacks the library of the FMU, which is in the folder of the profile, two levels above this executable.
-fn library() -> (tempfile::TempDir, Fmi3Binding) {
+/// Unpacks the library of an FMU, which is in the folder of the profile, two levels above this executable.
+fn library(unit: &str) -> (tempfile::TempDir, Fmi3Binding) {
     let executable = std::env::current_exe().unwrap();
-    let fmu: PathBuf = executable.ancestors().nth(2).unwrap().join("RockingBlock-fmi3.fmu");
+    let fmu: PathBuf = executable.ancestors().nth(2).unwrap().join(format!("{unit}-fmi3.fmu"));
     let mut archive = zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap();
     let mut names = archive.file_names().map(|name| name.unwrap().into_owned());
     let name = names.find(|name| name.starts_with("binaries/")).unwrap();
@@ -26,19 +27,13 @@ fn library() -> (tempfile::TempDir, Fmi3Binding) {
     (folder, unsafe { Fmi3Binding::new(path) }.unwrap())
 }
 
-fn reference(name: &str) -> u32 {
-    VARIABLES.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}")).reference()
-}
-
-/// The case `sine_eta40` of the reference trajectories, by steps that return at events, which are handled in Event Mode.
-#[test]
-fn runs_a_reference_case() {
-    let (_folder, fmu) = library();
-    let token = CString::new(TOKEN).unwrap();
-    let shape = reference("pulse.shape");
-    let reals = ["pulse.amplitude", "pulse.period", "mass", "dimensionless.alpha", "dimensionless.p"].map(reference);
-    let counters = ["events.impacts", "events.liftoffs"].map(reference);
-    let mut trajectory = csv::Reader::from_path("../reference/sine_eta40.csv").unwrap();
+/// Runs a reference trajectory by steps that return at events, which are handled in Event Mode, and compares the outputs to 1e-7 α. The
+/// counters count at least the events at which steps have returned.
+fn follows(case: &Case, token: &str, reference: impl Fn(&str) -> u32, counters: &[&str]) {
+    let (_folder, fmu) = library(case.unit);
+    let token = CString::new(token).unwrap();
+    let counters: Vec<u32> = counters.iter().map(|name| reference(name)).collect();
+    let outputs: Vec<u32> = case.outputs.iter().map(|(name, _)| reference(name)).collect();
     // SAFETY: the instance lives until it is freed at the end; texts end with 0, and arrays are as long as their counts.
     unsafe {
         let block = fmu.fmi3InstantiateCoSimulation(
@@ -56,10 +51,13 @@ fn runs_a_reference_case() {
             None,
         );
         assert!(!block.is_null());
-        assert_eq!(fmu.fmi3SetInt64(block, &shape, 1, &2, 1), OK);
-        let values = [6.2622, std::f64::consts::TAU / 5.0, 1e5, 0.25, 1.0];
-        assert_eq!(fmu.fmi3SetFloat64(block, reals.as_ptr(), reals.len(), values.as_ptr(), values.len()), OK);
-        assert_eq!(fmu.fmi3EnterInitializationMode(block, true, 1e-10, 0.0, true, 10.0), OK);
+        for (name, value) in case.choices {
+            assert_eq!(fmu.fmi3SetInt64(block, &reference(name), 1, &i64::from(*value), 1), OK);
+        }
+        for (name, value) in case.reals {
+            assert_eq!(fmu.fmi3SetFloat64(block, &reference(name), 1, value, 1), OK);
+        }
+        assert_eq!(fmu.fmi3EnterInitializationMode(block, true, 1e-10, 0.0, true, case.duration()), OK);
         assert_eq!(fmu.fmi3ExitInitializationMode(block), OK);
         let handle_events = || {
             let [mut more, mut ends, mut nominals, mut states, mut defined] = [true; 5];
@@ -77,9 +75,8 @@ fn runs_a_reference_case() {
             assert_eq!(fmu.fmi3EnterStepMode(block), OK);
         };
         handle_events();
-        let (mut worst, mut rows, mut events, mut time) = (0.0_f64, 0, 0, 0.0);
-        for row in trajectory.deserialize::<Vec<f64>>() {
-            let row = row.unwrap();
+        let (mut worst, mut events, mut time) = (0.0_f64, 0, 0.0);
+        for row in case.rows() {
             while time < row[0] {
                 let [mut event, mut ends, mut early] = [false; 3];
                 let (size, mut reached) = (row[0] - time, f64::NAN);
@@ -93,17 +90,37 @@ fn runs_a_reference_case() {
                     handle_events();
                 }
             }
-            let mut theta = 0.0;
-            assert_eq!(fmu.fmi3GetFloat64(block, &reference("theta"), 1, &mut theta, 1), OK);
-            worst = worst.max((theta - row[1]).abs());
-            rows += 1;
+            let mut values = vec![0.0; outputs.len()];
+            let count = outputs.len();
+            assert_eq!(fmu.fmi3GetFloat64(block, outputs.as_ptr(), count, values.as_mut_ptr(), count), OK);
+            worst = worst.max(case.difference(&row, &values));
         }
-        assert_eq!(rows, 1001);
-        let mut counted = [0; 2];
-        assert_eq!(fmu.fmi3GetInt32(block, counters.as_ptr(), 2, counted.as_mut_ptr(), 2), OK);
-        assert!(events > 10 && events <= counted.iter().sum(), "{events} events, {counted:?} impacts and lift-offs");
-        assert!(worst < 1e-7 * 0.25, "theta differs by {worst} rad");
+        let mut counted = vec![0; counters.len()];
+        let count = counters.len();
+        assert_eq!(fmu.fmi3GetInt32(block, counters.as_ptr(), count, counted.as_mut_ptr(), count), OK);
+        assert!(events > 10 && events <= counted.iter().sum(), "{events} events, {counted:?} counted");
+        assert!(worst < 1e-7, "{worst} α");
         assert_eq!(fmu.fmi3Terminate(block), OK);
         fmu.fmi3FreeInstance(block);
     }
+}
+
+/// Returns the place of a variable in a table by name.
+fn place(mut names: impl Iterator<Item = &'static str>, name: &str) -> usize {
+    names.position(|known| known == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+#[test]
+fn runs_a_reference_case() {
+    use variables::{TOKEN, VARIABLES};
+    let reference = |name: &str| VARIABLES[place(VARIABLES.iter().map(|v| v.name), name)].reference();
+    follows(&IN_THE_PLANE, TOKEN, reference, &["events.impacts", "events.liftoffs"]);
+}
+
+#[test]
+fn runs_a_reference_case_in_space() {
+    use in_space::variables::{TOKEN, VARIABLES};
+    let reference = |name: &str| VARIABLES[place(VARIABLES.iter().map(|v| v.name), name)].reference();
+    let counters = ["events.lift_offs", "events.landings", "events.slides", "events.sticks"];
+    follows(&IN_SPACE, TOKEN, reference, &counters);
 }
