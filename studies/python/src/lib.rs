@@ -63,7 +63,7 @@ mod _engine {
         building::Building,
         fit::fit,
         foundations::{foundation_pairs, pad_support, soil_support},
-        fragility::{CaseStore, Fragility, Motions, export_fragility, line, rocks, verdicts},
+        fragility::{CaseStore, Fragility, Line, Motions, export_fragility, line, rocks, verdicts},
         frame::{frame_block, frame_response},
         history::history,
         ida::{Ida, describes_curve},
