@@ -2,11 +2,11 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`parameters`] | the parameters of a block, each part in one of two parameterizations |
-//! | [`body`] | the part of a block that equations of motion, event functions and steps read |
-//! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
-//! | [`foundation`] | time since lift-off → the height of a support |
-//! | [`contact`] | the contact of each corner → the regime |
+//! | `parameters` | the parameters of a block, each part in one of two parameterizations |
+//! | `body` | the part of a block that equations of motion, event functions and steps read |
+//! | `geometry` | a rotation → the centre of mass as seen from each corner |
+//! | `foundation` | time since lift-off → the height of a support |
+//! | `contact` | the contact of each corner → the regime |
 //! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, event functions |
 
 pub(crate) mod body;

@@ -4,15 +4,15 @@
 //! | --- | --- |
 //! | [`scalar`] | the operations of a number in formulas: plain, one per lane, or dual |
 //! | [`dual`] | a number with its derivative |
-//! | [`gradient`] | a number with its derivatives in several directions |
-//! | [`numbers`] | vectors of numbers, such as states, and their operations |
+//! | `gradient` | a number with its derivatives in several directions |
+//! | `numbers` | vectors of numbers, such as states, and their operations |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
 //! | [`stepper`] | the same for a state whose dimension is known at run time |
 //! | [`short`] | a step of order 5 to a stop close ahead, with fewer evaluations |
-//! | [`repeat`] | an accepted step → its end in other numbers, such as those with derivatives |
+//! | `repeat` | an accepted step → its end in other numbers, such as those with derivatives |
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
-//! | [`bernstein`] | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
+//! | `bernstein` | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
 //! | `wide` | several numbers side by side → the same operations on each, by the processor's vectors |
 
 pub(crate) mod bernstein;
@@ -22,6 +22,7 @@ pub mod dop853;
 pub mod dual;
 pub(crate) mod gradient;
 pub(crate) mod numbers;
+#[cfg(any(test, feature = "lanes"))]
 pub(crate) mod repeat;
 pub mod roots;
 pub mod scalar;

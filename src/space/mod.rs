@@ -6,17 +6,17 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`parameters`] | numbers as users give them, and the errors of invalid ones |
-//! | [`body`] | checked parameters → the numbers of the equations |
+//! | `body` | checked parameters → the numbers of the equations |
 //! | [`excitation`] | inputs over a step, records and pulses → the forcing at any time |
 //! | [`motion`] | a state → the motion of the body and its feet |
-//! | [`forces`] | the motion of a foot and its contact → the force on it |
+//! | `forces` | the motion of a foot and its contact → the force on it |
 //! | [`equations`] | state, contacts and excitation → rates of the state |
-//! | [`beginning`] | tilt, twist and velocities → the state at the start |
-//! | [`events`] | the functions that are watched, and the change of the block at their zeros: a file each |
+//! | `beginning` | tilt, twist and velocities → the state at the start |
+//! | `events` | the functions that are watched, and the change of the block at their zeros: a file each |
 //! | [`exchange`] | states of an outside solver → their derivatives, event indicators, effects of events |
 //! | `limits` | contacts and tolerance → allowed errors and the longest step |
 //! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
-//! | [`peaks`] | the ends of a step → the greatest values, also between them |
+//! | `peaks` | the ends of a step → the greatest values, also between them |
 //! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
 
 pub(crate) mod beginning;

@@ -66,7 +66,7 @@ pub struct Motion<'a, L = AnyMode, const N: usize = 4, T = f64> {
     restraints: States<T>,
 }
 
-/// Number of quantities integrated under an [extended](MotionMode::INTEGRATES_U) mode. They are `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// Number of quantities integrated under an extended mode, which integrates u. They are `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
 /// [dissipative](forces::dissipated) forces since the beginning of the step, the dampers' last.
 pub const DAMPED: usize = 6 + forces::DISSIPATIVE;
 

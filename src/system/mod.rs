@@ -5,7 +5,7 @@
 //! | [`instant`] | state, pose, horizontal hold, accelerations and reactions: shared by forces, equations and events |
 //! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
 //! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
-//! | [`motion_mode`] | a pose → the equations that hold from there on |
+//! | `motion_mode` | a pose → the equations that hold from there on |
 //! | [`swing`] | a block on one corner of the rigid base → its motion as a power series |
 //! | [`evaluation`] | a pose and an excitation → the block at any instant while the pose's contacts last |
 //! | [`events`] | an instant → the watched functions; a pose and an event, a file each → the pose right after |

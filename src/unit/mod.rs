@@ -5,14 +5,14 @@
 //! | [`fmu`] | what the C interfaces need of a unit |
 //! | [`attributes`] | types, causalities and limits of variables |
 //! | [`variables`] | modelDescription.xml → a table of variables |
-//! | [`fmi3_variables`] | values of the parameters that exist only in FMI 3.0 |
-//! | [`inputs`] | the variables of inputs ↔ ramps |
+//! | `fmi3_variables` | values of the parameters that exist only in FMI 3.0 |
+//! | `inputs` | the variables of inputs ↔ ramps |
 //! | [`links`] | a restraint of the FMU → the variables of its parameters |
 //! | [`values`] | values of parameters → block, pulse, settings |
 //! | `record_source` | files or arrays of samples → records |
-//! | [`records`] | parameters → the FMU's own ground motion, from either source |
-//! | [`derived`] | a calculated parameter → the source of its value |
-//! | [`outputs`] | an output → the source of its value and its derivatives |
+//! | `records` | parameters → the FMU's own ground motion, from either source |
+//! | `derived` | a calculated parameter → the source of its value |
+//! | `outputs` | an output → the source of its value and its derivatives |
 //! | [`life_cycle`] | the states of an instance |
 //! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
 //! | [`snapshot`] | an instance ↔ bytes |

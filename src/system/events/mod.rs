@@ -2,16 +2,16 @@
 //!
 //! | module | watched → change |
 //! | --- | --- |
-//! | [`lift_off`] | the reaction of a touching corner → it leaves its support, slips, or is held |
+//! | `lift_off` | the reaction of a touching corner → it leaves its support, slips, or is held |
 //! | `slip` | the last corner bears nothing but would be pressed on again → it slides |
 //! | `held` | whether a held corner would be pressed on, or lifted; the slide of the standing corner → it lifts, or bears again |
-//! | [`landing`] | the gap of a lifted corner while the other one stands → the impact map |
+//! | `landing` | the gap of a lifted corner while the other one stands → the impact map |
 //! | `pivot` | the gap of a lifted corner on a rigid base → Housner's change of the pivot |
 //! | `flight` | the gap of a corner in flight, or while the other one slides → landing with or without grip |
 //! | [`grip`] | the pressure on a sliding foot without a limit of friction, if it gripped → it grips |
 //! | `friction` | the distance of H from Coulomb's limit, the speed of a sliding foot → it slides, or grips |
 //! | `restraint` | an event function of a restraint → its state changes |
-//! | [`quarter_turn`] | the remaining angle → the run ends |
+//! | `quarter_turn` | the remaining angle → the run ends |
 //!
 //! [`watched`] is the table of the watched functions in each regime, for the driver, Model Exchange's indicators and the lanes. After
 //! each event `settle` decides the regime again, in a `change` of the pose.

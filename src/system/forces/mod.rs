@@ -2,10 +2,10 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`support`] | height and rate of a corner → its vertical reaction; spring energy, dashpot power |
-//! | [`load`] | excitation → its power on the moving block |
-//! | [`weight`] | height of the centre of mass → potential energy |
-//! | [`friction`] | vertical reaction under a sliding foot → its horizontal reaction, its power |
+//! | `support` | height and rate of a corner → its vertical reaction; spring energy, dashpot power |
+//! | `load` | excitation → its power on the moving block |
+//! | `weight` | height of the centre of mass → potential energy |
+//! | `friction` | vertical reaction under a sliding foot → its horizontal reaction, its power |
 //!
 //! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). The functions here combine them
 //! with [restraints], the forces between block and ground that switch, of any kind.

@@ -3,12 +3,12 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`variables`] | modelDescriptionInSpace.xml → a table of variables |
-//! | [`feet`] | a file or arrays → the feet of a list |
-//! | [`fmi3_values`] | values of the parameters that only FMI 3.0 has |
-//! | [`values`] | values of parameters → body, initial state, pulse |
-//! | [`records`] | parameters → the FMU's own ground motion |
-//! | [`outputs`] | an output or calculated parameter → the source of its value |
-//! | [`instance`] | calls → a block in motion |
+//! | `feet` | a file or arrays → the feet of a list |
+//! | `fmi3_values` | values of the parameters that only FMI 3.0 has |
+//! | `values` | values of parameters → body, initial state, pulse |
+//! | `records` | parameters → the FMU's own ground motion |
+//! | `outputs` | an output or calculated parameter → the source of its value |
+//! | `instance` | calls → a block in motion |
 
 pub mod variables;
 

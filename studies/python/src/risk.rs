@@ -23,6 +23,7 @@ fn fields<'py>(py: Python<'py>, curve: &HazardCurve) -> Hazard<'py> {
 /// Reads the hazard curve of a file.
 #[pyfunction]
 #[pyo3(signature = (path, *, im, unit, site, investigation_time, kind, g))]
+#[allow(clippy::too_many_arguments)]
 pub fn read_hazard(
     py: Python<'_>,
     path: PathBuf,

@@ -3,7 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`pull`] | position and motion of the block → stretch and tension of a tie; its energy and power |
-//! | [`switching`] | event functions of a tie → it is taut, slack or limp, yields, or breaks |
+//! | `switching` | event functions of a tie → it is taut, slack or limp, yields, or breaks |
 //!
 //! A damper is a tie that also pushes.
 
