@@ -14,7 +14,7 @@
 //! | `derived` | a calculated parameter → the source of its value |
 //! | `outputs` | an output → the source of its value and its derivatives |
 //! | [`life_cycle`] | the states of an instance |
-//! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
+//! | [`instance`] | calls → a block in motion; variables, derivatives, Model Exchange, parts of steps |
 //! | [`snapshot`] | an instance ↔ bytes |
 //! | [`in_space`] | the same for the block in space: modelDescriptionInSpace.xml ↔ [`crate::space`] |
 
