@@ -14,7 +14,7 @@ use crate::bindings::exports::fmi::fmi3::model_exchange::{
     CompletedStepResult, DiscreteStatesInfo, GuestModelExchangeInstance, IntervalFraction, IntervalQualifier,
     ModelExchangeInstance, Status, VariableDependency,
 };
-use crate::instance::{Instance, Unit};
+use crate::instance::{Instance, State, Unit};
 
 impl GuestModelExchangeInstance for Instance {
     common_methods!();
