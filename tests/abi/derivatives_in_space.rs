@@ -5,6 +5,15 @@ use crate::functions::*;
 use crate::host::{FMU, Instance, call, reference};
 use crate::unit::STATE_COUNT;
 
+/// Returns the derivatives of unknowns with respect to one variable.
+fn derivatives(instance: &Instance, unknowns: &[u32], known: &str) -> Vec<f64> {
+    let mut found = vec![f64::NAN; unknowns.len()];
+    let (known, count, into) = (reference(known), unknowns.len(), found.as_mut_ptr());
+    let status = call!(instance, get_directional_derivative, unknowns.as_ptr(), count, &known, 1, &1.0, into);
+    assert_eq!(status, OK, "{:?}", instance.messages());
+    found
+}
+
 /// Derivatives of all outputs with respect to inputs and states, by five points, and the declared dependencies.
 #[test]
 fn directional_derivatives_are_exact_and_dependencies_true() {
@@ -47,18 +56,7 @@ fn directional_derivatives_are_exact_and_dependencies_true() {
             };
             let values = [-2.0, -1.0, 1.0, 2.0].map(at);
             at(0.0);
-            let mut exact = vec![f64::NAN; unknowns.len()];
-            let status = call!(
-                solver.instance,
-                get_directional_derivative,
-                unknowns.as_ptr(),
-                unknowns.len(),
-                &reference(known),
-                1,
-                &1.0,
-                exact.as_mut_ptr()
-            );
-            assert_eq!(status, OK, "{:?}", solver.instance.messages());
+            let exact = derivatives(&solver.instance, &unknowns, known);
             for (i, output) in outputs.iter().enumerate() {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|j: usize| values[j][i]);
                 let difference = (a - 8.0 * b + 8.0 * c - d) / (12.0 * step);
