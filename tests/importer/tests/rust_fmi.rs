@@ -31,8 +31,12 @@ fn follows(case: &Case) {
     let mut block = InstanceCS::new(&import, "block", false, false).unwrap();
     assert_eq!((Common::get_version(&block), block.get_types_platform()), ("2.0", "default"));
     block.setup_experiment(Some(1e-10), 0.0, Some(case.duration())).unwrap();
-    case.choices.iter().for_each(|(name, value)| block.set_integer(&[of(name)], &[*value]).unwrap());
-    case.reals.iter().for_each(|(name, value)| block.set_real(&[of(name)], &[*value]).unwrap());
+    for (name, value) in case.choices {
+        block.set_integer(&[of(name)], &[*value]).unwrap();
+    }
+    for (name, value) in case.reals {
+        block.set_real(&[of(name)], &[*value]).unwrap();
+    }
     Common::enter_initialization_mode(&mut block).unwrap();
     Common::exit_initialization_mode(&mut block).unwrap();
     let outputs: Vec<u32> = case.outputs.iter().map(|(name, _)| of(name)).collect();
