@@ -5,7 +5,7 @@ use crate::space::outputs::{FootObservation, SpaceObservation};
 use crate::space::peaks::SpacePeakRates;
 use crate::space::run::SpaceRates;
 use crate::space::{SpaceBody, SpaceGround, SpaceRun};
-use crate::unit::in_space::variables::{Derived, Output};
+use crate::unit::in_space::variables::{Derived, Fmi3Variable, Output};
 
 /// The source of an output's value and of its rate.
 pub enum SpaceSource {
@@ -198,5 +198,30 @@ pub fn derived(parameter: Derived) -> SpaceDerived {
         Derived::RecordPGAY => Peak(1),
         Derived::RecordPGAZ => Peak(2),
         Derived::RecordEnd => SpaceDerived::End,
+    }
+}
+
+/// Returns the quantity of the feet that an array of FMI 3.0 has, if it is one.
+pub fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
+    match variable {
+        Fmi3Variable::N => Some(|foot| foot.normal),
+        Fmi3Variable::Uplift => Some(|foot| foot.uplift),
+        Fmi3Variable::Slip => Some(|foot| foot.slip),
+        Fmi3Variable::StretchX => Some(|foot| foot.stretch[0]),
+        Fmi3Variable::StretchY => Some(|foot| foot.stretch[1]),
+        Fmi3Variable::StretchXRate => Some(|foot| foot.stretch_rate[0]),
+        Fmi3Variable::StretchYRate => Some(|foot| foot.stretch_rate[1]),
+        Fmi3Variable::SlipRate => Some(|foot| foot.slip_rate),
+        Fmi3Variable::Time
+        | Fmi3Variable::FootCount
+        | Fmi3Variable::FootX
+        | Fmi3Variable::FootY
+        | Fmi3Variable::FootGap
+        | Fmi3Variable::RecordSamples
+        | Fmi3Variable::RecordXSamples
+        | Fmi3Variable::RecordYSamples
+        | Fmi3Variable::RecordZSamples
+        | Fmi3Variable::IntermediateInterval
+        | Fmi3Variable::Indicator(_) => None,
     }
 }

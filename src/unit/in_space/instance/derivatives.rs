@@ -6,9 +6,8 @@ use crate::space::run::SpaceRates;
 use crate::unit::attributes::{Kind, find};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::Fmu;
-use crate::unit::in_space::instance::fmu::of_feet;
 use crate::unit::in_space::instance::{SpaceUnit, fmi3_variable, no_block, output};
-use crate::unit::in_space::outputs::source;
+use crate::unit::in_space::outputs::{of_feet, source};
 use crate::unit::in_space::variables::{Fmi3Variable, Role, VARIABLES, fmi3_metadata};
 use crate::unit::life_cycle::Interface;
 

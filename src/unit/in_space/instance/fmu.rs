@@ -1,44 +1,18 @@
 //! What the C interfaces call → the instance.
 
 use crate::run::Progress;
-use crate::space::outputs::FootObservation;
 use crate::space::{SpaceEvent, SpaceInputs, SpaceRun};
 use crate::unit::attributes::{Causality, Kind, Known, Variability, find};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::{AfterEvent, Exchanged, Fmu, Reached};
 use crate::unit::in_space::instance::derivatives::SpaceDirection;
 use crate::unit::in_space::instance::{Cache, SpaceUnit, first_order, fmi3_variable, input, no_block, output};
-use crate::unit::in_space::outputs::{derived, source};
+use crate::unit::in_space::outputs::{derived, of_feet, source};
 use crate::unit::in_space::values::SpaceValues;
 use crate::unit::in_space::variables::{
     FMI3_VARIABLES, Fmi3Variable, GUID, Metadata, Role, TOKEN, VARIABLES, fmi3_metadata,
 };
 use crate::unit::life_cycle::{Interface, LifeCycle, Phase};
-
-/// Returns the quantity of the feet that an array of FMI 3.0 has, if it is one.
-pub(super) fn of_feet(variable: Fmi3Variable) -> Option<fn(&FootObservation) -> f64> {
-    match variable {
-        Fmi3Variable::N => Some(|foot| foot.normal),
-        Fmi3Variable::Uplift => Some(|foot| foot.uplift),
-        Fmi3Variable::Slip => Some(|foot| foot.slip),
-        Fmi3Variable::StretchX => Some(|foot| foot.stretch[0]),
-        Fmi3Variable::StretchY => Some(|foot| foot.stretch[1]),
-        Fmi3Variable::StretchXRate => Some(|foot| foot.stretch_rate[0]),
-        Fmi3Variable::StretchYRate => Some(|foot| foot.stretch_rate[1]),
-        Fmi3Variable::SlipRate => Some(|foot| foot.slip_rate),
-        Fmi3Variable::Time
-        | Fmi3Variable::FootCount
-        | Fmi3Variable::FootX
-        | Fmi3Variable::FootY
-        | Fmi3Variable::FootGap
-        | Fmi3Variable::RecordSamples
-        | Fmi3Variable::RecordXSamples
-        | Fmi3Variable::RecordYSamples
-        | Fmi3Variable::RecordZSamples
-        | Fmi3Variable::IntermediateInterval
-        | Fmi3Variable::Indicator(_) => None,
-    }
-}
 
 /// Whether a variable is the size of arrays.
 fn is_size(variable: Fmi3Variable) -> bool {
