@@ -4,56 +4,25 @@
 //! indicator falls through zero. The quaternion stands for a rotation at any length, which its derivative keeps, so that errors of the
 //! solver in its norm have no effect; each event gives it the norm 1.
 
-use serde::{Deserialize, Serialize};
-
 use crate::numerics::stepper::SliceEquations;
 use crate::run::SimulationError;
 use crate::space::body::SpaceBody;
 use crate::space::equations::SpaceEquations;
-use crate::space::events::{PER_CONTACT, Poised, SpaceEvent, SpaceFunction, SpaceSample, watched};
+use crate::space::events::{Poised, SpaceEvent, SpaceFunction, SpaceSample, watched};
 use crate::space::excitation::{SpaceInputs, next_kink};
 use crate::space::motion::{
     DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, WORKS, dimension, normalize, of_foot, three,
 };
 use crate::space::peaks::of_motion;
+use crate::space::piece::{SpacePiece, place};
 use crate::space::run::{SpaceRun, SpaceState};
 use crate::space::stepping::{SpaceInterior, include_peaks, write_samples};
-
-/// The smooth piece of the excitation in which an outside solver is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SpacePiece {
-    /// Its beginning (s). At its end the excitation is still that of the piece.
-    pub(super) since: f64,
-    /// The time (s) of the last completed step, or of a later event, and the numbers of the state there.
-    pub(super) last: (f64, Vec<f64>),
-}
-
-impl SpacePiece {
-    /// Returns all its numbers.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        [self.since, self.last.0].into_iter().chain(self.last.1.iter().copied())
-    }
-}
 
 /// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
 
 /// Distance of two instants that a solver cannot tell apart, over the rounding of its clock, as in the plane.
 const UNRESOLVED: f64 = 16.0;
-
-/// Returns the number of event indicators of a block with n feet: the contacts of all feet, their friction, and the overturning.
-pub const fn indicator_count(feet: usize) -> usize {
-    PER_CONTACT * feet + 1
-}
-
-/// Returns the place among the continuous states of a number of the state. Outside, a quantity of all feet follows another.
-pub const fn place(number: usize, feet: usize) -> usize {
-    if number < FEET_FROM {
-        return number;
-    }
-    let of_feet = number - FEET_FROM;
-    FEET_FROM + (of_feet % PER_FOOT) * feet + of_feet / PER_FOOT
-}
 
 /// Returns typical magnitudes of the continuous states for error control, none of them zero.
 pub fn nominals(body: &SpaceBody) -> Vec<f64> {

@@ -14,6 +14,7 @@
 //! | `beginning` | tilt, twist and velocities → the state at the start |
 //! | `events` | the functions that are watched, and the change of the block at their zeros: a file each |
 //! | [`exchange`] | states of an outside solver → their derivatives, event indicators, effects of events |
+//! | `piece` | the present piece of a run that is stepped from outside, and the places of its states |
 //! | `limits` | contacts and tolerance → allowed errors and the longest step |
 //! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
 //! | `peaks` | the ends of a step → the greatest values, also between them |
@@ -32,6 +33,7 @@ pub mod motion;
 pub mod outputs;
 pub mod parameters;
 pub(crate) mod peaks;
+pub(crate) mod piece;
 pub mod run;
 mod stepping;
 

@@ -16,13 +16,13 @@ use crate::space::body::SpaceBody;
 use crate::space::energies::{SpaceEnergies, StoredEnergy, energy_rates, stored};
 use crate::space::equations::{SpaceEquations, with_rates};
 use crate::space::events::{SpaceEvent, SpaceEventKind, SpaceSample, topples};
-use crate::space::exchange::{SpacePiece, indicator_count, place};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
 use crate::space::motion::{VELOCITY, WORKS, dimension};
 use crate::space::outputs::SpaceObservation;
 use crate::space::peaks::{SpacePeakRates, SpacePeaks};
+use crate::space::piece::{SpacePiece, indicator_count, place};
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use crate::space::exchange::{indicator_count, nominals};
+use crate::space::exchange::nominals;
 use crate::space::motion::{FEET_FROM, dimension};
+use crate::space::piece::indicator_count;
 use crate::space::{SpaceBody, SpaceEvent, SpaceInputs};
 use crate::unit::fault::Fault;
 use crate::unit::fmu::{AfterEvent, Exchanged, counted};
