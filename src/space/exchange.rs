@@ -8,10 +8,10 @@ use crate::numerics::stepper::SliceEquations;
 use crate::run::SimulationError;
 use crate::space::body::SpaceBody;
 use crate::space::equations::SpaceEquations;
-use crate::space::events::{Poised, SpaceEvent, SpaceFunction, SpaceSample, watched};
+use crate::space::events::{PER_CONTACT, Poised, SpaceEvent, SpaceFunction, SpaceSample, watched};
 use crate::space::excitation::{SpaceInputs, next_kink};
 use crate::space::motion::{
-    DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, WORKS, dimension, normalize, of_foot, three,
+    DISPLACEMENT, FEET_FROM, OMEGA, QUATERNION, VELOCITY, WORKS, dimension, normalize, of_foot, three,
 };
 use crate::space::peaks::of_motion;
 use crate::space::piece::{SpacePiece, place};
