@@ -35,7 +35,7 @@
 //!
 //! Dependencies run one way: a block is independent of its integration, and both are independent of the interfaces.
 //!
-//! Other crates may build on [`block`], [`excitation`], [`simulation`] and [`space`]. The other modules are public for the FMUs, studies and
+//! Other crates may build on [`block`], [`excitation`], [`run`], [`simulation`] and [`space`]. The other modules are public for the FMUs, studies and
 //! tests of the repository: docs.rs does not show them, and any release may change them.
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]

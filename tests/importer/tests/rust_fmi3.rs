@@ -105,22 +105,23 @@ fn follows(case: &Case, token: &str, reference: impl Fn(&str) -> u32, counters: 
     }
 }
 
-/// Returns the place of a variable in a table by name.
-fn place(mut names: impl Iterator<Item = &'static str>, name: &str) -> usize {
-    names.position(|known| known == name).unwrap_or_else(|| panic!("no {name}"))
+/// Returns the value reference of a variable by the names of all, from 1 in their order.
+fn reference(mut names: impl Iterator<Item = &'static str>, name: &str) -> u32 {
+    let place = names.position(|known| known == name).unwrap_or_else(|| panic!("no {name}"));
+    u32::try_from(place).unwrap() + 1
 }
 
 #[test]
 fn runs_a_reference_case() {
     use variables::{TOKEN, VARIABLES};
-    let reference = |name: &str| VARIABLES[place(VARIABLES.iter().map(|v| v.name), name)].reference();
+    let reference = |name: &str| reference(VARIABLES.iter().map(|variable| variable.name), name);
     follows(&IN_THE_PLANE, TOKEN, reference, &["events.impacts", "events.liftoffs"]);
 }
 
 #[test]
 fn runs_a_reference_case_in_space() {
     use in_space::variables::{TOKEN, VARIABLES};
-    let reference = |name: &str| VARIABLES[place(VARIABLES.iter().map(|v| v.name), name)].reference();
+    let reference = |name: &str| reference(VARIABLES.iter().map(|variable| variable.name), name);
     let counters = ["events.lift_offs", "events.landings", "events.slides", "events.sticks"];
     follows(&IN_SPACE, TOKEN, reference, &counters);
 }
