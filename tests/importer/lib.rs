@@ -46,6 +46,7 @@ pub const IN_SPACE: Case = Case {
         ("dimensionless.p", 1.2),
         ("dimensionless.eta", 30.0),
         ("dimensionless.xi_v", 0.15),
+        ("dimensionless.depth_ratio", 1.0),
         ("friction", 10.0),
         ("mass", 1.0),
         ("initial.tilt_x", 0.15),
