@@ -113,3 +113,28 @@ def test_the_unsymmetric_block_is_housners_where_its_sides_are_equal():
     assert np.abs(equal - ours).max() <= 0.25 and np.abs(equal - ours).mean() < 0.05
     assert np.abs(wider - equal).max() > 0.5
     assert np.array_equal(variants.unsymmetric(mirrored, "SP1", [(0.15, 0.3)], 3)[0], wider)
+
+
+def test_a_body_on_scanned_feet_settles_on_those_that_carry_it():
+    """A body that stands, turned a little, settles as it stood; a foot that is lower takes the place of one of three."""
+    in_space = pytest.importorskip("shaking_table_in_space", reason="the package rocking_block is not installed")
+    feet = np.array([[-0.2, -0.1, 0.0], [0.2, -0.2, 0.0], [0.05, 0.3, 0.0], [0.3, 0.3, 0.004], [-0.3, 0.2, 0.01]])
+    inertia = np.array([[2.0, 0.1, -0.3], [0.1, 1.5, 0.2], [-0.3, 0.2, 1.0]])
+    places = feet - [0, 0, 0.4]
+    sin, cos = np.sin(0.02), np.cos(0.02)
+    for axis, turned in enumerate((np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]]), np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]))):
+        found, height, tensor = in_space.settled(places @ turned.T, turned @ inertia @ turned.T)
+        assert np.abs(found - feet).max() < 1e-15 and abs(height - 0.4) < 1e-15 and np.abs(tensor - inertia).max() < 1e-14, axis
+    places[3, 2] -= 0.006
+    found, height, tensor = in_space.settled(places, inertia)
+    assert (found[:, 2] >= 0).all() and (found[:, 2] == 0).sum() == 3 and found[3, 2] == 0 and height != 0.4
+    assert np.allclose(np.linalg.eigvalsh(tensor), np.linalg.eigvalsh(inertia))
+
+
+def test_the_ensemble_in_space_has_equal_parts():
+    in_space = pytest.importorskip("shaking_table_in_space", reason="the package rocking_block is not installed")
+    draw = in_space.ensemble(12)
+    for name, least, greatest in (("eta", 60, 200), ("xi_v", 0.05, 0.5), ("kappa", 0.5, 2)):
+        parts = 12 * np.log(draw[name] / least) / np.log(greatest / least)
+        assert np.allclose(np.sort(parts), np.arange(12) + 0.5), name
+    assert all((draw["yaw"] == yaw).sum() == 2 for yaw in in_space.YAWS)
