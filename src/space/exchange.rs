@@ -105,7 +105,7 @@ impl SpaceRun {
     /// Sets time (s) and continuous states; the contacts stay. A block that is held keeps its velocities, and with them its energies, of the
     /// end of its run.
     ///
-    /// `states` are as many as [`SpaceRun::continuous_states`].
+    /// `states` has the length of [`SpaceRun::continuous_states`].
     pub fn set_continuous_states(&mut self, states: &[f64]) {
         let (is_frozen, feet) = (self.is_frozen(), self.setup.body.count());
         for (i, number) in self.state.numbers.iter_mut().enumerate() {

@@ -13,7 +13,7 @@ use crate::unit::in_space::variables::Output;
 use crate::unit::life_cycle::{Interface, Phase};
 
 impl SpaceUnit {
-    /// Refuses a block whose feet are not as many as the states have.
+    /// Refuses a block with another number of feet than that for which the states are declared.
     pub(super) fn check_feet(&self, body: &SpaceBody) -> Result<(), Fault> {
         let (found, expected) = (body.count(), self.values.fmi3.foot_count());
         if self.life.interface == Interface::CoSimulation || found == expected {

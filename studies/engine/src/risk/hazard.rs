@@ -22,7 +22,8 @@ const ROUND_OFF: f64 = 1e-5;
 impl HazardCurve {
     /// Checks levels and annual rates, and drops a first level of zero, and levels at the end with rate zero.
     ///
-    /// Levels increase from zero or above; rates do not, but for rises within round-off, which are levelled. Two of them are above zero.
+    /// Levels must increase, from zero or more. Rates must not increase; a rise within round-off is replaced by the rate before it. At least two
+    /// rates must be positive.
     ///
     /// # Errors
     /// The first level or rate that violates this.
