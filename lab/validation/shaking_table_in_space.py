@@ -164,7 +164,7 @@ def draw(results, path):
         axis.errorbar(predicted, frequency, bars, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, in space, nothing fitted")
     axis.plot([0, 1], [0, 1], color="0.6", linewidth=1)
     axis.set(xlabel="predicted probability of overturning", ylabel="observed frequency", xlim=(0, 1), ylim=(-0.02, 1.02))
-    axis.legend(frameon=False, loc="upper left")
+    axis.legend(frameon=False, loc="lower right")
     figure.savefig(path, dpi=200)
 
 
