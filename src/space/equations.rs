@@ -50,14 +50,15 @@ impl SpaceEquations<'_> {
     #[inline]
     pub fn rates_under<T: Component>(&self, forcing: &SpaceForcing<T>, state: &[T], rates: &mut [T]) {
         let body = self.body;
+        let (state, stretches) = state.split_first_chunk::<FEET_FROM>().expect("the numbers of the body");
+        let (of_body, of_feet) = rates.split_first_chunk_mut::<FEET_FROM>().expect("the numbers of the body");
         let motion = BodyMotion::of(state);
         let BodyMotion { turn, velocity, omega, .. } = motion;
         let zero = T::from(0.0);
         let (mut force, mut moment) = (Vector3::repeat(zero), forcing.moment);
         let (mut dashpots, mut slip) = (zero, zero);
-        let (of_body, of_feet) = rates.split_at_mut(FEET_FROM);
         let feet = body.feet.iter().zip(self.contacts);
-        let numbers = state[FEET_FROM..].chunks_exact(PER_FOOT).zip(of_feet.chunks_exact_mut(PER_FOOT));
+        let numbers = stretches.as_chunks::<PER_FOOT>().0.iter().zip(of_feet.as_chunks_mut::<PER_FOOT>().0);
         for ((foot, &contact), (numbers, rates)) in feet.zip(numbers) {
             if !contact.touches() {
                 rates.fill(zero);

@@ -8,15 +8,14 @@ use crate::numerics::stepper::SliceEquations;
 use crate::run::SimulationError;
 use crate::space::body::SpaceBody;
 use crate::space::equations::SpaceEquations;
-use crate::space::events::{PER_CONTACT, Poised, SpaceEvent, SpaceFunction, SpaceSample, watched};
+use crate::space::events::{PER_CONTACT, Poised, SpaceEvent, SpaceFunction, SpaceSample};
 use crate::space::excitation::{SpaceInputs, next_kink};
 use crate::space::motion::{
     DISPLACEMENT, FEET_FROM, OMEGA, QUATERNION, VELOCITY, WORKS, dimension, normalize, of_foot, three,
 };
-use crate::space::peaks::of_motion;
 use crate::space::piece::{SpacePiece, place};
 use crate::space::run::{SpaceRun, SpaceState};
-use crate::space::stepping::{SpaceInterior, include_peaks, write_samples};
+use crate::space::stepping::{SpaceInterior, include_peaks};
 
 /// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
@@ -45,9 +44,9 @@ pub fn nominals(body: &SpaceBody) -> Vec<f64> {
 ///
 /// A function falls through zero only while it falls: the indicator is positive while the function rises, and clearly so right after an
 /// event that leaves it at zero. Twice its round-off is added, so that zero itself is no event.
-fn indicator(body: &SpaceBody, function: SpaceFunction, sample: &SpaceSample) -> f64 {
+fn indicator(body: &SpaceBody, sample: &SpaceSample) -> f64 {
     let weight = body.mass * body.gravity;
-    let size = match function {
+    let size = match sample.function {
         SpaceFunction::LiftOff(_) => weight,
         SpaceFunction::Landing(_) => body.r0,
         SpaceFunction::Slides(_) | SpaceFunction::Sticks(_) => weight * body.friction,
@@ -125,32 +124,34 @@ impl SpaceRun {
 
     /// The derivatives of the continuous states, per second, in memory; zeros once the run has ended.
     pub fn derivatives(&mut self, inputs: &SpaceInputs) -> &[f64] {
-        self.evaluate(inputs);
-        let has_ended = self.state.ending.is_some();
-        let (feet, rates, derivatives) = (self.setup.body.count(), &self.memory.rates, &mut self.memory.end);
+        let excitation = self.excitation(inputs);
+        let SpaceRun { setup, state, memory } = self;
+        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation: &excitation };
+        equations.write_rates(state.time, &state.numbers, &mut memory.rates);
+        let has_ended = state.ending.is_some();
+        let (feet, rates, derivatives) = (setup.body.count(), &memory.rates, &mut memory.end);
         (0..rates.len()).for_each(|i| derivatives[place(i, feet)] = if has_ended { 0.0 } else { rates[i] });
         derivatives
     }
 
     /// The event indicators, in memory: an event is due where one falls to zero.
     pub fn indicators(&mut self, inputs: &SpaceInputs) -> &[f64] {
-        self.evaluate(inputs);
+        let excitation = self.excitation(inputs);
         let feet = self.setup.body.count();
         let SpaceRun { setup, state, memory } = self;
-        let (body, contacts) = (&setup.body, &state.contacts);
         memory.indicators.fill(IDLE);
         if state.ending.is_none() {
-            let now = Poised { body, time: state.time, state: &state.numbers, rates: &memory.rates, contacts };
-            let motion = now.motion();
-            let mut put = |place: usize, function| {
-                memory.indicators[place] = indicator(body, function, &now.sample_with(&motion, function));
-            };
-            for (foot, contact) in contacts.iter().enumerate() {
-                for (i, function) in watched(body, foot, contact).into_iter().enumerate() {
-                    function.into_iter().for_each(|function| put(i * feet + foot, function));
-                }
+            let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation: &excitation };
+            equations.write_rates(state.time, &state.numbers, &mut memory.rates);
+            memory.samples[0].take(&Poised::of(&equations, state.time, &state.numbers, &memory.rates));
+            for sample in memory.samples[0].watched() {
+                let place = match sample.function {
+                    SpaceFunction::LiftOff(foot) | SpaceFunction::Landing(foot) => foot,
+                    SpaceFunction::Slides(foot) | SpaceFunction::Sticks(foot) => feet + foot,
+                    SpaceFunction::Overturning => PER_CONTACT * feet,
+                };
+                memory.indicators[place] = indicator(&setup.body, sample);
             }
-            put(PER_CONTACT * feet, SpaceFunction::Overturning);
         }
         &memory.indicators
     }
@@ -171,16 +172,13 @@ impl SpaceRun {
         self.begin(&excitation);
         while self.state.ending.is_none() {
             let SpaceRun { setup, state, memory } = self;
-            let body = &setup.body;
             if !state.numbers.iter().chain(&memory.rates).all(|number| number.is_finite()) {
                 return Err(SimulationError::NotFinite { time: state.time });
             }
             memory.inside_rates.copy_from_slice(&memory.rates);
-            let contacts = &state.contacts;
-            let now = Poised { body, time: state.time, state: &state.numbers, rates: &memory.rates, contacts };
             let mut any = false;
-            for (falls, (function, sample)) in memory.falls.iter_mut().zip(now.functions().zip(&memory.samples[0])) {
-                *falls = indicator(body, function, sample) <= 0.0;
+            for (falls, sample) in memory.falls.iter_mut().zip(memory.samples[0].watched()) {
+                *falls = indicator(&setup.body, sample) <= 0.0;
                 any |= *falls;
             }
             // A foot may not be taken in at its landing.
@@ -208,20 +206,17 @@ impl SpaceRun {
         if !memory.rates.iter().chain(&state.numbers).all(|number| number.is_finite()) {
             return;
         }
-        let (body, contacts, duration) = (&setup.body, &state.contacts, state.time - *last);
+        let duration = state.time - *last;
         if duration > 0.0 && duration <= memory.limits.longest(three(start, OMEGA).norm()) {
-            let equations = SpaceEquations { body, contacts, excitation: &excitation };
+            let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation: &excitation };
             std::mem::swap(&mut memory.rates, &mut memory.end_rates);
             memory.samples.swap(0, 1);
             equations.write_rates(*last, start, &mut memory.rates);
             memory.stepper.begin(*last, start, &memory.rates);
             memory.stepper.attempt(duration, &equations, &mut memory.end);
             memory.stepper.set_end(&state.numbers, &memory.end_rates);
-            let here = Poised { body, time: *last, state: start, rates: &memory.rates, contacts };
-            let rates = &memory.end_rates;
-            let there = Poised { body, time: state.time, state: &state.numbers, rates, contacts };
             let [starts, ends] = &mut memory.samples;
-            write_samples(&here, starts);
+            starts.take(&Poised::of(&equations, *last, start, &memory.rates));
             let mut inside = SpaceInterior {
                 equations,
                 stepper: &mut memory.stepper,
@@ -230,9 +225,8 @@ impl SpaceRun {
                 rates: &mut memory.inside_rates,
                 evaluations: 0,
             };
-            let end = of_motion(body, &there.motion());
-            include_peaks(&mut state.peaks, &here, end, [starts, ends], duration, &mut inside);
-            state.peaks.include_slips(&state.numbers, body.count());
+            include_peaks(&mut state.peaks, [starts, ends], duration, &mut inside);
+            state.peaks.include_slips(&state.numbers, setup.body.count());
         } else {
             self.include_present();
         }
@@ -248,28 +242,19 @@ impl SpaceRun {
         }
     }
 
-    /// Includes the values at the present state, whose rates and samples are in memory.
+    /// Includes the values at the present state, whose samples are in memory.
     fn include_present(&mut self) {
         let SpaceRun { setup, state, memory } = self;
-        let SpaceState { time, numbers, contacts, peaks, .. } = state;
-        let now = Poised { body: &setup.body, time: *time, state: numbers, rates: &memory.rates, contacts };
-        for (i, quantity) in of_motion(now.body, &now.motion()).into_iter().enumerate() {
+        let SpaceState { numbers, peaks, .. } = state;
+        for (i, quantity) in memory.samples[0].of_motion.into_iter().enumerate() {
             let peak = peaks.of_motion_mut(i);
             *peak = peak.max(quantity.re);
         }
-        for (function, sample) in now.functions().zip(&memory.samples[0]) {
-            if let Some(peak) = peaks.of_function_mut(function) {
+        for sample in memory.samples[0].watched() {
+            if let Some(peak) = peaks.of_function_mut(sample.function) {
                 *peak = peak.max(sample.value.re);
             }
         }
         peaks.include_slips(numbers, setup.body.count());
-    }
-
-    /// Evaluates the rates of the present state under these inputs.
-    fn evaluate(&mut self, inputs: &SpaceInputs) {
-        let excitation = self.excitation(inputs);
-        let SpaceRun { setup, state, memory } = self;
-        let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation: &excitation };
-        equations.write_rates(state.time, &state.numbers, &mut memory.rates);
     }
 }

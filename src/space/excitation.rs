@@ -153,7 +153,7 @@ impl SpaceExcitation {
     }
 
     /// Returns the forcing at `time` (s).
-    #[inline]
+    #[inline(always)]
     pub fn at<T: Component + CombinesWith<f64>>(&self, time: T) -> SpaceForcing<T> {
         let elapsed = time - self.time;
         let all = |ramps: &[Ramp; 3]| Vector3::from(ramps.map(|ramp| ramp.at(elapsed)));

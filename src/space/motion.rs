@@ -55,47 +55,73 @@ pub fn constant<T: Component>(v: &Vector3<f64>) -> Vector3<T> {
     Vector3::new(T::from(v.x), T::from(v.y), T::from(v.z))
 }
 
-/// The rotation of a quaternion of any length.
+/// The rotation R of a quaternion of any length.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<T> {
-    real: T,
-    imaginary: Vector3<T>,
-    /// `2/|q|²`
-    factor: T,
+    /// The columns of R − 1, each without cancellation near R = 1.
+    columns: [Vector3<T>; 3],
 }
 
 impl<T: Component> Turn<T> {
     /// Returns the rotation of a state.
     #[inline(always)]
     pub fn of(state: &[T]) -> Turn<T> {
-        let (real, imaginary) = (state[QUATERNION], three(state, QUATERNION + 1));
-        Turn { real, imaginary, factor: T::from(2.0) / (real * real + dot(&imaginary, &imaginary)) }
+        let [w, x, y, z] = [0, 1, 2, 3].map(|i| state[QUATERNION + i]);
+        let factor = T::from(2.0) / (w * w + (x * x + y * y + z * z));
+        let [x_2, y_2, z_2] = [x * factor, y * factor, z * factor];
+        let [xx, yy, zz] = [x * x_2, y * y_2, z * z_2];
+        let [xy, xz, yz] = [x * y_2, x * z_2, y * z_2];
+        let [wx, wy, wz] = [w * x_2, w * y_2, w * z_2];
+        Turn {
+            columns: [
+                Vector3::new(-(yy + zz), xy + wz, xz - wy),
+                Vector3::new(xy - wz, -(xx + zz), yz + wx),
+                Vector3::new(xz + wy, yz - wx, -(xx + yy)),
+            ],
+        }
     }
 
-    /// Returns (R − 1) s without cancellation.
+    /// Returns (R − 1) s of a constant vector.
     #[inline(always)]
-    pub fn change(&self, s: &Vector3<T>) -> Vector3<T> {
-        let cross = self.imaginary.cross(s);
-        (cross * self.real + self.imaginary.cross(&cross)) * self.factor
+    pub fn change(&self, s: &Vector3<f64>) -> Vector3<T> {
+        let [x, y, z] = self.columns;
+        let row = |x: T, y: T, z: T| x * s.x + y * s.y + z * s.z;
+        Vector3::new(row(x.x, y.x, z.x), row(x.y, y.y, z.y), row(x.z, y.z, z.z))
     }
 
     /// Returns R s.
     #[inline(always)]
     pub fn rotate(&self, s: &Vector3<T>) -> Vector3<T> {
-        self.change(s) + s
+        let [x, y, z] = self.columns;
+        x * s.x + y * s.y + z * s.z + s
     }
 
     /// Returns Rᵀ s.
     #[inline(always)]
     pub fn rotate_back(&self, s: &Vector3<T>) -> Vector3<T> {
-        let cross = self.imaginary.cross(s);
-        (self.imaginary.cross(&cross) - cross * self.real) * self.factor + s
+        let [x, y, z] = &self.columns;
+        Vector3::new(dot(x, s), dot(y, s), dot(z, s)) + s
+    }
+
+    /// Returns the body's axis R e_z.
+    #[inline(always)]
+    pub fn axis(&self) -> Vector3<T> {
+        let [.., z] = self.columns;
+        Vector3::new(z.x, z.y, z.z + 1.0)
+    }
+
+    /// Returns the twist about the vertical, as the sine and the cosine of its angle times a common number.
+    #[inline(always)]
+    pub fn twist(&self) -> [T; 2] {
+        let [x, y, _] = &self.columns;
+        [x.y - y.x, x.x + y.y + 2.0]
     }
 
     /// Returns the square of the sine of half the tilt.
-    #[inline]
+    #[inline(always)]
     pub fn half_tilt_square(&self) -> T {
-        (self.imaginary.x * self.imaginary.x + self.imaginary.y * self.imaginary.y) * self.factor * 0.5
+        let [.., z] = &self.columns;
+        z.z * -0.5
     }
 }
 
@@ -138,9 +164,8 @@ impl<T: Component> BodyMotion<T> {
     /// Returns the motion of a foot at this place in the body.
     #[inline(always)]
     pub fn foot(&self, place: &Vector3<f64>) -> FootMotion<T> {
-        let place = constant(place);
-        let change = self.turn.change(&place);
-        let arm = place + change;
+        let change = self.turn.change(place);
+        let arm = Vector3::new(change.x + place.x, change.y + place.y, change.z + place.z);
         FootMotion { arm, displacement: self.displacement + change, velocity: self.velocity + self.omega.cross(&arm) }
     }
 }

@@ -25,7 +25,7 @@ pub struct Attitude<T = f64> {
 impl<T: Component + Elementary> Attitude<T> {
     /// Returns tilt and twist of a rotation.
     pub fn of(turn: &Turn<T>) -> Attitude<T> {
-        let z = turn.rotate(&constant(&Vector3::z()));
+        let z = turn.axis();
         let across = z.x.hypot(z.y);
         let tilt = across.atan2(z.z);
         // An upright axis leaves along its rate.
@@ -35,8 +35,8 @@ impl<T: Component + Elementary> Attitude<T> {
 
     /// Returns the twist of a rotation (rad).
     pub(super) fn twist_of(turn: &Turn<T>) -> T {
-        let [x, y] = [Vector3::x(), Vector3::y()].map(|axis| turn.rotate(&constant(&axis)));
-        (x.y - y.x).atan2(x.x + y.y)
+        let [sine, cosine] = turn.twist();
+        sine.atan2(cosine)
     }
 }
 
@@ -47,7 +47,7 @@ fn middle(body: &SpaceBody) -> Vector3<f64> {
 
 /// Returns the displacement of the base's middle over the ground (m).
 pub(super) fn drift<T: Component>(body: &SpaceBody, motion: &BodyMotion<T>) -> [T; 2] {
-    let drift = motion.displacement + motion.turn.change(&constant(&middle(body)));
+    let drift = motion.displacement + motion.turn.change(&middle(body));
     [drift.x, drift.y]
 }
 

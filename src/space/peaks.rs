@@ -48,6 +48,7 @@ pub struct SpacePeakRates {
 pub(super) const OF_MOTION: usize = 3;
 
 /// Returns the quantities of [`OF_MOTION`], with their rates.
+#[inline]
 pub(super) fn of_motion(body: &SpaceBody, motion: &BodyMotion<Dual>) -> [Dual; OF_MOTION] {
     let twist = Attitude::twist_of(&motion.turn);
     let [x, y] = drift(body, motion);

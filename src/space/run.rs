@@ -15,7 +15,7 @@ use crate::space::beginning::SpaceInitial;
 use crate::space::body::SpaceBody;
 use crate::space::energies::{SpaceEnergies, StoredEnergy, energy_rates, stored};
 use crate::space::equations::{SpaceEquations, with_rates};
-use crate::space::events::{SpaceEvent, SpaceEventKind, SpaceSample, topples};
+use crate::space::events::{Samples, SpaceEvent, SpaceEventKind, topples};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
@@ -105,8 +105,8 @@ pub(super) struct Memory {
     pub(super) end_rates: Vec<f64>,
     pub(super) inside: Vec<f64>,
     pub(super) inside_rates: Vec<f64>,
-    /// Samples of the watched functions, in their order, at both ends of a step.
-    pub(super) samples: [Vec<SpaceSample>; 2],
+    /// Samples at both ends of a step.
+    pub(super) samples: [Samples; 2],
     /// Which of them fall through zero at an event.
     pub(super) falls: Vec<bool>,
     /// The event indicators for a solver outside.
@@ -134,7 +134,7 @@ impl Memory {
             end_rates: numbers(),
             inside: numbers(),
             inside_rates: numbers(),
-            samples: [vec![SpaceSample::default(); functions], vec![SpaceSample::default(); functions]],
+            samples: [Samples::new(body.count()), Samples::new(body.count())],
             falls: vec![false; functions],
             indicators: vec![0.0; functions],
         }

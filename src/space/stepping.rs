@@ -7,11 +7,11 @@ use crate::numerics::roots;
 use crate::numerics::stepper::{SliceEquations, Stepper};
 use crate::run::{Ending, SimulationError, spend_step};
 use crate::space::equations::SpaceEquations;
-use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
+use crate::space::events::{Poised, Samples, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::limits::{SpaceLimits, fastest_number};
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
-use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
+use crate::space::peaks::{OF_MOTION, SpacePeaks};
 use crate::space::run::SpaceRun;
 
 /// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
@@ -49,8 +49,7 @@ impl SpaceInterior<'_> {
         self.evaluations += self.stepper.state_at(elapsed, &self.equations, self.state) + 1;
         let time = self.time + elapsed;
         self.equations.write_rates(time, self.state, self.rates);
-        let SpaceEquations { body, contacts, .. } = self.equations;
-        Poised { body, time, state: self.state, rates: self.rates, contacts }
+        Poised::of(&self.equations, time, self.state, self.rates)
     }
 
     fn sample(&mut self, function: SpaceFunction, elapsed: f64) -> Dual {
@@ -59,16 +58,7 @@ impl SpaceInterior<'_> {
 
     /// Returns the quantities of the body's motion with a peak.
     fn of_motion(&mut self, elapsed: f64) -> [Dual; OF_MOTION] {
-        let now = self.go_to(elapsed);
-        of_motion(now.body, &now.motion())
-    }
-}
-
-/// Writes the samples of all watched functions.
-pub(super) fn write_samples(now: &Poised, samples: &mut [SpaceSample]) {
-    let motion = now.motion();
-    for (sample, function) in samples.iter_mut().zip(now.functions()) {
-        *sample = now.sample_with(&motion, function);
+        self.go_to(elapsed).of_motion()
     }
 }
 
@@ -86,10 +76,9 @@ struct Searched {
 fn first_fall(
     [start, end]: [&SpaceSample; 2],
     &Searched { duration, longest, turns_far }: &Searched,
-    function: SpaceFunction,
     inside: &mut SpaceInterior,
 ) -> Option<(f64, bool)> {
-    let rounding = start.rounding.max(end.rounding);
+    let (function, rounding) = (start.function, start.rounding.max(end.rounding));
     let (start, end) = (start.value, end.value);
     let hidden = turns_far
         && match function {
@@ -120,15 +109,13 @@ fn first_fall(
 
 /// Returns the first fall of a watched function in a step.
 fn first_crossing(
-    here: &Poised,
-    [starts, ends]: [&[SpaceSample]; 2],
+    [starts, ends]: [&Samples; 2],
     searched: &Searched,
     inside: &mut SpaceInterior,
 ) -> Option<SpaceCrossing> {
     let mut first: Option<SpaceCrossing> = None;
-    for (number, (function, ends)) in here.functions().zip(starts.iter().zip(ends)).enumerate() {
-        let found = first_fall([ends.0, ends.1], searched, function, inside);
-        if let Some((elapsed, rise_unseen)) = found
+    for (number, (start, end)) in starts.watched().iter().zip(ends.watched()).enumerate() {
+        if let Some((elapsed, rise_unseen)) = first_fall([start, end], searched, inside)
             && first.as_ref().is_none_or(|earliest| elapsed < earliest.elapsed)
         {
             first = Some(SpaceCrossing { elapsed, number, rise_unseen });
@@ -137,23 +124,20 @@ fn first_crossing(
     first
 }
 
-/// Includes the values of a step from `here` on for this duration (s), with the quantities of the motion and the samples at its end.
+/// Includes the values of a step of this duration (s), with the samples at its ends.
 pub(super) fn include_peaks(
     peaks: &mut SpacePeaks,
-    here: &Poised,
-    end: [Dual; OF_MOTION],
-    [starts, ends]: [&[SpaceSample]; 2],
+    [starts, ends]: [&Samples; 2],
     duration: f64,
     inside: &mut SpaceInterior,
 ) {
-    let start = of_motion(here.body, &here.motion());
-    for (i, (start, end)) in start.into_iter().zip(end).enumerate() {
+    for (i, (&start, &end)) in starts.of_motion.iter().zip(&ends.of_motion).enumerate() {
         let peak = peaks.of_motion_mut(i);
         *peak = roots::greatest(*peak, start, end, duration, &mut |elapsed| inside.of_motion(elapsed)[i]);
     }
-    for (function, (start, end)) in here.functions().zip(starts.iter().zip(ends)) {
-        if let Some(peak) = peaks.of_function_mut(function) {
-            let mut sample = |elapsed| inside.sample(function, elapsed);
+    for (start, end) in starts.watched().iter().zip(ends.watched()) {
+        if let Some(peak) = peaks.of_function_mut(start.function) {
+            let mut sample = |elapsed| inside.sample(start.function, elapsed);
             *peak = roots::greatest(*peak, start.value, end.value, duration, &mut sample);
         }
     }
@@ -196,9 +180,7 @@ impl SpaceRun {
         let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
         equations.write_rates(state.time, &state.numbers, &mut memory.rates);
         state.counts.evaluations += 1;
-        let contacts = &state.contacts;
-        let now = Poised { body: &setup.body, time: state.time, state: &state.numbers, rates: &memory.rates, contacts };
-        write_samples(&now, &mut memory.samples[0]);
+        memory.samples[0].take(&Poised::of(&equations, state.time, &state.numbers, &memory.rates));
     }
 
     /// Takes a step to its first event or its end.
@@ -224,11 +206,7 @@ impl SpaceRun {
             return Err(SimulationError::NotFinite { time });
         }
         memory.stepper.set_end(&memory.end, &memory.end_rates);
-        let body = &setup.body;
-        let contacts = &state.contacts;
-        let here = Poised { body, time, state: &state.numbers, rates: &memory.rates, contacts };
-        let there = Poised { body, time: end_time, state: &memory.end, rates: &memory.end_rates, contacts };
-        write_samples(&there, &mut memory.samples[1]);
+        memory.samples[1].take(&Poised::of(&equations, end_time, &memory.end, &memory.end_rates));
         let mut inside = SpaceInterior {
             equations,
             stepper: &mut memory.stepper,
@@ -241,7 +219,7 @@ impl SpaceRun {
         let turns_far = attempt.size * omega.max(omega_after) > SMALL_TURN;
         let searched = Searched { duration: attempt.size, longest, turns_far };
         let [starts, ends] = &mut memory.samples;
-        let mut first = first_crossing(&here, [starts, ends], &searched, &mut inside);
+        let mut first = first_crossing([starts, ends], &searched, &mut inside);
         if let Some(SpaceCrossing { rise_unseen: true, elapsed, .. }) = &mut first {
             if roots::may_shorten(time, attempt.size, longest) {
                 state.counts.evaluations += inside.evaluations;
@@ -254,20 +232,16 @@ impl SpaceRun {
         }
         let duration = first.as_ref().map_or(attempt.size, |crossing| crossing.elapsed);
         let is_inside = duration < attempt.size;
-        let end = if is_inside {
-            let now = inside.go_to(duration);
-            write_samples(&now, ends);
-            of_motion(body, &now.motion())
-        } else {
-            of_motion(body, &there.motion())
-        };
-        include_peaks(&mut state.peaks, &here, end, [starts, ends], duration, &mut inside);
+        if is_inside {
+            ends.take(&inside.go_to(duration));
+        }
+        include_peaks(&mut state.peaks, [starts, ends], duration, &mut inside);
         if is_inside {
             inside.go_to(duration);
         }
         state.counts.evaluations += inside.evaluations;
         state.numbers.copy_from_slice(if is_inside { &memory.inside } else { &memory.end });
-        state.peaks.include_slips(&state.numbers, body.count());
+        state.peaks.include_slips(&state.numbers, setup.body.count());
         state.move_clock(if is_inside { time + duration } else { end_time });
         if let Some(SpaceCrossing { number, .. }) = first {
             normalize(&mut state.numbers);
@@ -352,14 +326,7 @@ impl SpaceRun {
             else {
                 continue;
             };
-            let at = Poised {
-                body: &setup.body,
-                time,
-                state: &state.numbers,
-                rates: &memory.inside_rates,
-                contacts: &state.contacts,
-            };
-            let Some((foot, change)) = change(&at, function) else { continue };
+            let Some((foot, change)) = change(&setup.body, time, &state.numbers, function) else { continue };
             if contact.touches() != change.contact.touches() {
                 state.numbers[of_foot(foot)..of_foot(foot) + 2].fill(0.0);
             }
@@ -390,13 +357,10 @@ impl SpaceRun {
         let SpaceRun { setup, state, memory } = self;
         let equations = SpaceEquations { body: &setup.body, contacts: &state.contacts, excitation };
         equations.write_rates(state.time, &state.numbers, &mut memory.inside_rates);
-        let contacts = &state.contacts;
-        let rates = &memory.inside_rates;
-        let now = Poised { body: &setup.body, time: state.time, state: &state.numbers, rates, contacts };
         let [starts, ends] = &mut memory.samples;
-        write_samples(&now, ends);
+        ends.take(&Poised::of(&equations, state.time, &state.numbers, &memory.inside_rates));
         memory.falls.fill(false);
-        for ((falls, start), end) in memory.falls.iter_mut().zip(starts.iter()).zip(ends.iter()) {
+        for ((falls, start), end) in memory.falls.iter_mut().zip(starts.watched()).zip(ends.watched()) {
             let began_above = start.value.re > start.rounding;
             *falls = elapsed > 0.0 && began_above && end.value.re <= end.rounding && end.value.eps < 0.0;
         }

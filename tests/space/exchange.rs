@@ -48,7 +48,7 @@ impl Solver {
 
     /// Tries a step, and returns whether an event is due at its end.
     fn attempt(&mut self, size: f64) -> bool {
-        let mut stepper = std::mem::take(&mut self.stepper);
+        let mut stepper = std::mem::replace(&mut self.stepper, Stepper::new(0));
         let mut end = self.states.clone();
         let mut rates = end.clone();
         self.write_rates(self.time, &self.states, &mut rates);

@@ -109,10 +109,15 @@ proptest! {
     #![proptest_config(cases::cases(200))]
 
     #[test]
-    fn random_runs_hold(block in blocks(), pulses in pulses(), initial in beginnings()) {
+    fn random_runs_hold(
+        block in blocks(),
+        pulses in pulses(),
+        initial in beginnings(),
+        tolerance in prop_oneof![Just(1e-8), Just(1e-10)],
+    ) {
         let body = SpaceBody::new(&block).unwrap();
         let (weight, scale) = (body.mass * body.gravity, body.energy_scale());
-        let mut run = run(body, 1e-8, pulses, &initial);
+        let mut run = run(body, tolerance, pulses, &initial);
         for part in 1..=30 {
             let result = run.advance(0.1 * f64::from(part), &SpaceInputs::default(), &mut |_| ());
             prop_assert!(result.is_ok(), "{result:?}");
@@ -123,14 +128,14 @@ proptest! {
                 prop_assert!(foot.uplift >= -1e-12, "a lifted foot is {:e} m below its support", -foot.uplift);
             }
             let residual = run.energies().residual.abs() / scale;
-            prop_assert!(residual < 1e-6, "a residual of {residual:e} M g R0");
+            prop_assert!(residual < 10.0 * tolerance, "a residual of {residual:e} M g R0 at {tolerance:e}");
             let norm: f64 = run.state().numbers[QUATERNION..VELOCITY].iter().map(|x| x * x).sum();
             prop_assert!((norm - 1.0).abs() < 1e-15);
         }
         let (counts, residual) = (run.state().counts, run.energies().residual.abs() / scale);
         // The bits of positive numbers are in their order.
         if counts.steps > STEPS.fetch_max(counts.steps, Relaxed) || residual.to_bits() > RESIDUAL.fetch_max(residual.to_bits(), Relaxed) {
-            println!("{} steps, a residual of {residual:e} M g R0", counts.steps);
+            println!("{} steps, a residual of {residual:e} M g R0 at {tolerance:e}", counts.steps);
         }
         prop_assert!(counts.steps < 20_000, "{counts:?}");
     }

@@ -3,23 +3,24 @@
 //! The foot lands on its dashpot: N = C (ẏ − v̇) > 0. Its horizontal spring begins without a stretch.
 
 use crate::numerics::dual::Dual;
-use crate::space::events::{FootChange, Poised, RoundOff, SpaceEventKind, SpaceSample};
+use crate::space::body::SpaceBody;
+use crate::space::events::{FootChange, Poised, SpaceEventKind};
 use crate::space::forces::{FootContact, FootForces, support_height};
 use crate::space::motion::{BodyMotion, FootMotion};
 
-/// Returns the gap (m).
-pub(super) fn sample(at: &Poised, foot: usize, motion: &FootMotion<Dual>, round_off: RoundOff) -> SpaceSample {
+/// Returns the gap (m) and its round-off.
+pub(super) fn sample(at: &Poised, foot: usize, motion: &FootMotion<Dual>) -> (Dual, f64) {
     let top = match &at.contacts[foot] {
         FootContact::Lifted(creep) => support_height(at.body, &at.body.feet[foot], creep, at.time),
         FootContact::Sticks | FootContact::Slides => motion.displacement.z,
     };
-    SpaceSample { value: motion.displacement.z - top, rounding: round_off.height }
+    (motion.displacement.z - top, at.round_off.height)
 }
 
 /// Lets a foot touch. One that its support would pull at once is not taken in: its gap opens.
-pub(super) fn apply(at: &Poised, foot: usize) -> Option<FootChange> {
-    let (body, place) = (at.body, &at.body.feet[foot]);
-    let motion = BodyMotion::of(at.state).foot(&place.place);
+pub(super) fn apply(body: &SpaceBody, state: &[f64], foot: usize) -> Option<FootChange> {
+    let place = &body.feet[foot];
+    let motion = BodyMotion::of(state).foot(&place.place);
     let forces = FootForces::of(body, place, FootContact::Sticks, &motion, [0.0; 2]);
     if forces.normal <= 0.0 {
         return None;

@@ -12,8 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::numerics::dual::Dual;
 use crate::space::body::SpaceBody;
+use crate::space::equations::SpaceEquations;
 use crate::space::forces::{FootContact, FootForces};
 use crate::space::motion::{BodyMotion, FEET_FROM, FootMotion, of_foot};
+use crate::space::peaks::{OF_MOTION, of_motion};
+use crate::space::piece::indicator_count;
 
 pub use toppling::topples;
 
@@ -82,24 +85,11 @@ pub fn watched(body: &SpaceBody, foot: usize, contact: &FootContact) -> [Option<
     }
 }
 
-/// A block at an instant: a state with its rates, and the contacts.
+/// The value of a watched function with its rate, and its round-off.
 #[derive(Clone, Copy, Debug)]
-pub struct Poised<'a> {
-    /// The block.
-    pub body: &'a SpaceBody,
-    /// Time (s).
-    pub time: f64,
-    /// The state.
-    pub state: &'a [f64],
-    /// Its rates.
-    pub rates: &'a [f64],
-    /// The contacts of its feet.
-    pub contacts: &'a [FootContact],
-}
-
-/// The value of a function with its rate, and its round-off.
-#[derive(Clone, Copy, Debug, Default)]
 pub struct SpaceSample {
+    /// The function.
+    pub function: SpaceFunction,
     /// The value with its rate.
     pub value: Dual,
     /// Its round-off.
@@ -118,54 +108,126 @@ struct RoundOff {
 /// Round-off of a sum of few terms, over the greatest of them.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
+/// A block at an instant: a state with its rates, and the contacts.
+#[derive(Clone, Debug)]
+pub struct Poised<'a> {
+    /// The block.
+    pub body: &'a SpaceBody,
+    /// Time (s).
+    pub time: f64,
+    /// The state.
+    state: &'a [f64],
+    /// Its rates.
+    rates: &'a [f64],
+    /// The contacts of its feet.
+    contacts: &'a [FootContact],
+    /// The motion of the body with its rates.
+    motion: BodyMotion<Dual>,
+    round_off: RoundOff,
+}
+
 impl<'a> Poised<'a> {
-    /// Returns the motion of the body with its rates.
-    pub fn motion(&self) -> BodyMotion<Dual> {
-        let numbers: [Dual; FEET_FROM] = std::array::from_fn(|i| Dual::new(self.state[i], self.rates[i]));
-        BodyMotion::of(&numbers)
+    /// Returns the instant of a state with its rates.
+    #[inline]
+    pub fn of(equations: &SpaceEquations<'a>, time: f64, state: &'a [f64], rates: &'a [f64]) -> Poised<'a> {
+        let &SpaceEquations { body, contacts, .. } = equations;
+        let numbers: [Dual; FEET_FROM] = std::array::from_fn(|i| Dual::new(state[i], rates[i]));
+        let motion = BodyMotion::of(&numbers);
+        let plain = |v: &nalgebra::Vector3<Dual>| v.map(|x| x.re).norm();
+        let round_off = RoundOff {
+            height: ROUND_OFF * (body.reach + motion.displacement.z.re.abs()),
+            velocity: ROUND_OFF * (plain(&motion.velocity) + body.reach * plain(&motion.omega)),
+        };
+        Poised { body, time, state, rates, contacts, motion, round_off }
     }
 
     /// Returns motion and forces of a foot, with their rates.
-    fn foot(&self, motion: &BodyMotion<Dual>, foot: usize) -> (FootMotion<Dual>, FootForces<Dual>) {
-        let at = motion.foot(&self.body.feet[foot].place);
+    #[inline]
+    fn foot(&self, foot: usize) -> (FootMotion<Dual>, FootForces<Dual>) {
+        let at = self.motion.foot(&self.body.feet[foot].place);
         let stretch = [0, 1].map(|i| of_foot(foot) + i).map(|i| Dual::new(self.state[i], self.rates[i]));
         (at, FootForces::of(self.body, &self.body.feet[foot], FootContact::Sticks, &at, stretch))
     }
 
-    fn round_off(&self, motion: &BodyMotion<Dual>) -> RoundOff {
-        let reach = self.body.reach;
-        let plain = |v: &nalgebra::Vector3<Dual>| v.map(|x| x.re).norm();
-        RoundOff {
-            height: ROUND_OFF * (reach + motion.displacement.z.re.abs()),
-            velocity: ROUND_OFF * (plain(&motion.velocity) + reach * plain(&motion.omega)),
-        }
+    /// Returns the quantities of the body's motion with a peak.
+    pub(super) fn of_motion(&self) -> [Dual; OF_MOTION] {
+        of_motion(self.body, &self.motion)
     }
 
     /// Returns the sample of a function.
     pub fn sample(&self, function: SpaceFunction) -> SpaceSample {
-        self.sample_with(&self.motion(), function)
-    }
-
-    /// Returns the sample of a function for a known motion of the body.
-    pub fn sample_with(&self, motion: &BodyMotion<Dual>, function: SpaceFunction) -> SpaceSample {
-        let round_off = self.round_off(motion);
         match function {
-            SpaceFunction::LiftOff(foot) => lift_off::sample(self.body, &self.foot(motion, foot).1, round_off),
-            SpaceFunction::Landing(foot) => landing::sample(self, foot, &self.foot(motion, foot).0, round_off),
-            SpaceFunction::Slides(foot) => sliding::room(self, foot, &self.foot(motion, foot).1, round_off),
-            SpaceFunction::Sticks(foot) => {
-                let SpaceSample { value, rounding } = sliding::room(self, foot, &self.foot(motion, foot).1, round_off);
-                SpaceSample { value: -value, rounding }
-            }
-            SpaceFunction::Overturning => overturning::sample(&motion.turn),
+            SpaceFunction::LiftOff(foot)
+            | SpaceFunction::Landing(foot)
+            | SpaceFunction::Slides(foot)
+            | SpaceFunction::Sticks(foot) => self.sample_of_foot(function, &self.foot(foot)),
+            SpaceFunction::Overturning => self.overturning(),
         }
     }
 
-    /// Returns the functions that are watched.
-    pub fn functions(&self) -> impl Iterator<Item = SpaceFunction> + use<'a> {
-        let body = self.body;
-        let of_feet = self.contacts.iter().enumerate().flat_map(move |(i, contact)| watched(body, i, contact));
-        of_feet.flatten().chain([SpaceFunction::Overturning])
+    /// Returns the sample of a function of a foot.
+    #[inline]
+    fn sample_of_foot(
+        &self,
+        function: SpaceFunction,
+        (motion, forces): &(FootMotion<Dual>, FootForces<Dual>),
+    ) -> SpaceSample {
+        let (value, rounding) = match function {
+            SpaceFunction::LiftOff(_) => lift_off::sample(self.body, forces, self.round_off),
+            SpaceFunction::Landing(foot) => landing::sample(self, foot, motion),
+            SpaceFunction::Slides(foot) => sliding::room(self, foot, forces),
+            SpaceFunction::Sticks(foot) => {
+                let (room, rounding) = sliding::room(self, foot, forces);
+                (-room, rounding)
+            }
+            SpaceFunction::Overturning => return self.overturning(),
+        };
+        SpaceSample { function, value, rounding }
+    }
+
+    fn overturning(&self) -> SpaceSample {
+        let (value, rounding) = overturning::sample(&self.motion.turn);
+        SpaceSample { function: SpaceFunction::Overturning, value, rounding }
+    }
+}
+
+/// What is known of a block at an end of a step.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// Samples of the functions, of which the first `count` are watched.
+    functions: Vec<SpaceSample>,
+    count: usize,
+    /// The quantities of the body's motion with a peak.
+    pub(super) of_motion: [Dual; OF_MOTION],
+}
+
+impl Samples {
+    /// Returns memory for the samples of a block with n feet.
+    pub fn new(feet: usize) -> Samples {
+        let none = SpaceSample { function: SpaceFunction::Overturning, value: Dual::default(), rounding: 0.0 };
+        Samples { functions: vec![none; indicator_count(feet)], count: 0, of_motion: [Dual::default(); OF_MOTION] }
+    }
+
+    /// Takes the samples of a block. The functions of a foot are next to each other, its lift-off first.
+    pub fn take(&mut self, now: &Poised) {
+        self.count = 0;
+        let mut put = |sample| {
+            self.functions[self.count] = sample;
+            self.count += 1;
+        };
+        for (i, contact) in now.contacts.iter().enumerate() {
+            let foot = now.foot(i);
+            for function in watched(now.body, i, contact).into_iter().flatten() {
+                put(now.sample_of_foot(function, &foot));
+            }
+        }
+        put(now.overturning());
+        self.of_motion = now.of_motion();
+    }
+
+    /// Returns the samples of the functions that are watched.
+    pub fn watched(&self) -> &[SpaceSample] {
+        &self.functions[..self.count]
     }
 }
 
@@ -180,11 +242,11 @@ pub struct FootChange {
     pub events: [Option<SpaceEventKind>; 2],
 }
 
-/// Returns the change of a foot at the zero of one of its functions, or `None` if it stays as it is.
-pub fn change(at: &Poised, function: SpaceFunction) -> Option<(usize, FootChange)> {
+/// Returns the change of a foot at the zero of one of its functions at a time (s), or `None` if it stays as it is.
+pub fn change(body: &SpaceBody, time: f64, state: &[f64], function: SpaceFunction) -> Option<(usize, FootChange)> {
     match function {
-        SpaceFunction::LiftOff(foot) => Some((foot, lift_off::apply(at, foot))),
-        SpaceFunction::Landing(foot) => landing::apply(at, foot).map(|change| (foot, change)),
+        SpaceFunction::LiftOff(foot) => Some((foot, lift_off::apply(body, time, state, foot))),
+        SpaceFunction::Landing(foot) => landing::apply(body, state, foot).map(|change| (foot, change)),
         SpaceFunction::Slides(foot) => Some((foot, sliding::slides(foot))),
         SpaceFunction::Sticks(foot) => Some((foot, sliding::sticks(foot))),
         SpaceFunction::Overturning => None,

@@ -1,13 +1,13 @@
 //! Slides and sticks: the trial force |F| of a foot exceeds μ N, or no longer does. Forces are continuous: it is a kink.
 
 use crate::numerics::dual::Dual;
-use crate::space::events::{FootChange, Poised, RoundOff, SpaceEventKind, SpaceSample};
+use crate::space::events::{FootChange, Poised, SpaceEventKind};
 use crate::space::forces::{FootContact, FootForces};
 use crate::space::motion::of_foot;
 
-/// Returns μ N − |F| (N).
-pub(super) fn room(at: &Poised, foot: usize, forces: &FootForces<Dual>, round_off: RoundOff) -> SpaceSample {
-    let body = at.body;
+/// Returns μ N − |F| (N) and its round-off.
+pub(super) fn room(at: &Poised, foot: usize, forces: &FootForces<Dual>) -> (Dual, f64) {
+    let &Poised { body, round_off, .. } = at;
     let [x, y] = forces.trial;
     let size = if forces.trial_size.re > 0.0 {
         forces.trial_size
@@ -18,7 +18,7 @@ pub(super) fn room(at: &Poised, foot: usize, forces: &FootForces<Dual>, round_of
     let stretch = at.state[of_foot(foot)].abs() + at.state[of_foot(foot) + 1].abs();
     let of_normal = body.stiffness * round_off.height + body.damping * round_off.velocity;
     let of_trial = body.horizontal_stiffness * stretch * f64::EPSILON + body.horizontal_damping * round_off.velocity;
-    SpaceSample { value: forces.normal * body.friction - size, rounding: body.friction * of_normal + of_trial }
+    (forces.normal * body.friction - size, body.friction * of_normal + of_trial)
 }
 
 /// Lets a foot slide.

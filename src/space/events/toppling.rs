@@ -2,15 +2,13 @@
 //!
 //! Where a run ends, such a block counts as overturned.
 
-use nalgebra::Vector3;
-
 use crate::space::body::SpaceBody;
 use crate::space::motion::BodyMotion;
 
 /// Whether the block topples in this state.
 pub fn topples(body: &SpaceBody, state: &[f64]) -> bool {
     let motion = BodyMotion::of(state);
-    let axis = motion.turn.rotate(&Vector3::z());
+    let axis = motion.turn.axis();
     let rate = motion.omega.cross(&axis);
     let feet = || body.feet.iter().map(|foot| motion.turn.rotate(&foot.place)).map(|arm| [arm.x, arm.y]);
     axis.x * rate.x + axis.y * rate.y > 0.0 && is_outside(feet)
