@@ -8,9 +8,14 @@ use std::cell::Cell;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
+use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::fmi::fmi2::exports::*;
 use rocking_block::fmi::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
 use rocking_block::fmi::fmi3::exports::*;
+use rocking_block::run::{OnSeparation, Settings};
+use rocking_block::space::{
+    DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup,
+};
 use rocking_block::unit::attributes::Kind;
 use rocking_block::unit::fmu::Fmu;
 use rocking_block::unit::in_space::SpaceUnit;
@@ -271,29 +276,52 @@ fn steps_of_fmi_3_allocate_nothing() {
     }
 }
 
-/// Steps of a block in space with events allocate nothing, and neither does the end of the run.
-#[test]
-fn steps_in_space_allocate_nothing() {
-    use rocking_block::excitation::{Pulse, PulseShape};
-    use rocking_block::run::{OnSeparation, Settings};
-    use rocking_block::space::{
-        DirectedPulse, SpaceBody, SpaceInitial, SpaceInputs, SpaceParameters, SpaceRun, SpaceSetup,
-    };
-
+/// A block in space at the beginning of a pulse that rocks it.
+fn block_in_space() -> SpaceRun {
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 4.5, period: 1.2, ..Pulse::NONE };
     let setup = SpaceSetup {
         body: SpaceBody::new(&SpaceParameters { friction: 0.5, ..SpaceParameters::default() }).unwrap(),
         settings: Settings { on_separation: OnSeparation::Fly, ..Settings::default() },
         pulses: [DirectedPulse::horizontal(pulse, 0.6), DirectedPulse::NONE, DirectedPulse::NONE],
     };
-    let initial = SpaceInitial { vertical: Some([0.0; 2]), ..SpaceInitial::default() };
-    let mut run = SpaceRun::new(setup, &initial, 0.0);
+    SpaceRun::new(setup, &SpaceInitial { vertical: Some([0.0; 2]), ..SpaceInitial::default() }, 0.0)
+}
+
+/// Steps of a block in space with events allocate nothing, and neither does the end of the run.
+#[test]
+fn steps_in_space_allocate_nothing() {
+    let mut run = block_in_space();
     let (mut events, before) = (0, CALLS.get());
     for part in 1..=300 {
         run.advance(0.02 * f64::from(part), &SpaceInputs::default(), &mut |_| events += 1).unwrap();
     }
     assert_eq!(CALLS.get() - before, 0);
     assert!(events > 10 && run.state().counts.landings > 2, "{events} events");
+}
+
+/// Derivatives, indicators, the end of each step and events allocate nothing under Heun's method.
+#[test]
+fn model_exchange_in_space_allocates_nothing() {
+    let (mut run, inputs) = (block_in_space(), SpaceInputs::default());
+    run.begin_exchange();
+    let mut states = [0.0; 28];
+    let (mut events, before, size) = (0, CALLS.get(), 5e-4);
+    for step in 1..=6000 {
+        states.copy_from_slice(run.continuous_states());
+        let mut rates = [0.0; 28];
+        rates.copy_from_slice(run.derivatives(&inputs));
+        run.set_outside_time(size * f64::from(step));
+        run.set_continuous_states(&std::array::from_fn::<_, 28, _>(|i| states[i] + size * rates[i]));
+        let later = run.derivatives(&inputs);
+        let end: [f64; 28] = std::array::from_fn(|i| states[i] + 0.5 * size * (rates[i] + later[i]));
+        run.set_continuous_states(&end);
+        run.complete_step(&inputs);
+        if run.indicators(&inputs).iter().any(|&indicator| indicator <= 0.0) {
+            run.pass_events(&inputs, &mut |_| events += 1).unwrap();
+        }
+    }
+    assert_eq!(CALLS.get() - before, 0);
+    assert!(events > 10 && run.peak_tilt() > 0.1, "{events} events, {} rad", run.peak_tilt());
 }
 
 /// Outputs are read between the steps, which leave their memory alone.
