@@ -1,8 +1,7 @@
 """The bridge tower of Palmeri and Makris (2008) without and with the energy absorbers that their analysis leaves out.
 
 Prints the tables of docs/tower.md and draws tower.png beside this file. `--records FOLDER` names a folder with the records of Table I, as
-for `rocking figures` (docs/figures.md); the pulse of Table I replaces a missing record. `--yield-force` and `--yield-elongation` try
-other absorbers.
+docs/figures.md lists them; the pulse of Table I replaces a missing record. `--yield-force` and `--yield-elongation` try other absorbers.
 """
 
 import argparse

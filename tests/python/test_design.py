@@ -96,7 +96,7 @@ KINDS = {
     "an event reported under its own name": (variants("src/system/events/event.rs", "EventKind"), names),
     "a record format": (variants("crates/records/src/format.rs", "Format"), names),
     "an intensity measure": (variants("studies/engine/src/intensity/mod.rs", "Measure"), names),
-    "a figure": ([path.stem for path in ROOT.glob("studies/charts/src/figures/*.rs") if path.stem != "mod"], names),
+    "a figure": ([path.stem for path in ROOT.glob("lab/paper/src/*.rs") if path.stem not in ("lib", "main")], names),
     "a column of outcomes": (re.findall(r'TableColumn::\w+\(\s*"([\w./]+)"', text("studies/engine/src/run/outcome.rs")), names),
 }
 

@@ -6,11 +6,11 @@
 //! | `labels` | parameters of a block → their symbols |
 //! | `glyphs` | text → widths and outlines, the same on every machine |
 //! | [`picture`] | SVG → SVG and PNG files |
-//! | `formula` | labels with formulas → text with subscripts |
-//! | `canvas` | drawing functions → SVG |
-//! | `line_style` | points → lines that differ without colours |
-//! | `chart` | curves, areas and marks → charts with axes |
-//! | `page` | heading, legend and charts → pages |
+//! | [`formula`] | labels with formulas → text with subscripts |
+//! | [`canvas`] | drawing functions → SVG |
+//! | [`line_style`] | points → lines that differ without colours |
+//! | [`chart`] | curves, areas and marks → charts with axes |
+//! | [`mod@page`] | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`history_in_space`] | a history of a block in space → a page |
@@ -21,7 +21,6 @@
 //! | [`mod@fit`] | tests and their fits → a page |
 //! | [`tornado`] | a result at both ends of several ranges → pages |
 //! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
-//! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
 
 mod glyphs;
 mod labels;
@@ -29,15 +28,15 @@ pub mod numerals;
 
 pub mod picture;
 
-mod formula;
+pub mod formula;
 
-mod canvas;
+pub mod canvas;
 
-mod line_style;
+pub mod line_style;
 
-mod chart;
+pub mod chart;
 
-mod page;
+pub mod page;
 pub use page::titled;
 
 pub mod sketch;
@@ -63,5 +62,3 @@ pub mod tornado;
 pub mod spectrum;
 
 pub mod record_spectra;
-
-pub mod figures;

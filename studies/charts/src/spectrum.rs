@@ -173,26 +173,26 @@ impl Curves {
     }
 
     /// Returns the greatest peak |θ|/α of the lines.
-    pub(super) fn highest(&self) -> f64 {
+    pub fn highest(&self) -> f64 {
         let segments = (0..self.curves.len()).flat_map(|curve| self.segments(curve));
         segments.filter(|segment| segment.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
     }
 
     /// Returns the legend of the outcome bars.
-    pub(super) fn fills(&self) -> Vec<Key> {
+    pub fn fills(&self) -> Vec<Key> {
         let shown = Fill::ALL.into_iter().filter(|fill| self.curves.iter().flatten().any(|stretch| stretch.has(*fill)));
         shown.map(|fill| (Symbol::Fill(fill), fill.name().into())).collect()
     }
 
     /// Returns the abscissa above which no block of a curve separates. There is none if no block or the last one separates.
-    pub(super) fn limit(&self, curve: usize) -> Option<f64> {
+    pub fn limit(&self, curve: usize) -> Option<f64> {
         let curve = &self.curves[curve];
         let last = curve.iter().rposition(|stretch| stretch.has(Fill::Separated))?;
         curve.get(last + 1).map(|stretch| stretch.from)
     }
 
     /// Draws the curves with their outcome bars.
-    pub(super) fn chart(&self, title: String) -> Chart<'static> {
+    pub fn chart(&self, title: String) -> Chart<'static> {
         let all = || self.curves.iter().flatten();
         let (from, to) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.from), b.max(s.to)));
         let margin = 0.02 * (to - from);
@@ -240,7 +240,7 @@ fn name(spectrum: &Spectrum, curve: usize) -> String {
 }
 
 /// Names a foundation.
-pub(super) fn base_name(base: FoundationCurve) -> String {
+pub fn base_name(base: FoundationCurve) -> String {
     let epsilon = base.epsilon;
     match base.supports {
         Supports::Rigid { restitution_factor } => {

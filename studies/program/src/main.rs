@@ -23,8 +23,8 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, figures, fit, foundations, fragility, frame, ida, pulse, pushover, rate, record, schema, search, shell,
-    simulate, sketch, spectrum, sweep,
+    assess, fit, foundations, fragility, frame, ida, pulse, pushover, rate, record, schema, search, shell, simulate,
+    sketch, spectrum, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -72,8 +72,6 @@ enum Command {
     Pulse(Box<pulse::PulseCommand>),
     /// List friction and restitution of pairs of surfaces, or compute supports of rubber or soil
     Foundations(Box<foundations::FoundationsCommand>),
-    /// Recompute the figures of Palmeri and Makris (2008), as pictures with their tables
-    Figures(figures::FiguresCommand),
     /// Print the JSON Schema of study files, with which editors complete and check them
     Schema(schema::SchemaCommand),
     /// Print a script that completes commands and options in a shell
@@ -167,7 +165,6 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Pulse(options)) => pulse::run(&options),
         Some(Command::Foundations(options)) => foundations::run(&options),
-        Some(Command::Figures(options)) => figures::run(&options),
         Some(Command::Schema(options)) => schema::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, command()),
         Some(Command::Man(options)) => shell::man(&options, command()),

@@ -17,7 +17,6 @@
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`pulse`] | an accelerogram → the pulse that fits it best |
 //! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
-//! | [`figures`] | numbers of figures → pictures with their tables |
 //! | [`schema`] | kind of study file → its JSON Schema |
 //! | [`shell`] | command line → completions, manual pages |
 
@@ -50,8 +49,6 @@ pub mod record;
 pub mod pulse;
 
 pub mod foundations;
-
-pub mod figures;
 
 pub mod schema;
 

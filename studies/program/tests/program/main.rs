@@ -13,7 +13,7 @@
 //! | `fit` | fits to measured tests |
 //! | `assess` | reports on an object |
 //! | `foundations` | friction, restitution and supports with their sources |
-//! | `studies` | spectra, sweeps, searches, fragility curves, figures |
+//! | `studies` | spectra, sweeps, searches, fragility curves |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
 mod assess;

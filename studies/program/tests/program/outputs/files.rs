@@ -20,10 +20,6 @@ fn an_input_is_never_replaced() {
     fs::hard_link(path.join("record.smc"), path.join("hard")).unwrap();
     symlink("hard", path.join("chain")).unwrap();
     fs::hard_link(path.join("study.toml"), path.join("study")).unwrap();
-    fs::create_dir_all(path.join("out")).unwrap();
-    fs::hard_link(path.join("record.smc"), path.join("out/figure_14.csv")).unwrap();
-    fs::create_dir_all(path.join("records")).unwrap();
-    fs::hard_link(path.join("record.smc"), path.join("records/PCD164.AT2")).unwrap();
     let all = files(path);
     let spectrum = ["spectrum", "--record", "record.smc"];
     let svg = ["--csv", "new.csv", "--plot-format", "svg"];
@@ -54,8 +50,6 @@ fn an_input_is_never_replaced() {
         &mut program(path, &[&["sweep", "study.toml", "--csv", "study"]]),
         &["--csv study", "the study study.toml"],
     );
-    let figures = ["figures", "--only", "14", "--records", "records", "--out", "out"];
-    fails_with(&mut program(path, &[&figures]), &["--out out/figure_14.csv", "--records records/PCD164.AT2"]);
     let redirected = fs::File::open(path.join("record.smc")).unwrap();
     fails_with(
         program(path, &[&SIMULATE, &["--record", "-", "--csv", "hard"]]).stdin(redirected),
@@ -81,9 +75,6 @@ fn two_outputs_never_share_a_file() {
         }
     }
     assert_eq!(files(path), all);
-    fs::create_dir(path.join("out")).unwrap();
-    symlink("figure_03.png", path.join("out/figure_03.csv")).unwrap();
-    fails_with(&mut program(path, &[&["figures", "--only", "3", "--out", "out"]]), &["figure_03.png", "figure_03.csv"]);
     assert_eq!(fs::read(path.join("old")).unwrap(), b"old");
 }
 

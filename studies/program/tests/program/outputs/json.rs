@@ -109,13 +109,6 @@ fn studies_and_searches_have_the_numbers_of_their_tables() {
     }
     assert_eq!(json["least"], stretches[1]["from"]);
     assert_eq!((json["parameter"].as_str(), json["unit"].as_str()), (Some("xi_v"), Some("1")));
-
-    let json = object(path, &[&["figures", "--only", "3", "--out", "figures"]]);
-    assert_eq!(json["figures"], serde_json::json!([3]));
-    let named = json["files"].as_array().unwrap();
-    assert_eq!(named.len(), files(&path.join("figures")).len());
-    assert!(named.iter().all(|file| path.join(file.as_str().unwrap()).is_file()));
-    assert_eq!(json["warnings"].as_array().unwrap().len(), 4, "the four records are missing");
 }
 
 /// Failed runs are a warning in the object, and still an error.

@@ -19,7 +19,6 @@ const COMMANDS: [&str; 19] = [
     "pulse",
     "schema",
     "search",
-    "figures",
     "foundations",
     "fragility",
     "rate",

@@ -1,7 +1,5 @@
-//! Studies of many blocks: spectra, sweeps, searches, fragility curves, figures.
+//! Studies of many blocks: spectra, sweeps, searches, fragility curves.
 
-mod figures;
-mod findings;
 mod fragility;
 mod friction;
 mod lanes;
@@ -14,7 +12,12 @@ mod stopping_rule;
 mod strengths;
 mod sweep;
 
+#[path = "../../../../../tests/common/labels.rs"]
+mod labels;
+
 use std::path::Path;
+
+pub use labels::labels;
 
 use crate::program::stdout;
 
@@ -39,16 +42,4 @@ pub fn resumes_to_the_same_bytes(folder: &Path, arguments: &[&str], whole: &str)
         let there = line_ends.iter().filter(|end| **end <= length && **end > first_row).count();
         assert!(printed.contains(&format!("{there} resumed")), "cut at byte {length}: {printed}");
     }
-}
-
-/// Returns the labels of a drawing, with subscripts in line.
-pub fn labels(svg: &str) -> Vec<String> {
-    let document = roxmltree::Document::parse(svg).unwrap();
-    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
-    texts
-        .map(|node| {
-            let parts = node.descendants().filter(|part| part.is_text()).filter_map(|part| part.text());
-            parts.collect::<String>().trim().to_string()
-        })
-        .collect()
 }

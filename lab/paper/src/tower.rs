@@ -3,16 +3,17 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::canvas::{Area, Drawn, INK, TEXT, anchored, fill, grey, outline, text};
-use crate::chart::set_mesh_style;
-use crate::figures::figure::{self, Figure, FigureError, Workers, page};
-use crate::figures::ground_motions::GroundMotion;
-use crate::figures::parameters::{PAD_ETA, TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block, run};
-use crate::formula::formula;
-use crate::line_style::LineStyle;
-use crate::numerals::{short, tick};
-use crate::page::Symbol;
+use crate::figure::{self, Figure, FigureError, page};
+use crate::ground_motions::GroundMotion;
+use crate::parameters::{PAD_ETA, TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block, run};
 use rocking_block::block::BlockError;
+use rocking_charts::canvas::{Area, Drawn, INK, TEXT, anchored, fill, grey, outline, text};
+use rocking_charts::chart::set_mesh_style;
+use rocking_charts::formula::formula;
+use rocking_charts::line_style::LineStyle;
+use rocking_charts::numerals::{short, tick};
+use rocking_charts::page::Symbol;
+use rocking_studies::output::runner::in_parallel;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{self, End, Holds, Outcome};
@@ -41,16 +42,11 @@ pub fn tower_run(base: FoundationCurve, source: &GroundMotion) -> Result<Run, Bl
     Ok(run(block(TOWER_ALPHA, TOWER_P, base)?, source.pulse, source.ground.clone()))
 }
 
-/// Returns the number of runs.
-pub fn tasks(sources: &[GroundMotion]) -> u64 {
-    (sources.len() * tower_bases().len()) as u64
-}
-
 /// Makes the figure.
-pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure, FigureError> {
+pub fn figure(sources: &[GroundMotion]) -> Result<Figure, FigureError> {
     let (sources, bases) = (tower_sources(sources), tower_bases());
-    let outcomes = workers.map(tasks(&sources), |task| -> Result<Outcome, BlockError> {
-        let run = tower_run(bases[task as usize % bases.len()], &sources[task as usize / bases.len()])?;
+    let outcomes = in_parallel(sources.len() * bases.len(), |task| -> Result<Outcome, BlockError> {
+        let run = tower_run(bases[task % bases.len()], &sources[task / bases.len()])?;
         Ok(run.outcome())
     });
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;

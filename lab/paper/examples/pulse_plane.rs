@@ -1,15 +1,15 @@
 //! Finds the one-sine pulses under which the paper's findings on Figures 6 and 7 hold.
 //!
-//! `cargo run --release -p rocking-charts --example pulse_plane` writes docs/pulse_plane.png and prints the number of pulses of
+//! `cargo run --release -p paper-figures --example pulse_plane` writes docs/pulse_plane.png and prints the number of pulses of
 //! each kind.
 
-use rocking_charts::figures::plane::{BOUNDS, Grid, picture};
+use paper_figures::plane::{BOUNDS, Grid, picture};
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::output::runner;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grid = Grid::FULL;
-    let points = grid.responses(&runner::pool(None)?)?;
+    let points = runner::pool(None)?.install(|| grid.responses())?;
     let rocking = points.iter().filter(|point| point.rigid.is_some_and(|peak| peak > 0.0)).count();
     println!("{} points; on the rigid base the block rocks and stands in {rocking}", points.len());
     let separated = points.iter().filter(|point| point.separates_without_restitution).count();

@@ -7,16 +7,16 @@
 
 use std::ops::Range;
 
-use crate::canvas::{Mark, TEXT, drawing, text};
-use crate::chart::{Chart, Tile};
-use crate::figures::parameters::{ALPHA, EPSILON, ETA, P, XI_V, block, history_pulse, run};
-use crate::formula::formula;
-use crate::page::{Symbol, legend_height, with_legend};
-use crate::picture::PictureError;
+use crate::parameters::{ALPHA, EPSILON, ETA, P, XI_V, block, history_pulse, run};
 use rocking_block::block::{BlockError, Common};
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_studies::output::runner;
+use rocking_charts::canvas::{Mark, TEXT, drawing, text};
+use rocking_charts::chart::{Chart, Tile};
+use rocking_charts::formula::formula;
+use rocking_charts::page::{Symbol, legend_height, with_legend};
+use rocking_charts::picture::PictureError;
+use rocking_studies::output::runner::in_parallel;
 use rocking_studies::run::outcome::{End, Outcome};
 use rocking_studies::spectrum::FoundationCurve;
 
@@ -116,21 +116,16 @@ impl Grid {
         (Grid::value(amplitude, point / frequency.2), Grid::value(frequency, point % frequency.2))
     }
 
-    /// Computes the responses to all pulses.
+    /// Computes the responses to all pulses on the current pool of threads.
     ///
     /// # Errors
     /// An invalid block.
-    pub fn responses(&self, pool: &rayon::ThreadPool) -> Result<Vec<PulseResponse>, BlockError> {
-        let mut points = Vec::new();
-        let make = |point| {
-            let (amplitude, frequency) = self.coordinates(point);
+    pub fn responses(&self) -> Result<Vec<PulseResponse>, BlockError> {
+        let points = in_parallel((self.amplitude.2 * self.frequency.2) as usize, |point| {
+            let (amplitude, frequency) = self.coordinates(point as u64);
             PulseResponse::at(amplitude, frequency)
-        };
-        runner::in_order(pool, 0..self.amplitude.2 * self.frequency.2, make, |_, point| {
-            points.push(point?);
-            Ok(())
-        })?;
-        Ok(points)
+        });
+        points.into_iter().collect()
     }
 
     /// Returns the points with a grey level as tiles. Adjacent points of the same level share one.

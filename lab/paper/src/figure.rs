@@ -1,14 +1,13 @@
-//! Caption, picture and table of a figure, and the threads that compute it.
+//! Caption, picture and table of a figure.
 
-use crate::canvas::{Area, Drawn};
-use crate::figures::parameters::caption;
-use crate::formula::formula;
-use crate::page::{self, Key};
-use crate::picture::PictureError;
+use crate::parameters::caption;
 use rocking_block::block::BlockError;
 use rocking_block::simulation::SimulationError;
+use rocking_charts::canvas::{Area, Drawn};
+use rocking_charts::formula::formula;
+use rocking_charts::page::{self, Key};
+use rocking_charts::picture::PictureError;
 use rocking_studies::output::csv::with_headings;
-use rocking_studies::output::runner;
 use rocking_studies::output::table::{Table, TableColumn};
 
 /// Error of a figure.
@@ -44,31 +43,10 @@ pub struct Figure {
     pub failed: u64,
 }
 
-/// Threads for the runs of figures.
-pub struct Workers<'a> {
-    /// Threads.
-    pub pool: &'a rayon::ThreadPool,
-    /// Called after each task.
-    pub after_each: &'a mut dyn FnMut(),
-}
-
-impl Workers<'_> {
-    /// Runs the tasks from 0 to `tasks` and returns their results in order.
-    pub(super) fn map<T: Send>(&mut self, tasks: u64, make: impl Fn(u64) -> T + Sync) -> Vec<T> {
-        let mut results = Vec::new();
-        let Ok(()) = runner::in_order(self.pool, 0..tasks, make, |_, result| {
-            results.push(result);
-            (self.after_each)();
-            Ok::<(), std::convert::Infallible>(())
-        });
-        results
-    }
-}
-
 /// Draws the page of a figure: number, caption, legend and an area of this height.
 ///
 /// `draw` gets the whole page and the area.
-pub(super) fn page(
+pub(crate) fn page(
     number: u8,
     legend: &[Key],
     height: u32,
@@ -81,7 +59,7 @@ pub(super) fn page(
 }
 
 /// Combines the rows of a figure with its drawing. Comments above the rows have the caption and further lines.
-pub(super) fn figure<R>(
+pub(crate) fn figure<R>(
     number: u8,
     lines: &[String],
     columns: &[TableColumn<R>],

@@ -1,25 +1,54 @@
-//! `rocking figures`: contents of each figure as in the paper. docs/figures.md has the captions.
+//! Contents of each figure as in the paper. docs/figures.md has the captions.
 
 use std::f64::consts::TAU;
+use std::path::Path;
+use std::process::{Command, Output};
 
+use paper_figures::ground_motions;
+use paper_figures::parameters::{self, Detail, ETA, NUMBERS};
+use paper_figures::{
+    Comparison, abscissa, comparisons, history_run, make, panels, tower_bases, tower_run, tower_sources,
+};
 use rocking_block::block::{Ratios, Supports};
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_charts::figures::ground_motions;
-use rocking_charts::figures::parameters::{self, Detail, ETA, NUMBERS};
-use rocking_charts::figures::{
-    Comparison, Workers, abscissa, comparisons, history_run, make, panels, tower_bases, tower_run, tower_sources,
-};
 use rocking_charts::spectrum::Abscissa;
-use rocking_studies::output::runner::{self, Study};
+use rocking_studies::output::runner::Study;
 use rocking_studies::spectrum::FoundationCurve;
 
-use crate::program::{Table, files, refused, stdout};
-use crate::studies::labels;
+use crate::labels::labels;
 
 /// Rigid base.
 pub const RIGID: FoundationCurve = FoundationCurve::HOUSNER;
 /// Small grids.
 pub const SMALL: Detail = Detail { step: 0.02, slendernesses: 2, dampings: 11, sizes: 9 };
+
+/// Makes figures in a folder.
+fn paper_figures(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_paper-figures")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Makes figures, and returns what is printed.
+#[track_caller]
+fn made(folder: &Path, arguments: &[&str]) -> String {
+    let Output { status, stdout, stderr } = paper_figures(folder, arguments);
+    assert!(status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&stderr));
+    String::from_utf8(stdout).unwrap()
+}
+
+/// The columns of a table by their headings, and its rows.
+fn table(path: &Path) -> (Vec<String>, Vec<csv::StringRecord>) {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+    let headings = reader.headers().unwrap().iter().map(String::from).collect();
+    (headings, reader.records().map(Result::unwrap).collect())
+}
+
+/// Names of the files in a folder, sorted.
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
 
 /// Viscoelastic supports.
 pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> FoundationCurve {
@@ -129,9 +158,8 @@ fn spectra_under_records_are_those_of_the_paper() {
 /// Panels of a missing vertical record are empty, with a note; they do not repeat the horizontal ones.
 #[test]
 fn panels_of_a_missing_vertical_record_are_empty() {
-    let pool = runner::pool(None).unwrap();
     let sources = ground_motions::read(None).unwrap();
-    let figure = make(13, &SMALL, &sources, &mut Workers { pool: &pool, after_each: &mut || () }).unwrap();
+    let figure = make(13, &SMALL, &sources).unwrap();
     // Also above each of the two records.
     assert_eq!(figure.svg.matches("no vertical record at hand").count(), 8 + 2);
     let rows = figure.table.lines().filter(|line| !line.starts_with('#')).count() - 1;
@@ -158,7 +186,7 @@ fn the_bridge_tower_is_that_of_the_paper() {
 #[test]
 fn the_drawings_are_labelled() {
     let folder = tempfile::tempdir().unwrap();
-    stdout(folder.path(), &["figures", "--out", "out", "--format", "svg", "--only", "6,14"]);
+    made(folder.path(), &["--out", "out", "--format", "svg", "--only", "6,14"]);
     let drawing =
         |number: u8| std::fs::read_to_string(folder.path().join(format!("out/figure_{number:02}.svg"))).unwrap();
     let six = drawing(6);
@@ -177,7 +205,7 @@ fn the_drawings_are_labelled() {
 #[test]
 fn a_missing_record_is_replaced_by_its_pulse_and_labelled() {
     let folder = tempfile::tempdir().unwrap();
-    let printed = stdout(folder.path(), &["figures", "--out", "out", "--records", ".", "--only", "14"]);
+    let printed = made(folder.path(), &["--out", "out", "--records", ".", "--only", "14"]);
     let pulses = [
         "its c1 pulse instead, a_p = 4.11 m/s²",
         "a_p = 2.44",
@@ -188,17 +216,20 @@ fn a_missing_record_is_replaced_by_its_pulse_and_labelled() {
     for pulse in pulses {
         assert!(printed.contains(pulse) && table.contains(pulse), "{pulse}: {printed}{table}");
     }
-    assert_eq!(Table::read(&folder.path().join("out/figure_14.csv")).rows.len(), 24);
+    assert_eq!(self::table(&folder.path().join("out/figure_14.csv")).1.len(), 24);
 }
 
 #[test]
 fn only_the_requested_figure_is_computed() {
     let folder = tempfile::tempdir().unwrap();
-    stdout(folder.path(), &["figures", "--out", "new/out", "--only", "3"]);
+    made(folder.path(), &["--out", "new/out", "--only", "3"]);
     assert_eq!(files(&folder.path().join("new/out")), ["figure_03.csv", "figure_03.png"]);
-    let table = Table::read(&folder.path().join("new/out/figure_03.csv"));
-    for row in 0..table.rows.len() {
-        let [alpha, epsilon, e] = ["alpha [rad]", "epsilon [1]", "e [1]"].map(|column| table.number(row, column));
+    let (headings, rows) = table(&folder.path().join("new/out/figure_03.csv"));
+    assert!(rows.len() > 10);
+    for row in rows {
+        let [alpha, epsilon, e] = ["alpha [rad]", "epsilon [1]", "e [1]"].map(|column| -> f64 {
+            row[headings.iter().position(|heading| heading == column).unwrap()].parse().unwrap()
+        });
         // Eq. (6) for a rectangle is a straight line from Housner's 1 − 3/2 sin² α to 1.
         let exact = 1.0 - (1.0 - epsilon) * 1.5 * alpha.sin().powi(2);
         assert!((e - exact).abs() < 1e-14, "{alpha} {epsilon} {e} {exact}");
@@ -208,18 +239,23 @@ fn only_the_requested_figure_is_computed() {
 #[test]
 fn wrong_options_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let figures = |rest: &[&'static str]| [&["figures", "--out", "out"], rest].concat();
-    refused(folder.path(), &figures(&["--only", "3,5"]), &["found figure 5", "expected 3, 6"]);
-    refused(folder.path(), &figures(&["--records", "nowhere"]), &["nowhere", "no such folder"]);
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let Output { status, stderr, .. } = paper_figures(folder.path(), &[&["--out", "out"], arguments].concat());
+        let message = String::from_utf8(stderr).unwrap();
+        assert!(!status.success() && words.iter().all(|word| message.contains(word)), "{arguments:?}: {message}");
+    };
+    refused(&["--only", "3,5"], &["found figure 5", "expected 3, 6"]);
+    refused(&["--records", "nowhere"], &["nowhere", "no such folder"]);
+    refused(&["--format", "jpeg"], &["expected png or svg"]);
     std::fs::write(folder.path().join("PCD164.AT2"), "nothing").unwrap();
-    refused(folder.path(), &figures(&["--records", "."]), &["PCD164.AT2"]);
+    refused(&["--records", "."], &["PCD164.AT2"]);
     assert_eq!(files(folder.path()), ["PCD164.AT2"]);
 }
 
 /// docs/figures.md has the caption of each figure.
 #[test]
 fn the_documentation_has_the_captions() {
-    let page = include_str!("../../../../../docs/figures.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let page = include_str!("../../../../docs/figures.md").split_whitespace().collect::<Vec<_>>().join(" ");
     for number in NUMBERS {
         let caption = parameters::caption(number).unwrap().replace('\u{A0}', " ");
         assert!(page.contains(&caption), "Figure {number}: `{caption}` is not in docs/figures.md");

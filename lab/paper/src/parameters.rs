@@ -223,9 +223,9 @@ fn list(values: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::TEXT;
-    use crate::formula::width;
-    use crate::page::wrapped;
+    use rocking_charts::canvas::TEXT;
+    use rocking_charts::formula::width;
+    use rocking_charts::page::wrapped;
 
     /// Every caption fits its lines, and no line breaks inside a formula.
     #[test]

@@ -30,7 +30,7 @@ mod tower;
 pub mod plane;
 
 pub use damping::{LeastDamping, least_damping};
-pub use figure::{Figure, FigureError, Workers};
+pub use figure::{Figure, FigureError};
 pub use histories::{Comparison, comparisons, history_run};
 pub use spectra::{Panel, abscissa, panels};
 pub use tower::{tower_bases, tower_run, tower_sources};
@@ -38,33 +38,17 @@ pub use tower::{tower_bases, tower_run, tower_sources};
 use ground_motions::GroundMotion;
 use parameters::Detail;
 
-/// Returns the number of tasks of a figure.
-pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
-    match number {
-        6..=8 => histories::bases(number).len() as u64,
-        9 => damping::tasks(detail),
-        10..=13 => spectra::tasks(number, detail, sources),
-        14 => tower::tasks(sources),
-        _ => 0,
-    }
-}
-
-/// Makes a figure; `sources` are the ground motions of Table I.
+/// Makes a figure on the current pool of threads; `sources` are the ground motions of Table I.
 ///
 /// # Errors
 /// A number without a figure, and the errors of its runs and of its drawing.
-pub fn make(
-    number: u8,
-    detail: &Detail,
-    sources: &[GroundMotion],
-    workers: &mut Workers,
-) -> Result<Figure, FigureError> {
+pub fn make(number: u8, detail: &Detail, sources: &[GroundMotion]) -> Result<Figure, FigureError> {
     match number {
         3 => restitution::figure(),
-        6..=8 => histories::figure(number, detail, workers),
-        9 => damping::figure(detail, workers),
-        10..=13 => spectra::figure(number, detail, sources, workers),
-        14 => tower::figure(sources, workers),
+        6..=8 => histories::figure(number, detail),
+        9 => damping::figure(detail),
+        10..=13 => spectra::figure(number, detail, sources),
+        14 => tower::figure(sources),
         _ => Err(FigureError::Number(number)),
     }
 }

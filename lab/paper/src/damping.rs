@@ -1,15 +1,16 @@
 //! Figure 9: least damping that prevents complete separation in free vibration.
 
-use crate::chart::{Chart, Curve};
-use crate::figures::figure::{self, Figure, FigureError, Workers, page};
-use crate::figures::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block, run};
-use crate::line_style::LineStyle;
-use crate::numerals::short;
+use crate::figure::{self, Figure, FigureError, page};
+use crate::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block, run};
 use rocking_block::block::BlockError;
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Initial;
+use rocking_charts::chart::{Chart, Curve};
+use rocking_charts::line_style::LineStyle;
+use rocking_charts::numerals::short;
+use rocking_studies::output::runner::in_parallel;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
@@ -58,11 +59,6 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
     })
 }
 
-/// Returns the number of searches.
-pub fn tasks(detail: &Detail) -> u64 {
-    CURVES as u64 * detail.slendernesses
-}
-
 /// ε, η and α of a search, and its result.
 type SearchRow = ((f64, f64, f64), LeastDamping);
 
@@ -75,9 +71,9 @@ fn parameters(task: u64, detail: &Detail) -> (f64, f64, f64) {
 }
 
 /// Makes the figure.
-pub fn figure(detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureError> {
-    let found = workers.map(tasks(detail), |task| {
-        let (epsilon, eta, alpha) = parameters(task, detail);
+pub fn figure(detail: &Detail) -> Result<Figure, FigureError> {
+    let found = in_parallel(CURVES * detail.slendernesses as usize, |task| {
+        let (epsilon, eta, alpha) = parameters(task as u64, detail);
         least_damping(alpha, eta, epsilon, detail)
     });
     let lines = [format!(

@@ -1,10 +1,10 @@
 //! Figure 3: Housner's restitution e over the restitution ε of the landing corner.
 
-use crate::chart::{Chart, Curve};
-use crate::figures::figure::{self, Figure, FigureError, page};
-use crate::figures::parameters::{P, RESTITUTION_ALPHA, block};
-use crate::line_style::LineStyle;
-use crate::numerals::short;
+use crate::figure::{self, Figure, FigureError, page};
+use crate::parameters::{P, RESTITUTION_ALPHA, block};
+use rocking_charts::chart::{Chart, Curve};
+use rocking_charts::line_style::LineStyle;
+use rocking_charts::numerals::short;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::spectrum::FoundationCurve;
 

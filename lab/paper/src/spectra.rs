@@ -1,24 +1,25 @@
 //! Figures 10 to 13: peak rotations over size under pulses and records.
 
-use crate::canvas::{TEXT, text};
-use crate::chart::{bars_height, rotations};
-use crate::figures::figure::{self, Figure, FigureError, Workers, page};
-use crate::figures::ground_motions::GroundMotion;
-use crate::figures::parameters::{
+use crate::figure::{self, Figure, FigureError, page};
+use crate::ground_motions::GroundMotion;
+use crate::parameters::{
     ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
     SPECTRUM_FREQUENCY, spectrum_pulse,
 };
-use crate::formula::formula;
-use crate::line_style::LineStyle;
-use crate::numerals::short;
-use crate::page::{MARGIN, Symbol};
-use crate::picture::PictureError;
-use crate::spectrum::{Abscissa, Curves, base_name};
 use rocking_block::block::{BlockError, Common, Ratios, Supports};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
+use rocking_charts::canvas::{TEXT, text};
+use rocking_charts::chart::{bars_height, rotations};
+use rocking_charts::formula::formula;
+use rocking_charts::line_style::LineStyle;
+use rocking_charts::numerals::short;
+use rocking_charts::page::{MARGIN, Symbol};
+use rocking_charts::picture::PictureError;
+use rocking_charts::spectrum::{Abscissa, Curves, base_name};
 use rocking_studies::output::runner::Study;
+use rocking_studies::output::runner::in_parallel;
 use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::run::outcome::End;
 use rocking_studies::spectrum::statistics::BlockOutcome;
@@ -118,23 +119,11 @@ fn spectrum(
     spectrum.checked()
 }
 
-/// Returns the number of runs.
-pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
-    // The figure reports an invalid block.
-    let panels = panels(number, detail, sources).unwrap_or_default();
-    panels.iter().filter_map(|panel| panel.spectrum.as_ref()).map(CheckedSpectrum::rows).sum()
-}
-
 /// The name of a panel, its table, and the number of a row of it.
 type PanelRow<'a> = (&'a str, &'a Table, usize);
 
 /// Makes Figure 10, 11, 12 or 13.
-pub fn figure(
-    number: u8,
-    detail: &Detail,
-    sources: &[GroundMotion],
-    workers: &mut Workers,
-) -> Result<Figure, FigureError> {
+pub fn figure(number: u8, detail: &Detail, sources: &[GroundMotion]) -> Result<Figure, FigureError> {
     let panels = panels(number, detail, sources)?;
     let over = abscissa(number);
     let mut lines: Vec<String> = match number {
@@ -158,7 +147,7 @@ pub fn figure(
             continue;
         };
         let mut rows = Table::default();
-        let made = workers.map(spectrum.rows(), |number| spectrum.make(&[number], None));
+        let made = in_parallel(spectrum.rows() as usize, |number| spectrum.make(&[number as u64], None));
         made.into_iter().for_each(|row| rows.append(row.table));
         let outcomes = BlockOutcome::all(&rows).map_err(PictureError::Drawing)?;
         failed += outcomes.iter().filter(|outcome| outcome.end == End::Failed).count() as u64;
@@ -249,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_blocks_of_all_panels_are_valid() {
-        let sources = crate::figures::ground_motions::read(None).unwrap();
+        let sources = crate::ground_motions::read(None).unwrap();
         for number in 10..=13 {
             let panels = panels(number, &Detail::FULL, &sources).unwrap();
             assert_eq!(panels.len(), if number < 12 { 8 } else { 16 });

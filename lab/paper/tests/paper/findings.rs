@@ -3,21 +3,21 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use paper_figures::ground_motions::{self, GroundMotion};
+use paper_figures::parameters::{self, ETA, block};
+use paper_figures::plane::{BOUNDS, PulseResponse};
+use paper_figures::{
+    Comparison, comparisons, history_run, least_damping, panels, tower_bases, tower_run, tower_sources,
+};
 use rocking_block::excitation::Pulse;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::{Ending, Initial, Settings};
-use rocking_charts::figures::ground_motions::{self, GroundMotion};
-use rocking_charts::figures::parameters::{self, ETA, block};
-use rocking_charts::figures::plane::{BOUNDS, PulseResponse};
-use rocking_charts::figures::{
-    Comparison, comparisons, history_run, least_damping, panels, tower_bases, tower_run, tower_sources,
-};
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spectrum::FoundationCurve;
 
-use crate::studies::figures::{RIGID, SMALL, supports};
+use crate::figures::{RIGID, SMALL, supports};
 
 fn history(base: FoundationCurve) -> History {
     history_run(base, &SMALL).unwrap().history(|_| ()).unwrap()

@@ -2,18 +2,19 @@
 
 use std::ops::Range;
 
-use crate::canvas::Mark;
-use crate::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, range};
-use crate::figures::figure::{self, Figure, FigureError, Workers, page};
-use crate::figures::parameters::{
+use crate::figure::{self, Figure, FigureError, page};
+use crate::parameters::{
     ALPHA, Detail, ENERGY_ETA, ENERGY_XI_V, EPSILON, ETA, HISTORY_DURATION, P, XI_V, block, history_pulse, run,
 };
-use crate::line_style::LineStyle;
-use crate::numerals::short;
-use crate::page::Symbol;
 use rocking_block::block::BlockError;
 use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Ending;
+use rocking_charts::canvas::Mark;
+use rocking_charts::chart::{Chart, Curve, EVEN_BALANCE, MAX_ROTATION, range};
+use rocking_charts::line_style::LineStyle;
+use rocking_charts::numerals::short;
+use rocking_charts::page::Symbol;
+use rocking_studies::output::runner::in_parallel;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::{History, Row, Run};
 use rocking_studies::spectrum::FoundationCurve;
@@ -87,10 +88,10 @@ pub fn history_run(base: FoundationCurve, detail: &Detail) -> Result<Run, BlockE
 }
 
 /// Makes Figure 6, 7 or 8.
-pub fn figure(number: u8, detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureError> {
+pub fn figure(number: u8, detail: &Detail) -> Result<Figure, FigureError> {
     let bases = bases(number);
-    let computed = workers.map(bases.len() as u64, |task| -> Result<Computed, FigureError> {
-        let base = bases[task as usize];
+    let computed = in_parallel(bases.len(), |task| -> Result<Computed, FigureError> {
+        let base = bases[task];
         let run = history_run(base, detail)?;
         let history = run.history(|_| ())?;
         Ok(Computed { base, run, history })
