@@ -14,7 +14,7 @@ import pytest
 
 pytestmark = pytest.mark.check
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-for folder in ("", "coupling/roof", "coupling/bridge", "coupling/one_line", "python"):
+for folder in ("", "coupling/roof", "coupling/bridge", "coupling/one_line", "coupling/torsion", "python"):
     sys.path.insert(0, str(EXAMPLES / folder))
 
 
@@ -161,6 +161,20 @@ def test_the_bridges_interface_converges(bridge_parts):
     assert missing(fine) < 0.06
     change = np.abs(coarse["tower_1.theta"] - fine["tower_1.theta"][1::2]).max()
     assert change < 0.1 * np.abs(fine["tower_1.theta"]).max()
+
+
+def test_a_block_on_a_floor_that_twists(fmu):
+    """The claims of its page: the exchange converges, its energies agree, and without it twist and outcome are wrong."""
+    need("scipy")
+    from torsion import couple, missing
+
+    kept, coarse, fine = couple(0.005, False), couple(0.01, True), couple(0.005, True)
+    assert missing(kept) < 0.002 and missing(fine) < 0.75 * missing(coarse) < 0.003
+    assert 2 < np.mean(fine.iterations) < 6 and np.mean(kept.iterations) == 1
+    assert np.abs(fine["tilt"].max() / coarse["tilt"].max() - 1) < 0.02
+    assert np.abs(fine["twist"]).max() > 2 * np.abs(kept["twist"]).max()
+    outcomes = [couple(0.005, returned, scale=1.2)["tilt"].max() for returned in (False, True)]
+    assert outcomes[0] < 0.3 and outcomes[1] == pytest.approx(np.pi / 2)
 
 
 def need_master(master):
