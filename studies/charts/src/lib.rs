@@ -13,7 +13,7 @@
 //! | [`mod@page`] | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
-//! | [`history_in_space`] | a history of a block in space → a page |
+//! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
 //! | [`rate`] | annual rates → pages |
@@ -44,6 +44,8 @@ pub mod sketch;
 pub mod history;
 
 pub mod history_in_space;
+
+pub mod plan;
 
 pub mod loops;
 

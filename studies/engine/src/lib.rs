@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`mismatch`] | content found, content expected → an error |
 //! | [`statistics`] | deviates and seeds → probabilities, random samples |
+//! | [`hull`](mod@hull) | points of a plane → the corners of their convex hull |
 //! | [`input`] | study files and accelerogram files → parameters and records |
 //! | [`intensity`] | a record → its intensity measures |
 //! | [`pulse_fit`] | a record → the pulse that fits its velocity best |
@@ -29,6 +30,8 @@
 pub mod mismatch;
 
 pub mod statistics;
+
+pub mod hull;
 
 pub mod input;
 

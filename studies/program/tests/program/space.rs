@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::program::{RECORD, Table, files, refusal, stdout};
 use crate::skipped::skip;
+use crate::studies::labels;
 
 /// Folder of the references.
 fn references() -> PathBuf {
@@ -156,6 +157,19 @@ fn a_block_in_space_without_excitation_has_the_embedded_record() {
     assert!(table.column("tilt_x").iter().any(|tilt| tilt.abs() > 1e-3));
 }
 
+/// The plan names what it shows, in one scale.
+#[test]
+fn a_plan_shows_the_paths_over_the_base() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "simulate --depth-ratio 1.5 --alpha 0.2 --p 2 --xi-v 0.2 --friction 0.3 --duration 12 --quiet --plot-plan plan.svg";
+    stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    assert_eq!(files(folder.path()), ["plan.svg"]);
+    let drawn = labels(&std::fs::read_to_string(folder.path().join("plan.svg")).unwrap());
+    for label in ["base at rest", "base at the end", "centre of mass", "middle of the base", "x (m)", "y (m)"] {
+        assert!(drawn.iter().any(|found| found == label), "{label} is not in the picture: {drawn:?}");
+    }
+}
+
 /// A block whose feet are in a table.
 const LIST: &str = "--center-height 2 --mass 1000 --inertia-tensor 1e3,1e3,5e2 --omega-v 60 --feet";
 
@@ -196,6 +210,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("--depth 1 --gradients alpha", "--gradients is for a block in the plane"),
     ("--depth 1 --friction-demand 0.5", "--friction-demand is for a block in the plane"),
     ("--depth 1 --plot-loops loops.svg", "--plot-loops is for a block in the plane"),
+    ("--depth 1 --plot-plan plan.pdf", "plan.pdf: found .pdf; expected a picture as .svg or .png"),
     (
         "--depth 1 --inertia 1000 --width 1 --height 4 --mass 1000 --eta 50",
         "--inertia is for a block in the plane; in space it has six numbers; expected --inertia-tensor",

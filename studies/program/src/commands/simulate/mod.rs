@@ -70,6 +70,9 @@ pub struct SimulateCommand {
     /// Picture of the forces of dampers, and of ties that yield, over their elongations, SVG or PNG by its extension
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     plot_loops: Option<PathBuf>,
+    /// Picture from above of the paths of base and centre of mass of a block in space, SVG or PNG by its extension
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot_plan: Option<PathBuf>,
     /// Report the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
     #[arg(long, value_name = "MU", help_heading = "Results")]
     friction_demand: Option<f64>,
@@ -164,7 +167,7 @@ impl SimulateCommand {
 
     /// Returns table and picture; by default `out/rocking.csv` and `out/rocking.png`.
     fn outputs(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
-        if self.csv.is_some() || self.picture.plot.is_some() || self.plot_loops.is_some() {
+        if self.csv.is_some() || self.picture.plot.is_some() || self.plot_loops.is_some() || self.plot_plan.is_some() {
             return Ok((self.csv.clone(), self.picture.plot.clone()));
         }
         let folder = Path::new("out");

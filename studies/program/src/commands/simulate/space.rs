@@ -16,6 +16,8 @@ use rocking_block::run::{Ending, OnSeparation};
 use rocking_block::space::excitation::MAX_PULSES;
 use rocking_block::space::{DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup};
 use rocking_charts::history_in_space::{block_line, history as picture};
+use rocking_charts::picture::PictureFormat;
+use rocking_charts::plan::plan;
 use rocking_studies::run::outcome::End;
 use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
 use rocking_studies::spec::space::{MAKES_SPACE, feet_of_table};
@@ -52,7 +54,8 @@ pub struct SpaceOptions {
 pub const INITIAL: [&str; 6] = ["tilt-x", "tilt-y", "twist", "omega-x", "omega-y", "omega-z"];
 
 /// Options that have an effect in space only.
-const OF_SPACE: [&str; 7] = ["record-y", "azimuth", "eccentricity-y", "inertia-tensor", "omega-v", "kappa", "xi-h"];
+const OF_SPACE: [&str; 8] =
+    ["record-y", "azimuth", "eccentricity-y", "inertia-tensor", "omega-v", "kappa", "xi-h", "plot-plan"];
 
 /// Options of the plane only, beside those of the block, and what is expected instead.
 const OF_PLANE: [(&str, &str); 5] = [
@@ -86,13 +89,17 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     }
     explicit.refuse_unless(!options.quiet, &["events"], "with --quiet")?;
     let format = options.picture.format()?;
+    let plan_format = options.plot_plan.as_deref().map(PictureFormat::of).transpose()?;
     options.csv.as_deref().map_or(Ok(()), crate::output::formats::check_table)?;
     let (run, excitation) = options.run_in_space(explicit)?;
     run.check_memory()?;
     let (csv, plot) = options.outputs()?;
     let inputs =
         [options.excitation.accelerograms.named(), options.space.second.named().into_iter().collect()].concat();
-    let mut outputs = Outputs::checked(&inputs, [("csv", csv.as_deref()), ("plot", plot.as_deref())])?;
+    let mut outputs = Outputs::checked(
+        &inputs,
+        [("csv", csv.as_deref()), ("plot", plot.as_deref()), ("plot-plan", options.plot_plan.as_deref())],
+    )?;
 
     const PARTS: u64 = 1000;
     let bar = Progress::new(PARTS, 0);
@@ -101,6 +108,9 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
 
     outputs.fill("csv", || table::csv(&run.parameters, &history).context("the table cannot be written"))?;
     outputs.fill("plot", || Ok(format.encode(&picture(&run, &history, &excitation)?)?))?;
+    if let Some(format) = plan_format {
+        outputs.fill("plot-plan", || Ok(format.encode(&plan(&run, &history, &excitation)?)?))?;
+    }
     let written = outputs.write()?;
     if options.quiet {
         return Ok(());

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::outputs::{SEARCH, SPECTRUM, STUDY, folder};
-use crate::program::{Table, fails_with, files, program, succeeds, text};
+use crate::program::{Table, fails_with, program, succeeds, text};
 
 /// A pulse that makes the block lift, land and come to rest.
 const ROCKS: [&str; 11] =

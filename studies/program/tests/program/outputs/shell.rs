@@ -7,7 +7,7 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 18] = [
     "simulate",
     "sketch",
     "pushover",
