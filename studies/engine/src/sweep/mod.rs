@@ -7,11 +7,13 @@
 //! | [`strength`] | `scales`, `levels`, `hunt` or `least` → factors on the records |
 //! | [`hunt`] | the runs of a block under a record → the level of the next one |
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
+//! | [`amplified`] | factors on records → doubts about strong ones |
 //! | [`change`] | a block → the same block with another base, foundation, friction or ties |
 //! | `columns` | a row → the columns of the table |
 //! | `records` | `[[records]]` of a study file → ground motions |
 //! | [`mod@file`] | a study file → a sweep with valid values |
 
+pub mod amplified;
 pub mod change;
 mod columns;
 pub mod ensemble;
@@ -86,38 +88,7 @@ pub struct Sweep {
     pub remarks: Vec<String>,
 }
 
-/// Largest usual factor on a record; beyond it, noise of the instrument becomes ground motion.
-const LARGEST_SCALE: f64 = 20.0;
-
-/// Doubts a factor on a record, if it is greater than usual; `is` is the verb.
-pub fn strong_scale(name: &str, is: &str, largest: f64) -> Option<String> {
-    (largest > LARGEST_SCALE).then(|| {
-        let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
-        format!(
-            "{name} {is} scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified"
-        )
-    })
-}
-
 impl Sweep {
-    /// Names the records that a strength scales by more than usual, or may. The block is that in the middle of the study. The levels of a hunt
-    /// follow from its runs.
-    fn amplified(&self) -> Vec<String> {
-        let Ok(block) = self.middle().block() else { return Vec::new() };
-        let of = |motion: &GroundMotion| {
-            let (largest, is) = match &self.strengths {
-                Strengths::Scales(_) | Strengths::Levels(..) => {
-                    let scale = |strength| self.strengths.scale(strength, motion, &block).abs();
-                    ((0..self.strengths.count()).map(scale).fold(0.0, f64::max), "is")
-                }
-                Strengths::Hunt(..) => return None,
-                Strengths::Least(measure, scan) => (motion.scale_to(*measure, scan.to, &block), "may be"),
-            };
-            strong_scale(&motion.name(), is, largest).filter(|_| motion.has_record())
-        };
-        self.motions.iter().filter_map(of).collect()
-    }
-
     /// Number of combinations of parameters; `None` if it overflows.
     pub fn combinations(&self) -> Option<u64> {
         self.design.combinations(&self.parameters)

@@ -12,8 +12,11 @@ use crate::output::summary::Summary;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::output::parts::{self, PartNumber};
+use rocking_studies::output::runner::Follower;
+use rocking_studies::output::table::Table;
 use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
+use rocking_studies::sweep::amplified::GreatestScales;
 use rocking_studies::sweep::file::{self as study_file, Checks};
 use rocking_studies::sweep::parameters::SweptParameter;
 
@@ -114,13 +117,30 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     if *dry_run {
         return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
     }
-    let Some((number, folder, extension, _)) = part else {
-        let summary = study.run(&sweep, None)?;
-        return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &sweep.remarks);
+    let mut scales = sweep.hunted_scales();
+    let mut take = |rows: Table| {
+        if let Some(scales) = &mut scales {
+            scales.take(&rows);
+        }
+        Ok(())
     };
-    let (file, summary) = study.run_part(&sweep, number, folder, &extension)?;
+    // Rows that nothing follows are not read again where a table is resumed.
+    let follow: Option<Follower> = if sweep.hunted_scales().is_some() { Some(&mut take) } else { None };
+    let Some((number, folder, extension, _)) = part else {
+        let summary = study.run(&sweep, follow, false)?;
+        let remarks = with_doubts(&sweep, scales);
+        return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &remarks);
+    };
+    let (file, summary) = study.run_part(&sweep, number, folder, &extension, follow)?;
     let before = if summary.resumed > 0 { ", complete before" } else { "" };
     let mut items = Summary::default();
     items.item("part", [number.number(), number.count()], "part", format!("{number}{before}"));
-    study.report("sweep", (&file, &summary), items, &[], &sweep.remarks)
+    study.report("sweep", (&file, &summary), items, &[], &with_doubts(&sweep, scales))
+}
+
+/// Warns of the strong scales of a hunt, and returns all remarks on the study.
+fn with_doubts(sweep: &Sweep, scales: Option<GreatestScales>) -> Vec<String> {
+    let found = scales.map(|scales| scales.doubts()).unwrap_or_default();
+    warn(&found);
+    [sweep.remarks.as_slice(), &found].concat()
 }
