@@ -22,7 +22,7 @@ that rock and stand, and numbers of the ground motions, which are -1 for rows th
 class Cases:
     """The decided rows of a table with their counts; `limit` is the word or the rotation of the limit after the first batch."""
 
-    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None, exceeds: bool | None = None) -> None:
+    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None, unknown_exceed: bool | None = None) -> None:
         self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
         self.all = self.failed = self.separated = self.undecided = self.partly = self.missing = 0
         self.least = self.most = 0.0
@@ -30,7 +30,7 @@ class Cases:
         self.batches: list[Rows] = []
         """The rows of each batch, if they are kept."""
         self.motions = _engine.Motions(None if cluster is None else split_heading(cluster)[0])
-        self._exceeds = exceeds
+        self._unknown_exceed = unknown_exceed
         """Whether runs without a verdict exceed the limit; they are left out of the store if it is None."""
         self._is_begun = False
 
@@ -79,7 +79,7 @@ class Cases:
         if keep:
             self.batches.append(rows)
         else:
-            self.store.push(places.astype(np.int64), *rows, self._exceeds)
+            self.store.push(places.astype(np.int64), *rows, self._unknown_exceed)
 
     def _begin(self, table: Table) -> None:
         """Checks the columns, and finds the measure and the limit."""
@@ -135,9 +135,9 @@ class Files:
     partial: bool
     cluster: str | None = None
 
-    def cases(self, keep: bool = False, exceeds: bool | None = None) -> Cases:
-        """Reads the cases; with `keep` their rows are arrays, in the order of the files. `exceeds` is the outcome of unknown runs."""
-        cases = Cases(self.im, self.limit, self.cluster, exceeds)
+    def cases(self, keep: bool = False, unknown_exceed: bool | None = None) -> Cases:
+        """Reads the cases; with `keep` their rows are arrays, in the order of the files. `unknown_exceed` is the outcome of unknown runs."""
+        cases = Cases(self.im, self.limit, self.cluster, unknown_exceed)
         named = [self.im] if self.cluster is None else [self.im, self.cluster]
         for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
         return cases

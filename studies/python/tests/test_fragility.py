@@ -176,7 +176,7 @@ def test_a_missing_response_is_left_out_and_counted():
     with pytest.warns(UserWarning, match="24 rows without the response of the limit are left out of the curve"):
         fit = rb.fragility(joined, "PGV", "slip:0.08")
     assert (fit.median, fit.rows, fit.without_response) == (alone.median, 24, 24)
-    assert fit.exceeded[1] - fit.exceeded[0] == 0.5
+    assert fit.fraction_range[1] - fit.fraction_range[0] == 0.5
 
 
 def test_records_that_agree_have_intervals_of_some_width():
