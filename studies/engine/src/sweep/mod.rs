@@ -27,7 +27,7 @@ pub mod strength;
 use crate::building::Building;
 use crate::doubts;
 use crate::intensity::Measure;
-use crate::output::parts::Part;
+use crate::output::parts::{Part, PartNumber};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
 use crate::output::table::{Table, headings};
@@ -95,14 +95,17 @@ impl Sweep {
     }
 
     /// The numbers of the combinations that are checked, in their order.
-    fn combinations_to_check(&self, checks: Checks) -> Box<dyn Iterator<Item = u64> + '_> {
+    fn combinations_to_check<'a>(&'a self, checks: Checks<'a>) -> Box<dyn Iterator<Item = u64> + 'a> {
         match checks {
             Checks::All => Box::new(0..self.combinations().unwrap_or(0)),
-            Checks::Part(part) => {
-                let plan = Part::new(self, part).plan();
+            Checks::Parts(parts) => {
                 let per_combination = self.motions.len() as u64 * self.strengths.count();
+                let of_part = move |part: &PartNumber| {
+                    let plan = Part::new(self, *part).plan();
+                    (0..plan.rows()).map(move |position| plan.row(position) / per_combination)
+                };
                 let mut last = None;
-                let numbers = (0..plan.rows()).map(move |position| plan.row(position) / per_combination);
+                let numbers = parts.iter().flat_map(of_part);
                 Box::new(numbers.filter(move |number| last.replace(*number) != Some(*number)))
             }
             Checks::None => Box::new(std::iter::empty()),

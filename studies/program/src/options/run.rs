@@ -195,7 +195,10 @@ impl StudyOptions {
             PartState::Complete => StudySummary { rows, resumed: rows, failures: Failures::default(), reason: None },
             PartState::Absent | PartState::Broken => self.run_whole(&path, &part, follow)?,
         };
-        Ok((path, summary))
+        // Rows of a part have their numbers in the study.
+        let first = if summary.failures.count > 0 { part.plan().row(summary.failures.first) } else { 0 };
+        let failures = Failures { first, ..summary.failures };
+        Ok((path, StudySummary { failures, ..summary }))
     }
 
     /// Prints the expected cost of a study, from a sample of its rows.
