@@ -70,7 +70,8 @@ fn names_that_are_numbers_are_merged_as_they_are() {
     let path = folder.path();
     fs::rename(path.join("h.csv"), path.join("007")).unwrap();
     for (name, amplitude) in [("090", 0.2), ("360", 0.3)] {
-        let values: String = (0..60).map(|i| format!("{}\n", if i % 20 < 10 { amplitude } else { -amplitude })).collect();
+        let values: String =
+            (0..60).map(|i| format!("{}\n", if i % 20 < 10 { amplitude } else { -amplitude })).collect();
         let head = format!("PEER NGA STRONG MOTION DATABASE RECORD\nQuake-01, 1/17/1994, Station A, {name}\n");
         let head = head + "ACCELERATION TIME SERIES IN UNITS OF G\nNPTS=  60, DT=   .01 SEC\n";
         fs::write(path.join(format!("{name}.at2")), head + &values).unwrap();
@@ -80,7 +81,7 @@ fn names_that_are_numbers_are_merged_as_they_are() {
     stdout(path, &["merge", "parts", "--csv", "merged.csv"]);
     let whole = fs::read_to_string(path.join("whole.csv")).unwrap();
     assert!(whole.contains(",motion,") && whole.matches(",007").count() > 6, "{whole}");
-    assert!( fs::read_to_string(path.join("merged.csv")).unwrap() == whole);
+    assert!(fs::read_to_string(path.join("merged.csv")).unwrap() == whole);
 }
 
 /// A task may make several parts; the study is read once, and each file has the bytes of its own task.
