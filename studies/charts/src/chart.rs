@@ -145,6 +145,19 @@ pub struct Chart<'a> {
 }
 
 impl Chart<'_> {
+    /// Whether a shaded area is wide enough to be seen: a legend names no band that the chart does not show.
+    pub fn shows_band(&self) -> bool {
+        /// Width of an area that a line would cover, over the range of the ordinate.
+        const THIN: f64 = 1e-3;
+        let least = THIN * (self.y.1.end - self.y.1.start);
+        self.areas.iter().any(|area| area.len() > 1 && area.iter().any(|(_, low, high)| high - low > least))
+    }
+
+    /// Whether the chart has a line in this style.
+    pub fn shows_line(&self, style: LineStyle) -> bool {
+        self.curves.iter().any(|curve| curve.style == style && curve.segments.iter().any(|points| points.len() > 1))
+    }
+
     /// Draws the chart into a part of the drawing.
     pub fn draw(&self, root: &Area, area: &Area) -> Drawn {
         let (head, body) = area.split_vertically(if self.title.is_empty() { 120 } else { 700 });

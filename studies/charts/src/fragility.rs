@@ -61,12 +61,6 @@ pub fn curve(
         true => "some of the rows: above the chart if they exceed the limit, below if not, between if a part does",
         false => "each row: above the chart if it exceeds the limit, below if not, between if a part does",
     };
-    let legend = [
-        (Symbol::Curve(LineStyle::BLACK), name(found).into()),
-        (Symbol::Band, format!("{} % confidence", short(100.0 * confidence))),
-        (Symbol::Mark(Mark::Circle), "fraction of a group of rows, with their number".into()),
-        (Symbol::Mark(Mark::Tick), rows.into()),
-    ];
     let ticks = observations.iter().enumerate().map(|row| (Mark::Tick, tick(row)));
     let groups = &found.groups;
     let circles = groups.iter().map(|group| (Mark::Circle, (group.measure, group.fraction)));
@@ -84,6 +78,14 @@ pub fn curve(
             .collect(),
         ..Chart::default()
     };
+    let mut legend = vec![
+        (Symbol::Curve(LineStyle::BLACK), name(found).into()),
+        (Symbol::Mark(Mark::Circle), "fraction of a group of rows, with their number".into()),
+        (Symbol::Mark(Mark::Tick), rows.into()),
+    ];
+    if chart.shows_band() {
+        legend.insert(1, (Symbol::Band, format!("{} % confidence", short(100.0 * confidence))));
+    }
     let title = format!(
         "median {}{unit}, β = {}; AUC {:.3}, Brier score {:.3}; {} rows",
         significant(found.fit.median(), 4),

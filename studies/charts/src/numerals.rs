@@ -18,6 +18,15 @@ pub fn readable(value: f64, digits: usize) -> String {
     if rounded == 0.0 { "0".into() } else { format!("{rounded}") }
 }
 
+/// Formats both ends of an interval with this number of digits, or as many more as tell them apart: no interval looks as if it had no width.
+/// `write` takes a number and its digits.
+pub fn ends([low, high]: [f64; 2], digits: usize, write: impl Fn(f64, usize) -> String) -> [String; 2] {
+    /// Digits that tell any two numbers apart.
+    const ALL: usize = 17;
+    let texts = |digits| [low, high].map(|end| write(end, digits));
+    (digits..ALL).map(texts).find(|[low, high]| low != high).unwrap_or_else(|| texts(digits))
+}
+
 /// Formats a tick of an axis with enough digits to distinguish neighbouring ticks.
 pub fn tick(value: f64, range: &Range<f64>) -> String {
     let span = (range.end - range.start).abs().max(f64::MIN_POSITIVE);
@@ -43,6 +52,16 @@ mod tests {
         assert_eq!(numbers.map(short), words);
         assert_eq!([0.68, 0.00012345].map(|x| significant(x, 3)), ["0.68", "0.000123"]);
         assert_eq!([-0.00012345, -0.0].map(|x| readable(x, 3)), ["-0.000123", "0"]);
+    }
+
+    /// Ends that differ are never the same text; equal ones are.
+    #[test]
+    fn the_ends_of_an_interval_differ() {
+        let of = |low, high| ends([low, high], 3, significant);
+        assert_eq!(of(1.38, 1.44), ["1.38", "1.44"]);
+        assert_eq!(of(1.399, 1.401), ["1.399", "1.401"]);
+        assert_eq!(of(1.4 - 1e-12, 1.4), ["1.399999999999", "1.4"]);
+        assert_eq!(of(1.4, 1.4), ["1.4", "1.4"]);
     }
 
     /// Neighbouring ticks differ even far from zero, and zero is `0`.

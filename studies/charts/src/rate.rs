@@ -57,7 +57,7 @@ pub fn rate(
         (Symbol::Grey(GREY), "share of the rate".into()),
         (Symbol::Grey(OUTSIDE), "share from beyond the hazard's levels".into()),
     ];
-    if !middle.areas.is_empty() {
+    if middle.shows_band() {
         legend.insert(1, (Symbol::Band, "confidence interval".into()));
     }
     let [top, centre, bottom] = HEIGHTS;
@@ -134,11 +134,16 @@ fn deaggregation<'a>(found: &AnnualRate, axis: &'a str, x: &Range<f64>) -> Chart
 /// The least annual rate that is written as a number.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
-/// Formats a rate or a return period for a heading.
+/// Formats an annual rate with three significant digits.
 pub fn per_year(rate: f64) -> String {
+    per_year_to(rate, 3)
+}
+
+/// Formats an annual rate with this number of significant digits.
+pub fn per_year_to(rate: f64, digits: usize) -> String {
     match rate {
         0.0..NEGLIGIBLE => "below 1e-12".into(),
-        ..1e-3 => format!("{rate:.2e}"),
-        _ => significant(rate, 3),
+        ..1e-3 => format!("{rate:.*e}", digits - 1),
+        _ => significant(rate, digits),
     }
 }

@@ -43,23 +43,27 @@ pub fn spectrum(
         let peaks = peaks(spectrum, group, curves, &sizes, range.clone());
         [(HEIGHTS[0], vec![], peaks), (HEIGHTS[1], vec![], shares(&sizes, range, over))]
     };
-    stacked(&heading, &legend(groups), &groups.iter().flat_map(of_group).collect::<Vec<_>>())
+    let charts: Vec<_> = groups.iter().flat_map(of_group).collect();
+    stacked(&heading, &legend(groups, charts.iter().map(|(.., chart)| chart)), &charts)
 }
 
-fn legend(groups: &[FoundationStatistics]) -> Vec<Key> {
+/// Returns the keys of the symbols that these charts have.
+fn legend<'a>(groups: &[FoundationStatistics], charts: impl Iterator<Item = &'a Chart<'a>> + Clone) -> Vec<Key> {
     let any =
         |count: fn(&SizeStatistics) -> u64| groups.iter().flat_map(|group| &group.cells).any(|cell| count(cell) > 0);
+    let has_band = charts.clone().any(Chart::shows_band);
+    let has_line = |style| charts.clone().any(|chart| chart.shows_line(style));
     let [overturned, separated, undecided, failed] = GREYS.map(Symbol::Grey);
     let keys = [
         (true, Symbol::Curve(LineStyle::FAINT), "one record"),
-        (true, Symbol::Curve(LineStyle::BLACK), "geometric mean of all records"),
+        (has_line(LineStyle::BLACK), Symbol::Curve(LineStyle::BLACK), "geometric mean of all records"),
         (
-            true,
+            has_line(LineStyle::DASHED),
             Symbol::Curve(LineStyle::DASHED),
             "geometric mean of the records under which the block rocks and stands, if at least half",
         ),
-        (true, Symbol::Band, "±1 standard deviation of ln(peak |θ|/α) over the same records"),
-        (true, overturned, "share of records: overturned"),
+        (has_band, Symbol::Band, "±1 standard deviation of ln(peak |θ|/α) over the same records"),
+        (any(|cell| cell.ends.overturned), overturned, "share of records: overturned"),
         (any(|cell| cell.ends.separated), separated, "ended at separation"),
         (any(|cell| cell.ends.undecided), undecided, "undecided"),
         (any(|cell| cell.ends.failed), failed, "failed"),

@@ -23,8 +23,8 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, fit, foundations, fragility, frame, ida, pulse, pushover, rate, record, schema, search, shell, simulate,
-    sketch, spectrum, sweep,
+    assess, fit, foundations, fragility, frame, ida, merge, parts, pulse, pushover, rate, record, schema, search,
+    shell, simulate, sketch, spectrum, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -54,6 +54,10 @@ enum Command {
     Spectrum(Box<spectrum::SpectrumCommand>),
     /// Vary any parameters, records and their strengths: a table of runs for fragility curves
     Sweep(sweep::SweepCommand),
+    /// Count the parts of a study in a folder, and name those that are missing or damaged
+    Parts(parts::PartsCommand),
+    /// Merge the parts of a study to the table of one run
+    Merge(merge::MergeCommand),
     /// Incremental dynamic analysis: a table of runs at given or hunted levels, fractiles and a picture
     Ida(Box<ida::IdaCommand>),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
@@ -156,6 +160,8 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Frame(options)) => frame::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Parts(options)) => parts::run(&options),
+        Some(Command::Merge(options)) => merge::run(&options),
         Some(Command::Ida(options)) => ida::run(&options),
         Some(Command::Fragility(options)) => runner::pool(None)?.install(|| fragility::run(&options, &explicit)),
         Some(Command::Rate(options)) => runner::pool(None)?.install(|| rate::run(&options, &explicit)),

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._table import Table, by_name, for_each_batch, split_heading
+from rocking_block._table import BATCH, Table, by_name, for_each_batch, split_heading
 from rocking_block._words import Floats, Outcome
 
 Rows = tuple[Floats, Floats, Floats, Floats, npt.NDArray[np.int64]]
@@ -22,7 +22,7 @@ that rock and stand, and numbers of the ground motions, which are -1 for rows th
 class Cases:
     """The decided rows of a table with their counts; `limit` is the word or the rotation of the limit after the first batch."""
 
-    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None, exceeds: bool | None = None) -> None:
+    def __init__(self, im: str, limit: str | float | None, cluster: str | None = None, unknown_exceed: bool | None = None) -> None:
         self.im, self.limit, self.unit = split_heading(im)[0], limit, ""
         self.all = self.failed = self.separated = self.undecided = self.partly = self.missing = 0
         self.least = self.most = 0.0
@@ -30,7 +30,7 @@ class Cases:
         self.batches: list[Rows] = []
         """The rows of each batch, if they are kept."""
         self.motions = _engine.Motions(None if cluster is None else split_heading(cluster)[0])
-        self._exceeds = exceeds
+        self._unknown_exceed = unknown_exceed
         """Whether runs without a verdict exceed the limit; they are left out of the store if it is None."""
         self._is_begun = False
 
@@ -38,7 +38,7 @@ class Cases:
         """Takes rows; rows of parts are in the order of their numbers, others in that of the batches."""
         if not self._is_begun:
             self._begin(table)
-        outcome, limit = outcomes_of(table), self.limit
+        outcome, limit = outcomes_of(table, self.all), self.limit
         assert limit is not None
         if "peak.theta/alpha" in table or not isinstance(limit, str):
             peak = numbers(table, "peak.theta/alpha")
@@ -79,7 +79,7 @@ class Cases:
         if keep:
             self.batches.append(rows)
         else:
-            self.store.push(places.astype(np.int64), *rows, self._exceeds)
+            self.store.push(places.astype(np.int64), *rows, self._unknown_exceed)
 
     def _begin(self, table: Table) -> None:
         """Checks the columns, and finds the measure and the limit."""
@@ -135,9 +135,9 @@ class Files:
     partial: bool
     cluster: str | None = None
 
-    def cases(self, keep: bool = False, exceeds: bool | None = None) -> Cases:
-        """Reads the cases; with `keep` their rows are arrays, in the order of the files. `exceeds` is the outcome of unknown runs."""
-        cases = Cases(self.im, self.limit, self.cluster, exceeds)
+    def cases(self, keep: bool = False, unknown_exceed: bool | None = None) -> Cases:
+        """Reads the cases; with `keep` their rows are arrays, in the order of the files. `unknown_exceed` is the outcome of unknown runs."""
+        cases = Cases(self.im, self.limit, self.cluster, unknown_exceed)
         named = [self.im] if self.cluster is None else [self.im, self.cluster]
         for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
         return cases
@@ -146,7 +146,19 @@ class Files:
 def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None) -> Cases:
     """Returns the cases of a table in memory, whose rows are kept."""
     cases = Cases(im, limit, cluster)
-    cases.take(by_name(table), keep=True)
+    # The texts of a frame become Python's, and those of a table are copied: of all rows they would take more memory than the table.
+    is_frame = hasattr(table, "iloc")
+    table = table if is_frame else by_name(table)
+    rows = len(table) if is_frame else table.rows
+    whole: list[npt.NDArray[Any]] = []
+    for first in range(0, max(rows, 1), BATCH):
+        some = by_name(table.iloc[first : first + BATCH]) if is_frame else table[first : first + BATCH]
+        cases.take(some, keep=True)
+        batch = cases.batches.pop()
+        whole = whole or [np.empty(rows, dtype=column.dtype) for column in batch]
+        for column, part in zip(whole, batch, strict=True):
+            column[first : first + BATCH] = part
+    cases.batches.append((whole[0], whole[1], whole[2], whole[3], whole[4]))
     return cases
 
 
@@ -219,8 +231,11 @@ def numbers(table: Table, name: str) -> Floats:
         raise ValueError(f"column {name!r} has {column[0]!r}; expected numbers") from None
 
 
-def outcomes_of(table: Table) -> npt.NDArray[Any]:
-    """Returns the outcomes in lower case: 1 or True is overturned. An unknown word is an error, since it would count as a standing block."""
+def outcomes_of(table: Table, before: int = 0) -> npt.NDArray[Any]:
+    """Returns the outcomes in lower case: 1 or True is overturned. An unknown word is an error, since it would count as a standing block.
+
+    `before` is the number of rows of the batches before.
+    """
     column = _column(table, "outcome")
     if column.dtype.kind in "biuf" and np.isin(column, (0, 1)).all():
         column = np.where(column.astype(bool), "overturned", "completed")
@@ -228,5 +243,5 @@ def outcomes_of(table: Table) -> npt.NDArray[Any]:
     unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))
     if unknown.size:
         words = ", ".join(f'"{word}"' for word in get_args(Outcome))
-        raise ValueError(f"outcome = {column[unknown[0]]!r} in row {unknown[0]}; expected one of {words}")
+        raise ValueError(f"outcome = {column[unknown[0]]!r} in row {before + unknown[0]}; expected one of {words}")
     return outcome

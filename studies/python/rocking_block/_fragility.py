@@ -105,7 +105,7 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their runs ended at complete separation, with the outcome open."""
     without_response: int
     """Rows omitted because their runs were completed without the response of the limit."""
-    exceeded: tuple[float, float]
+    fraction_range: tuple[float, float]
     """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
     _source: Rows | Files
     _arguments: tuple[Any, ...]
@@ -119,19 +119,19 @@ class Fragility(_engine.Fragility):
         tick: Any = lambda done, total: None,
         cases: Cases | None = None,
         cluster: str | None = None,
-        exceeds: bool | None = None,
+        unknown_exceed: bool | None = None,
     ) -> Self:
         if isinstance(source, Files):
-            cases = cases or source.cases(exceeds=exceeds)
+            cases = cases or source.cases(unknown_exceed=unknown_exceed)
             store, motions = cases.store, cases.motions
         else:
             store, (measures, *_, numbers) = _engine.CaseStore(), source
-            store.push(np.arange(len(measures), dtype=np.int64), *source, exceeds)
+            store.push(np.arange(len(measures), dtype=np.int64), *source, unknown_exceed)
             # Motions are numbered in the order of their first rows.
             motions = _engine.Motions.in_order(cluster, int(numbers.max(initial=-1)) + 1)
         fit = super().__new__(cls, store, motions, *options, tick)
         fit._source, fit.ci = source, options[1]
-        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.without_response, fit.exceeded = labels
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.without_response, fit.fraction_range = labels
         fit._arguments, fit._cluster = (source, options, labels), motions.cluster
         return fit
 
@@ -166,11 +166,11 @@ class Fragility(_engine.Fragility):
             raise ValueError(f"found {known.sum()} rows in the files of the curve; expected the {self.rows} of its fit")
         return source[0][known], source[1][known]
 
-    def _completed(self, exceeds: bool) -> Fragility | None:
+    def _completed(self, unknown_exceed: bool) -> Fragility | None:
         """Returns the curve if all runs without a known outcome exceed the limit, or none; None where there is no such curve."""
         source, (link, ci, _, seed), labels = self._arguments
         try:
-            return Fragility(source, (link, ci, None, seed), labels, cluster=self._cluster, exceeds=exceeds)
+            return Fragility(source, (link, ci, None, seed), labels, cluster=self._cluster, unknown_exceed=unknown_exceed)
         except ValueError:
             return None
 
@@ -253,7 +253,7 @@ class Fragility(_engine.Fragility):
 
     def _exceeded(self) -> str:
         # Digits beyond the tenth are round-off of the fractions of ensembles.
-        return f"{self.exceeding:.10g} of {self.rows} runs"
+        return f"{self.exceeded:.10g} of {self.rows} runs"
 
 
 def _fragility_of(source: Rows | Files, options: Any, labels: Any, cluster: str | None, found: tuple[int, tuple[float, float]]) -> Fragility:
@@ -370,7 +370,7 @@ def fragility(
     if fit.without_response:
         doubts.append(f"{fit.without_response} rows without the response of the limit are left out of the curve")
     if doubts:
-        span = " to ".join(f"{100 * share:.1f} %" for share in fit.exceeded)
+        span = " to ".join(f"{100 * share:.1f} %" for share in fit.fraction_range)
         warnings.warn(f"{'; '.join(doubts)}: it is exceeded in {span} of all rows", stacklevel=2)
     for warning in fit.warnings(f"{im} [{unit}]" if unit else im):
         warnings.warn(warning, stacklevel=2)

@@ -23,9 +23,6 @@ from rocking_block._words import OF_EVERY_BLOCK, Floats, ticking
 # One record or several, as objects or as files.
 Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
 
-# Beyond this factor, noise of the instrument becomes ground motion.
-LARGEST_SCALE = 20.0
-
 # Parameters that a table of blocks defined by their dimensions has if they vary.
 _DIMENSIONS = ("width", "height", "K", "C")
 # Parameters that every table has if they vary.
@@ -180,10 +177,8 @@ def _warn_of_records(pairs: Sequence[tuple[Record | None, Record | None]], names
         elif name not in repeated:
             repeated.append(name)
             warnings.warn(f"{name} is given more than once: its rows are made and counted as often", stacklevel=4)
-    largest = max(map(abs, scales))
-    if names and largest > LARGEST_SCALE:
-        message = f"scale = {largest:g}; expected at most {LARGEST_SCALE:g}, beyond which noise is amplified"
-        warnings.warn(message, stacklevel=4)
+    for doubt in _engine.strong_scales({"each record": max(map(abs, scales))} if names else {}):
+        warnings.warn(doubt, stacklevel=4)
 
 
 def warn_of_failures(found: npt.ArrayLike, failure: str | None, stacklevel: int = 3) -> None:

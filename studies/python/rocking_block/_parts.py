@@ -47,26 +47,28 @@ def _idle(done: int, total: int) -> None:
 @lru_cache(maxsize=2)
 def _study(source: Source) -> _engine.Study:
     """Returns the study, which a worker reads once for all parts."""
-    with warnings.catch_warnings():
-        # The caller has been warned, and has checked the study.
-        warnings.simplefilter("ignore")
-        return _engine.Study(*source, True, _idle)
+    # The caller has checked the study.
+    return _engine.Study(*source, True, _idle)
 
 
-def _rows(source: Source, number: int, count: int, threads: int) -> tuple[Any, str | None]:
-    """Returns the columns of a part, and the reason of the first failed run."""
+Scales = dict[str, float]
+"""The greatest factors on the records of a hunt, by their names."""
+
+
+def _rows(source: Source, number: int, count: int, threads: int) -> tuple[Any, str | None, Scales]:
+    """Returns the columns of a part, the reason of the first failed run, and the greatest factors on records."""
     return _study(source).part(number, count, threads, _idle)
 
 
-def _file(source: Source, number: int, count: int, threads: int, out: str, format: str) -> tuple[int, str | None]:
-    """Writes a part unless it is complete; returns the number of its rows, and the reason of the first failed run."""
+def _file(source: Source, number: int, count: int, threads: int, out: str, format: str) -> tuple[int, str | None, Scales]:
+    """Writes a part unless it is complete; returns the number of its rows, and the others of `_rows`."""
     study, name = _study(source), _engine.part_file_name(number, count, format)
     folder = _folder(out)
     if folder.is_complete(name, lambda file: study.is_complete(file, number, count)):
-        return 0, None
-    content, rows, failure = study.part_file(number, count, format, threads, _idle)
+        return 0, None, {}
+    content, rows, failure, scales = study.part_file(number, count, format, threads, _idle)
     folder.write(name, content)
-    return rows, failure
+    return rows, failure, scales
 
 
 class Folder:
@@ -176,19 +178,20 @@ def made(
     executor: Executor,
     threads: int | None,
     progress: bool | None,
-) -> tuple[Table | None, str | None]:
-    """Makes the parts of a study on an executor; returns their table unless they are files, and the reason of a failed run."""
+) -> tuple[Table | None, str | None, Scales]:
+    """Makes the parts of a study on an executor; returns their table unless they are files, and the others of `_rows`."""
     count = _count(parts, study.rows)
-    task: Callable[..., tuple[Any, str | None]] = _rows if out is None else _file
+    task: Callable[..., tuple[Any, str | None, Scales]] = _rows if out is None else _file
     place = () if out is None else (out, _format(out, count, part_format))
     calls = [(source, number, count, threads or 1, *place) for number in range(1, count + 1)]
     kept = "" if out is None else "; the same call makes the missing parts"
-    failures, table = [], _Rows(study.rows)
-    for _, (result, failure) in _results(executor, task, calls, study.rows, kept, progress):
+    failures, greatest, table = [], Scales(), _Rows(study.rows)
+    for _, (result, failure, scales) in _results(executor, task, calls, study.rows, kept, progress):
         failures.extend([failure] if failure else [])
+        greatest |= {name: max(scale, greatest.get(name, 0.0)) for name, scale in scales.items()}
         if out is None:
             table.take(result)
-    return None if out is not None else table.whole(), failures[0] if failures else None
+    return None if out is not None else table.whole(), failures[0] if failures else None, greatest
 
 
 class _Rows:

@@ -179,15 +179,15 @@ class AnnualRate(_engine.AnnualRate):
         rate.hazard = hazard
         rate.rows = None if fit is None else fit.range
         rate.rate_of_unknown = None
-        if fit is not None and fit.exceeded[1] > fit.exceeded[0]:
+        if fit is not None and fit.fraction_range[1] > fit.fraction_range[0]:
             rate.rate_of_unknown = (cls._completed(hazard, fit, False), cls._completed(hazard, fit, True))
         rate._arguments = (hazard, fit, lognormal, table)
         return rate
 
     @staticmethod
-    def _completed(hazard: Hazard, fit: Fragility, exceeds: bool) -> float:
+    def _completed(hazard: Hazard, fit: Fragility, unknown_exceed: bool) -> float:
         """Returns the rate if all rows without a known outcome exceed the limit, or none; nan without a curve."""
-        completed = fit._completed(exceeds)
+        completed = fit._completed(unknown_exceed)
         try:
             return np.nan if completed is None else _engine.AnnualRate(hazard.levels, hazard.rates, completed, None, None).rate
         except ValueError:

@@ -30,7 +30,7 @@ class Search:
     runs below it failed); "lower" if the true value lies beyond the range.
     """
     stretches: tuple[tuple[float, float, str], ...]
-    """Intervals of equal outcome, in order: start, stop, outcome."""
+    """Intervals of equal outcome, in order: from, to, outcome."""
     spacing: float
     """Distance between the scanned values; a narrower interval may be missed."""
     resolution: float
@@ -39,7 +39,7 @@ class Search:
     def __repr__(self) -> str:
         bound = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
         least = "none in the range" if self.least is None else f"{bound}{self.least:.6g}"
-        stretches = "; ".join(f"{outcome} {start:.6g} to {stop:.6g}" for start, stop, outcome in self.stretches[:5])
+        stretches = "; ".join(f"{outcome} {low:.6g} to {high:.6g}" for low, high, outcome in self.stretches[:5])
         more = f"; {len(self.stretches) - 5} more" if len(self.stretches) > 5 else ""
         return f"<Search over {self.parameter}: least {least}; {stretches}{more}>"
 
@@ -50,8 +50,8 @@ def search_overturning(
     pulse: Pulse | None = None,
     record: Record | str | os.PathLike[str] | None = None,
     vertical: Record | str | os.PathLike[str] | None = None,
-    start: float | None = None,
-    stop: float | None = None,
+    from_: float | None = None,
+    to: float | None = None,
     points: int = 201,
     resolution: float = 1e-6,
     tolerance: float = 1e-6,
@@ -72,7 +72,7 @@ def search_overturning(
         Shape, period and start of a pulse. Its own amplitude is ignored; the search is over the amplitude [m/s²].
     record, vertical : Record or path
         Records instead of a pulse; the search is over the factor on them [1].
-    start, stop : float, optional
+    from_, to : float, optional
         Range of the amplitude or factor. By default it ends at ten times a PGA of g tan α. It begins at 0 or, on a
         rigid base without a vertical record, at g tan α, below which no block rocks there.
     points : int
@@ -101,7 +101,7 @@ def search_overturning(
     >>> f"{found.least:.4f} m/s²"
     '7.2226 m/s²'
     """
-    scan = _scan(start, stop, points, resolution, threads)
+    scan = _scan(from_, to, points, resolution, threads)
     options = run_options(tolerance, on_separation)
     if not isinstance(block, _engine.Block):
         raise TypeError(f"block = {block!r}; expected a Block")
@@ -119,8 +119,8 @@ def search_damping(
     block: _engine.Block,
     *,
     rate: float = 0.95,
-    start: float = 0.0,
-    stop: float = 1.0,
+    from_: float = 0.0,
+    to: float = 1.0,
     points: int = 201,
     resolution: float = 1e-6,
     tolerance: float = 1e-6,
@@ -137,7 +137,7 @@ def search_damping(
         The block on viscoelastic supports; its own ξ_v is ignored.
     rate : float
         Rate of rotation at the start over α p [1].
-    start, stop : float
+    from_, to : float
         Range of ξ_v [1].
     points, resolution, tolerance, threads, progress
         As in `search_overturning`.
@@ -147,7 +147,7 @@ def search_damping(
     ValueError
         An invalid option, or a rigid base.
     """
-    scan = _scan(start, stop, points, resolution, threads)
+    scan = _scan(from_, to, points, resolution, threads)
     options = run_options(tolerance, "terminate")
     with ticking(progress) as tick:
         least, bound, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
@@ -155,6 +155,6 @@ def search_damping(
 
 
 def _scan(
-    start: float | None, stop: float | None, points: int, resolution: float, threads: int | None
+    from_: float | None, to: float | None, points: int, resolution: float, threads: int | None
 ) -> dict[str, Any]:
-    return {"from": start, "to": stop, "points": points, "resolution": resolution, "threads": threads}
+    return {"from": from_, "to": to, "points": points, "resolution": resolution, "threads": threads}

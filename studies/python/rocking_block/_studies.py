@@ -324,6 +324,8 @@ def sweep(
     -----
     RuntimeWarning
         Some runs failed: their outcome is "failed".
+    UserWarning
+        Records are scaled by more than 20, or a block or pulse is beyond reason.
 
     Examples
     --------
@@ -349,13 +351,21 @@ def sweep(
     source = _source(study, on_separation)
     with ticking(progress) as tick:
         read = _engine.Study(*source, False, tick)
+    _warn(read.remarks, 2)
     folder = None if out is None else os.fspath(out)
     if folder is not None and not is_url(folder):
         folder = os.path.abspath(folder)
-    table, failure = _parts.made(source, read, folder, parts, part_format, executor, threads, progress)
+    table, failure, scales = _parts.made(source, read, folder, parts, part_format, executor, threads, progress)
     if failure is not None:
         warnings.warn(f"some runs failed, such as: {failure}", RuntimeWarning, stacklevel=2)
+    _warn(_engine.strong_scales(scales), 2)
     return table
+
+
+def _warn(doubts: list[str], stacklevel: int) -> None:
+    """Gives warnings; the level 1 is the caller."""
+    for doubt in doubts:
+        warnings.warn(doubt, stacklevel=stacklevel + 1)
 
 
 def _source(study: str | os.PathLike[str] | Mapping[str, Any], on_separation: OnSeparation | None) -> _parts.Source:
@@ -382,14 +392,16 @@ def swept(
         raise ValueError(f"{out}: exists already, and a Parquet table is written whole; expected another name")
     with ticking(progress) as tick:
         read = _engine.Study(*source, False, tick)
+        _warn(read.remarks, 3)
         if out is not None and ending == ".parquet":
-            content, columns, failure = read.parquet(threads, tick)
+            content, (columns, failure, scales) = read.parquet(threads, tick)
             _parts.Folder(str(Path(out).absolute().parent)).write(Path(out).name, content)
         else:
-            columns, failure = read.table(threads, out, tick)
+            columns, failure, scales = read.table(threads, out, tick)
     # The numbers of the rows are those of the arrays.
     table = of_columns(columns[1:])
     warn_of_failures(table["outcome"], failure, 4)
+    _warn(_engine.strong_scales(scales), 3)
     return table, read.measure
 
 

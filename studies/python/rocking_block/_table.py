@@ -374,7 +374,7 @@ def _for_each_batch(
         with pyarrow.parquet.ParquetFile(file.path, pre_buffer=False, buffer_size=1 << 16) as content:
             schema, rows = content.schema_arrow, 0
             wanted = list(filter(is_wanted, schema.names))
-            for batch in content.iter_batches(_BATCH, columns=wanted, use_threads=False):
+            for batch in content.iter_batches(BATCH, columns=wanted, use_threads=False):
                 rows += batch.num_rows
                 table = pyarrow.Table.from_batches([batch], batch.schema.with_metadata(schema.metadata))
                 each(_with_keys(_of_arrow(table), keys), is_part)
@@ -385,7 +385,7 @@ def _for_each_batch(
     _read_parquet_files(files, read)
 
 
-_BATCH = 1 << 14
+BATCH = 1 << 14
 """Rows of a batch: of larger ones, the names of records and their copies take most of the memory of a fit."""
 
 

@@ -33,7 +33,7 @@ impl CaseStore {
     /// of its runs without a verdict, the peak of the blocks that rock and stand, and the number of the ground motion, negative for rows with
     /// their own. A missing measure or peak is nan, and so is the fraction of a row without a known run.
     ///
-    /// `exceeds` says whether runs without a verdict exceed the limit; without it they are left out.
+    /// `unknown_exceed` says whether runs without a verdict exceed the limit; without it they are left out.
     #[allow(clippy::too_many_arguments)]
     fn push(
         &mut self,
@@ -43,15 +43,15 @@ impl CaseStore {
         unknown: PyReadonlyArray1<f64>,
         peaks: PyReadonlyArray1<f64>,
         motions: PyReadonlyArray1<i64>,
-        exceeds: Option<bool>,
+        unknown_exceed: Option<bool>,
     ) {
         let known = |value: f64| Some(value).filter(|value| !value.is_nan());
         let (places, measures, fractions) = (places.as_array(), measures.as_array(), fractions.as_array());
         let (unknown, peaks, motions) = (unknown.as_array(), peaks.as_array(), motions.as_array());
         for row in 0..places.len() {
             let fraction = known(fractions[row]);
-            let Some(fraction) = (match exceeds {
-                Some(exceeds) => Some(completed(fraction, unknown[row], exceeds)),
+            let Some(fraction) = (match unknown_exceed {
+                Some(exceed) => Some(completed(fraction, unknown[row], exceed)),
                 None => fraction,
             }) else {
                 continue;
@@ -59,7 +59,7 @@ impl CaseStore {
             let case = Case {
                 row,
                 fraction,
-                // The range of the exceeded runs is counted in Python.
+                // The range of their fraction is counted in Python.
                 unknown: 0.0,
                 peak: known(peaks[row]),
                 motion: usize::try_from(motions[row]).ok(),
@@ -265,8 +265,8 @@ impl Fragility {
 pub struct CurveNumbers {
     /// Number of rows in the fit.
     rows: usize,
-    /// Sum of the fractions of the rows.
-    exceeding: f64,
+    /// Number of rows in the fit that exceed the limit: the sum of their fractions.
+    exceeded: f64,
     /// Least and greatest measure.
     range: Ends,
     median: f64,
@@ -291,7 +291,7 @@ impl CurveNumbers {
         let (beta, errors) = (found.fit.dispersion(), found.standard_errors());
         CurveNumbers {
             rows: found.rows,
-            exceeding: found.data.observations().iter().map(|row| row.weight * row.fraction).sum(),
+            exceeded: found.data.observations().iter().map(|row| row.weight * row.fraction).sum(),
             range: (least, greatest),
             median: found.fit.median(),
             median_ci: ends(found.median, 0.0, f64::INFINITY),

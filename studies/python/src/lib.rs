@@ -74,7 +74,7 @@ mod _engine {
         risk::{AnnualRate, check_hazard, hazard_over, read_hazard},
         search::{search_damping, search_overturning},
         space::{BlockInSpace, history_in_space, outcomes_in_space},
-        studies::{Study, outcomes, part_file_name, part_format},
+        studies::{Study, outcomes, part_file_name, part_format, strong_scales},
         table::{is_needed, read_batches, read_table, table_files},
         tie::link_numbers,
     };

@@ -28,8 +28,8 @@ impl ScanOptions {
     /// Returns the scan; missing ends are those of `instead`.
     fn scan(&self, instead: [f64; 2]) -> PyResult<Scan> {
         let (from, to) = (self.from.unwrap_or(instead[0]), self.to.unwrap_or(instead[1]));
-        finite("start", from, |_| true, "a finite number")?;
-        finite("stop", to, |x| x > from, &format!("more than start = {from}"))?;
+        finite("from_", from, |_| true, "a finite number")?;
+        finite("to", to, |x| x > from, &format!("more than from_ = {from}"))?;
         finite("resolution", self.resolution, |x| x > 0.0, "a number > 0")?;
         Ok(Scan { from, to, points: whole("points", self.points, 2..=10_000_000)?, resolution: self.resolution })
     }

@@ -1,5 +1,6 @@
 //! Many blocks under many ground motions → a column each.
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ use rocking_studies::run::rows::RunRow;
 use rocking_studies::run::sliding;
 use rocking_studies::spec::RunSpec;
 use rocking_studies::sweep::Sweep;
+use rocking_studies::sweep::amplified::GreatestScales;
 use rocking_studies::sweep::file::{self, Checks};
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
@@ -194,6 +196,20 @@ pub struct Study {
     study: Arc<Sweep>,
 }
 
+/// The greatest factors on the records of a hunt, by their names; empty for other studies.
+type Scales = BTreeMap<String, f64>;
+
+fn hunted_scales(study: &Sweep, rows: &table::Table) -> Scales {
+    let mut found = study.hunted_scales();
+    if let Some(found) = &mut found {
+        found.take(rows);
+    }
+    found.unwrap_or_default().0
+}
+
+/// The rows of a study: their columns, the reason of the first failed run, and the greatest factors on records.
+type Rows<'py> = (Vec<Column<'py>>, Option<String>, Scales);
+
 /// A part of a study by its number, from 1, and the number of parts.
 fn part_of(number: u64, count: u64) -> PyResult<PartNumber> {
     let message = || PyValueError::new_err(format!("part {number} of {count}; expected a number from 1 to {count}"));
@@ -236,8 +252,13 @@ impl Study {
             }
             study.on_separation = choice("on_separation", on_separation, &choices)?;
         }
-        warn(py, study.remarks.clone(), 4)?;
         Ok(Study { study: Arc::new(study) })
+    }
+
+    /// Doubts about records, their scale, blocks and pulses.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.study.remarks.clone()
     }
 
     /// Number of rows.
@@ -260,10 +281,11 @@ impl Study {
         threads: Option<i64>,
         out: Option<PathBuf>,
         tick: &Bound<'py, PyAny>,
-    ) -> PyResult<Columns<'py>> {
+    ) -> PyResult<Rows<'py>> {
         let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
         let Some(out) = out else {
-            return for_python(py, wait(py, tick, move |progress| made(&*study, &pool, progress))?);
+            let made = wait(py, tick, move |progress| made(&*study, &pool, progress))?;
+            return self.for_python(py, made);
         };
         let busy = Arc::new(Mutex::new(()));
         let writing = Arc::clone(&busy);
@@ -273,7 +295,8 @@ impl Study {
         });
         py.detach(|| drop(busy.lock()));
         let (table, failure) = written?.map_err(invalid)?;
-        Ok((columns(py, table)?, failure))
+        let scales = hunted_scales(&self.study, &table);
+        Ok((columns(py, table)?, failure, scales))
     }
 
     /// Returns the file of the table in Parquet, and the table.
@@ -282,14 +305,13 @@ impl Study {
         py: Python<'py>,
         threads: Option<i64>,
         tick: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyBytes>, Vec<Column<'py>>, Option<String>)> {
+    ) -> PyResult<(Bound<'py, PyBytes>, Rows<'py>)> {
         let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
         let (content, made) = wait(py, tick, move |progress| {
             let made = made(&*study, &pool, progress);
             (parts::file(&study.header(), made.table.clone(), "parquet"), made)
         })?;
-        let (columns, failure) = for_python(py, made)?;
-        Ok((PyBytes::new(py, &content?), columns, failure))
+        Ok((PyBytes::new(py, &content?), self.for_python(py, made)?))
     }
 
     /// Returns the rows of a part.
@@ -300,13 +322,13 @@ impl Study {
         count: u64,
         threads: Option<i64>,
         tick: &Bound<'py, PyAny>,
-    ) -> PyResult<Columns<'py>> {
+    ) -> PyResult<Rows<'py>> {
         let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
         let made = wait(py, tick, move |progress| made(&Part::new(&*study, number), &pool, progress))?;
-        for_python(py, made)
+        self.for_python(py, made)
     }
 
-    /// Returns the file of a part, the number of its rows, and the reason of the first failed run.
+    /// Returns the file of a part, the number of its rows, the reason of the first failed run, and the greatest factors on records.
     fn part_file<'py>(
         &self,
         py: Python<'py>,
@@ -315,15 +337,16 @@ impl Study {
         format: String,
         threads: Option<i64>,
         tick: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyBytes>, u64, Option<String>)> {
+    ) -> PyResult<(Bound<'py, PyBytes>, u64, Option<String>, Scales)> {
         let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
-        let (content, rows, failure) = wait(py, tick, move |progress| {
+        let (content, rows, failure, scales) = wait(py, tick, move |progress| {
             let part = Part::new(&*study, number);
             let made = made(&part, &pool, progress);
+            let scales = hunted_scales(&study, &made.table);
             let content = parts::file(&part.header(), made.table, &format);
-            (content, part.rows(), made.failure.map(|failure| failure.to_string()))
+            (content, part.rows(), made.failure.map(|failure| failure.to_string()), scales)
         })?;
-        Ok((PyBytes::new(py, &content?), rows, failure))
+        Ok((PyBytes::new(py, &content?), rows, failure, scales))
     }
 
     /// Whether a file has all rows of a part; refuses the part of another study.
@@ -332,6 +355,20 @@ impl Study {
         let state = parts::state(&file, &part.header()).map_err(invalid)?;
         Ok(state == PartState::Complete)
     }
+}
+
+impl Study {
+    fn for_python<'py>(&self, py: Python<'py>, made: StudyRows) -> PyResult<Rows<'py>> {
+        let scales = hunted_scales(&self.study, &made.table);
+        let (columns, failure) = for_python(py, made)?;
+        Ok((columns, failure, scales))
+    }
+}
+
+/// Returns doubts about the greatest factors on the records of a hunt.
+#[pyfunction]
+pub fn strong_scales(scales: Scales) -> Vec<String> {
+    GreatestScales(scales).doubts()
 }
 
 /// Returns the name of a part's file.

@@ -37,7 +37,7 @@ pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<FileOfTable>, 
 fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
     let files = TableFiles::of(path)?;
     if !partial {
-        files.check_complete("partial=True")?;
+        files.check_complete(Some("partial=True"))?;
     }
     Ok(files)
 }

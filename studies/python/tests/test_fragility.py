@@ -3,6 +3,7 @@
 import pickle
 import subprocess
 import sys
+import tracemalloc
 import warnings
 
 import matplotlib.pyplot as plt
@@ -176,7 +177,7 @@ def test_a_missing_response_is_left_out_and_counted():
     with pytest.warns(UserWarning, match="24 rows without the response of the limit are left out of the curve"):
         fit = rb.fragility(joined, "PGV", "slip:0.08")
     assert (fit.median, fit.rows, fit.without_response) == (alone.median, 24, 24)
-    assert fit.exceeded[1] - fit.exceeded[0] == 0.5
+    assert fit.fraction_range[1] - fit.fraction_range[0] == 0.5
 
 
 def test_records_that_agree_have_intervals_of_some_width():
@@ -408,6 +409,31 @@ def test_parts_in_another_order_have_the_same_intervals(tmp_path):
 
     fit = _engine.Fragility(cases.store, cases.motions, "probit", 0.95, 20, 1, lambda done, total: None)
     assert (fit.median_ci, fit.beta_ci) == (whole.median_ci, whole.beta_ci)
+
+
+@pytest.mark.parametrize("is_frame", [False, True])
+def test_a_fit_of_a_table_copies_no_column_of_texts(is_frame):
+    """Beside the table are five numbers a row, their places, and the texts of a batch."""
+    random = np.random.default_rng(1)
+    rows = 200_000
+    records = np.array([f"{'name of a record ' * 4}{number}" for number in range(40)])[random.integers(0, 40, rows)]
+    measure = np.exp(random.normal(-0.4, 0.6, rows))
+    outcome = np.where(random.random(rows) < measure / (1.0 + measure), "overturned", "completed")
+    table = {"PGV": measure, "record": records, "outcome": outcome}
+    if is_frame:
+        table = pytest.importorskip("pandas").DataFrame(table)
+    tracemalloc.start()
+    try:
+        fit = rb.fragility(table, "PGV", progress=False)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert fit.rows == rows and fit.independence == "clustered by 40 motions"
+    assert peak < 8 * 8 * rows + 20e6 < records.nbytes, f"{peak / 1e6:.1f} MB"
+    # Rows of later batches have their numbers in the whole table.
+    outcome[-3] = "fallen"
+    with pytest.raises(ValueError, match=f'outcome = .*fallen.* in row {rows - 3}; expected one of "completed"'):
+        rb.fragility({"PGV": measure, "outcome": outcome}, "PGV", progress=False)
 
 
 def test_a_fit_of_a_file_keeps_neither_its_groups_nor_pandas_in_memory(tmp_path):

@@ -371,11 +371,11 @@ def test_undecided_blocks_on_ties_count_by_their_balance_or_give_a_range():
     }
     rows["peak.theta/balance"] = rows["peak.theta/alpha"]
     fit = rb.fragility(rows, im="PGV", progress=False)
-    assert fit.limit == "balance" and fit.exceeded == (0.5, 0.5)
+    assert fit.limit == "balance" and fit.fraction_range == (0.5, 0.5)
     rows["peak.theta/alpha"] = [0.1, 1.5, 1.1, 0.4, 1.2, 0.6, 1.3, 1.3]
     with pytest.warns(UserWarning, match=r"1 undecided rows may exceed the limit.* 37\.5 % to 50\.0 %"):
         higher = rb.fragility(rows, im="PGV", limit=1.25, progress=False)
-    assert higher.exceeded == (0.375, 0.5)
+    assert higher.fraction_range == (0.375, 0.5)
 
 
 def test_blocks_that_hang_at_rest_on_ties_count_by_their_balance():
@@ -386,7 +386,7 @@ def test_blocks_that_hang_at_rest_on_ties_count_by_their_balance():
     }
     rows["peak.theta/balance"] = rows["peak.theta/alpha"]
     fit = rb.fragility(rows, im="PGV", progress=False)
-    assert fit.limit == "balance" and fit.exceeded == (0.5, 0.5)
+    assert fit.limit == "balance" and fit.fraction_range == (0.5, 0.5)
 
 
 def test_unknown_samples_of_ensembles_give_a_range():
@@ -403,8 +403,8 @@ def test_unknown_samples_of_ensembles_give_a_range():
     words = r"1 undecided rows .*; in 2 rows, samples without a known outcome .* 31\.2 % to 60\.4 %"
     with pytest.warns(UserWarning, match=words):
         fit = rb.fragility(rows, im="PGV", progress=False)
-    assert fit.exceeded == (15 / 48, 29 / 48) and fit.undecided == 1
-    assert pickle.loads(pickle.dumps(fit)).exceeded == fit.exceeded
+    assert fit.fraction_range == (15 / 48, 29 / 48) and fit.undecided == 1
+    assert pickle.loads(pickle.dumps(fit)).fraction_range == fit.fraction_range
 
 
 @pytest.mark.parametrize(

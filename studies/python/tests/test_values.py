@@ -178,7 +178,7 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: rb.outcomes(BLOCK, RECORD, scale=[]), "scale = []; expected at least one factor"),
         (lambda: rb.spectrum(alpha=0.25, p=1.0, pulse=PULSE, step=1e-9), "step = 0.000000001; expected a time of at least 1e-6 s"),
         (lambda: rb.search_overturning(BLOCK), "expected either a pulse or a record, whose strength is searched for"),
-        (lambda: rb.search_overturning(BLOCK, pulse=PULSE, start=2.0, stop=1.0), "stop = 1; expected more than start = 2"),
+        (lambda: rb.search_overturning(BLOCK, pulse=PULSE, from_=2.0, to=1.0), "to = 1; expected more than from_ = 2"),
         (lambda: rb.search_damping(BLOCK.replace(foundation="rigid")),
          "a rigid base has no damping; expected a block on viscoelastic supports"),
         (lambda: rb.sweep({"study": {"design": "grid"}, "parameters": {"epsilon": [0.1, 2.0]}}),
@@ -368,7 +368,7 @@ def test_equal_records_and_great_scales_are_warned_of():
         rb.outcomes(BLOCK, [twins[0]] * 3)
     with pytest.raises(ValueError, match=r"scale = \[1, 2, 1\]; expected each factor once"):
         rb.outcomes(BLOCK, RECORD, scale=[1, 2, 1])
-    with pytest.warns(UserWarning, match="scale = 30; expected at most 20, beyond which noise is amplified"):
+    with pytest.warns(UserWarning, match="each record is scaled by up to 30.0; expected at most 20, beyond which noise is amplified"):
         rb.outcomes(BLOCK, RECORD, scale=[1, -30])
 
 

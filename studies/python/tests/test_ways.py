@@ -1,6 +1,7 @@
 """Incremental dynamic analysis, clouds and stripes, compared with sweeps, SciPy, statsmodels and planted data."""
 
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -35,6 +36,15 @@ def test_an_analysis_has_the_runs_of_its_study():
     assert analysis.level(0.84, peak=0.1) < analysis.level(0.84)
     assert analysis.plot().get_xlabel() == "peak |θ|/α"
     plt.close("all")
+
+
+@pytest.mark.parametrize("call", [rb.sweep, rb.ida, lambda study: rb.sweep(study, executor=ThreadPoolExecutor(2), parts=3)])
+def test_strong_scales_are_doubted_on_the_line_of_the_caller(call):
+    """Those of a hunt are known after its runs, those of scales before."""
+    for strengths in ({"hunt": {"im": "PGV", "first": 2.0, "runs": 4}}, {"levels": {"im": "PGV", "values": [2.0]}}):
+        with pytest.warns(UserWarning, match=r"0111a\.smc is scaled by up to \d+\.\d; expected at most 20") as found:
+            call(HUNT | {"study": {"design": "grid"} | strengths})
+        assert len(found) == 1 and found[0].filename == __file__
 
 
 def test_given_levels_are_those_of_all_curves():

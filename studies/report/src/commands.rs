@@ -36,7 +36,32 @@ pub fn commands(plan: &Plan, results: &Results) -> Vec<String> {
         commands.push(rate);
     }
     commands.extend(pulses(plan));
-    commands
+    commands.into_iter().map(|command| folded(&command)).collect()
+}
+
+/// Continues a long command on further lines, each from an option on, as a shell reads it: the page is too narrow for all.
+fn folded(command: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut text = String::new();
+    let mut width = 0;
+    for (number, part) in command.split(" --").enumerate() {
+        // Quoted words stay whole.
+        let is_option = number > 0 && text.matches('\'').count().is_multiple_of(2);
+        let length = part.chars().count() + " --".len();
+        match (number, is_option && width + length > WIDTH) {
+            (0, _) => width = length,
+            (_, true) => {
+                text += " \\\n    --";
+                width = "    --".len() + length;
+            }
+            (_, false) => {
+                text += " --";
+                width += length;
+            }
+        }
+        text += part;
+    }
+    text
 }
 
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.

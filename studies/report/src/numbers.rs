@@ -4,15 +4,21 @@
 
 use std::borrow::Borrow;
 
-use rocking_charts::numerals::significant;
+use rocking_charts::numerals::{self, significant};
 use rocking_studies::assess::Counts;
 use rocking_studies::fragility::{Limit, split_heading};
 use rocking_studies::spec::{BlockSpec, limits};
 
 /// Writes a number with three significant digits.
 pub fn short(value: impl Borrow<f64>) -> String {
-    let value = *value.borrow();
-    if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}").replace('-', "−") } else { significant(value, 3) }
+    to_digits(*value.borrow(), 3)
+}
+
+fn to_digits(value: f64, digits: usize) -> String {
+    match value != 0.0 && value.abs() < 1e-3 {
+        true => format!("{value:.*e}", digits - 1).replace('-', "−"),
+        false => significant(value, digits),
+    }
 }
 
 /// Writes a number with four significant digits.
@@ -28,30 +34,35 @@ pub fn percent(fraction: impl Borrow<f64>) -> String {
     format!("{text} %")
 }
 
-/// Writes the ends of a range, if it has any.
-fn ends(ends: [Option<f64>; 2], write: fn(f64) -> String) -> Option<String> {
-    match ends.map(|end| end.map(write)) {
+/// Writes the ends of a range, if it has any, with three digits or as many as tell them apart. Equal ends are one number.
+fn ends(ends: [Option<f64>; 2], write: fn(f64, usize) -> String) -> Option<String> {
+    match ends {
         [None, None] => None,
-        [Some(low), None] => Some(format!("above {low}")),
-        [None, Some(high)] => Some(format!("below {high}")),
-        [Some(low), Some(high)] => Some(format!("{low} to {high}")),
+        [Some(low), None] => Some(format!("above {}", write(low, 3))),
+        [None, Some(high)] => Some(format!("below {}", write(high, 3))),
+        [Some(low), Some(high)] if low == high => Some(write(low, 3)),
+        [Some(low), Some(high)] => Some(numerals::ends([low, high], 3, write).join(" to ")),
     }
 }
 
 /// Writes an interval; an unbounded end becomes a word.
 pub fn interval(interval: [Option<f64>; 2]) -> String {
-    ends(interval, short).unwrap_or_else(|| "unbounded".into())
+    ends(interval, to_digits).unwrap_or_else(|| "unbounded".into())
 }
 
 /// Writes an annual rate (1/year).
 pub fn rate(rate: impl Borrow<f64>) -> String {
-    rocking_charts::rate::per_year(*rate.borrow()).replace('-', "−")
+    rate_to_digits(*rate.borrow(), 3)
+}
+
+fn rate_to_digits(rate: f64, digits: usize) -> String {
+    rocking_charts::rate::per_year_to(rate, digits).replace('-', "−")
 }
 
 /// Writes the range of an annual rate (1/year), if it has an end.
 pub fn rate_range([low, high]: [Option<f64>; 2]) -> Option<String> {
     // A lower end below the least printed rate carries no information.
-    ends([low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high], rate)
+    ends([low.filter(|low| *low >= rocking_charts::rate::NEGLIGIBLE), high], rate_to_digits)
 }
 
 /// Writes a return period (years).
@@ -68,13 +79,18 @@ pub fn heading(heading: &str) -> (String, String) {
     (name.replace("alpha", "α"), suffix)
 }
 
-/// Writes a quantity such as `eta [1]` by its symbol and unit. A parameter of a block has its title.
-pub fn quantity(of: &str) -> String {
+/// Returns the name of a quantity such as `eta [1]` and the suffix of its numbers. A parameter of a block has its title.
+pub fn named_quantity(of: &str) -> (String, String) {
     let (name, unit) = heading(of);
     let parameters = limits::properties::<BlockSpec>();
-    let symbol = parameters[split_heading(of).0]["title"].as_str().unwrap_or(&name);
-    let unit = unit.trim();
-    if unit.is_empty() { symbol.into() } else { format!("{symbol} ({unit})") }
+    let title = parameters[split_heading(of).0]["title"].as_str();
+    (title.map(String::from).unwrap_or(name), unit)
+}
+
+/// Writes a quantity by its name and unit.
+pub fn quantity(of: &str) -> String {
+    let (name, unit) = named_quantity(of);
+    if unit.is_empty() { name } else { format!("{name} ({})", unit.trim()) }
 }
 
 /// Writes a limit in symbols.
@@ -122,7 +138,7 @@ pub fn exceeds_in_words(limit: Limit) -> String {
 }
 
 /// Meaning of the measures and symbols of a page.
-pub const WORDS: [(&str, &str); 9] = [
+pub const WORDS: [(&str, &str); 11] = [
     ("PGA", "peak ground acceleration: the greatest acceleration of the ground"),
     ("PGV", "peak ground velocity: the greatest velocity of the ground"),
     ("PFA", "peak floor acceleration: the greatest acceleration of the floor on which the object stands"),
@@ -132,11 +148,13 @@ pub const WORDS: [(&str, &str); 9] = [
         "α",
         "slenderness: the angle between the vertical and the line from a corner to the centre of mass; at |θ|/α = 1 that centre stands over the corner",
     ),
+    ("p", "frequency parameter: a measure of size, smaller for larger objects"),
     (
         "β",
         "dispersion: how widely the strengths scatter at which an object exceeds the limit, as a standard deviation of natural logarithms",
     ),
     ("median", "the strength of shaking at which the limit is exceeded with a probability of one half"),
+    ("interval", "the range of values that the scatter among the ground motions allows, at the stated confidence"),
     ("μ", "coefficient of friction between feet and base"),
 ];
 

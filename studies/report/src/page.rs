@@ -22,7 +22,7 @@ pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<Stri
         measure,
         unit: unit.trim().to_string(),
         compared: limit(report.states[report.compared_state].limit),
-        beyond: numbers::exceed(report.states[report.compared_state].limit),
+        beyond: numbers::exceed(report.states[report.compared_state].limit).replace(" = ", "\u{a0}=\u{a0}"),
         verdict: verdict(report, range(results)),
         by: by(report),
         words: words(report),
@@ -203,7 +203,8 @@ impl Page<'_> {
             1 => Some("1 run without a known outcome".into()),
             runs => Some(format!("{runs} runs without a known outcome")),
         };
-        let limit = (variant.limit != self.report.variants[0].limit).then(|| limit(variant.limit));
+        let limit =
+            (variant.limit != self.report.variants[0].limit).then(|| format!("limit: {}", limit(variant.limit)));
         [limit, slip, tension, damper, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
@@ -218,7 +219,8 @@ impl Page<'_> {
         let p = self.report.object.p;
         let size = sizes.iter().min_by(|a, b| (a.p - p).abs().total_cmp(&(b.p - p).abs()))?;
         let all = size.rocked + size.at_rest + size.overturned + size.undecided;
-        Some(format!("{} of {all} ground motions overturn the object itself", size.overturned))
+        let overturn = if size.overturned == 1 { "overturns" } else { "overturn" };
+        Some(format!("{} of {all} ground motions {overturn} the object itself", size.overturned))
     }
 
     fn rate_interval(&self, interval: &[Option<f64>; 2]) -> String {
@@ -228,6 +230,12 @@ impl Page<'_> {
     /// Whether a variant has limited friction that the object has not.
     fn has_sliding_variant(&self) -> bool {
         self.report.variants.iter().skip(1).any(|variant| variant.friction.is_finite())
+    }
+
+    /// Whether the interval of the compared curve's median has no end.
+    fn is_unbounded(&self) -> bool {
+        let curve = self.report.states[self.report.compared_state].curve;
+        curve.is_some_and(|curve| curve.median_interval == [None; 2])
     }
 
     fn has_usual_ranges(&self) -> bool {

@@ -1,8 +1,8 @@
 //! Results → plain English.
 
 use crate::numbers::{
-    self, counted, exceed, exceeds_in_words, heading, interval, limit, long, no_curve, percent, quantity, rate, short,
-    spelled, years,
+    self, counted, exceed, exceeds_in_words, heading, interval, limit, long, named_quantity, no_curve, percent, rate,
+    short, spelled, years,
 };
 use rocking_studies::assess::{BuildingResult, Comparison, ObjectResult, Report, StateResult};
 use rocking_studies::fragility::Limit;
@@ -11,7 +11,15 @@ use rocking_studies::fragility::Limit;
 pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
     let state = &report.states[report.compared_state];
     let (measure, unit) = heading(&report.im);
-    let happens = exceeds_in_words(state.limit);
+    let happens = match state.limit {
+        Limit::Overturned | Limit::Balance => exceeds_in_words(state.limit),
+        // The name says more to its author than the words for the limit.
+        Limit::Rotation(_) | Limit::Slip(_) | Limit::Plastic(_) | Limit::HalfCycles(_) => {
+            format!("{} (“{}”)", exceeds_in_words(state.limit), state.name)
+        }
+    };
+    let worst = report.states.last().filter(|worst| worst.limit == Limit::Overturned && worst.runs.at_most() == 0);
+    let stands = worst.map_or("", |_| "; it overturns in none of these runs");
     let half = match state.curve.map(|curve| curve.median) {
         Some(median) if median > greatest => "; the odds are even only in stronger ones".into(),
         Some(median) if median < least => "; the odds are even in weaker ones already".into(),
@@ -19,9 +27,10 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
         None => String::new(),
     };
     let capacity = format!(
-        "The object {happens} in {} of {} computed earthquakes with a {} from {} to {}{unit}{half}.",
+        "The object {happens} in {} of {} computed runs under {} with a {} from {} to {}{unit}{half}{stands}.",
         numbers::exceeded(&state.runs),
         state.runs.all(),
+        counted(report.motions.len() as u64, "ground motion"),
         spelled(&measure),
         short(least),
         short(greatest)
@@ -56,7 +65,10 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     let (measure, unit) = heading(&report.im);
     let mut sentences = vec![object(&report.object, report.building.as_ref())];
     sentences.extend(report.building.as_ref().map(building));
-    let count = |state: &StateResult| format!("{} {}", numbers::exceeded(&state.runs), exceed(state.limit));
+    let count = |state: &StateResult| match state.runs.at_most() {
+        0 => format!("none {}", exceed(state.limit)),
+        _ => format!("{} {}", numbers::exceeded(&state.runs), exceed(state.limit)),
+    };
     let counts: Vec<String> = report.states.iter().map(count).collect();
     sentences.push(format!(
         "In {} ({} × {} × {}) {}.",
@@ -278,9 +290,9 @@ fn strongest_assumption(report: &Report) -> Option<String> {
     if change(&strongest.ends) == 0 {
         return Some(format!("No assumption changes the number of runs that {exceed}."));
     }
+    let (name, unit) = named_quantity(&strongest.assumption.name);
     Some(format!(
-        "Of the assumptions, the {} matters most: {} runs {exceed} with {}, {} with {}.",
-        quantity(&strongest.assumption.name),
+        "Of the assumptions, the {name} matters most: {} runs {exceed} with {}{unit}, {} with {}{unit}.",
         numbers::exceeded(&low.runs),
         short(strongest.assumption.values[0]),
         numbers::exceeded(&high.runs),

@@ -204,7 +204,7 @@ pub struct SizeResult {
 pub struct Counts {
     /// Runs whose outcome is known.
     pub known: usize,
-    /// Runs that exceed the limit.
+    /// Number of runs that exceed the limit.
     pub exceeded: usize,
     /// Runs that failed, separated before the limit, or are undecided.
     pub left_out: usize,

@@ -47,8 +47,8 @@ impl StateCurve {
         };
         let rate_of_unknown = match hazard.filter(|_| counts.exceeded_at_most > counts.exceeded) {
             Some(hazard) => {
-                let mut curve = |exceeds| -> Result<Option<FragilityCurve>, SweepTableError> {
-                    let cases = table.completed_cases(limit, exceeds, &mut motions, |row| row as u64)?;
+                let mut curve = |unknown_exceed| -> Result<Option<FragilityCurve>, SweepTableError> {
+                    let cases = table.completed_cases(limit, unknown_exceed, &mut motions, |row| row as u64)?;
                     let fit = store(&cases).fit(&motions, Link::Probit);
                     Ok(fit.ok().and_then(|fit| FragilityCurve::of(&fit).ok()))
                 };

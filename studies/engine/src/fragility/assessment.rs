@@ -228,13 +228,19 @@ impl Assessment {
 
     /// Returns warnings of rows without the measure, of missing intervals, and of a falling curve. `heading` is the name and unit of the measure.
     pub fn warnings(&self, heading: &str) -> Vec<String> {
-        let few = self.bootstrap.as_ref().filter(|found| found.groups < MIN_GROUPS).map(|found| {
+        let without = self.bootstrap.as_ref().and_then(|found| {
             let units = if self.independence == Independence::Rows { "rows" } else { "motions" };
-            format!(
-                "no intervals: a bootstrap of {} {units} understates the scatter; expected at least {MIN_GROUPS} {units}, or intervals \
-                 of the profile likelihood",
-                found.groups
-            )
+            let instead = "intervals of the profile likelihood";
+            match found.groups {
+                groups if groups < MIN_GROUPS => Some(format!(
+                    "no intervals: a bootstrap of {groups} {units} understates the scatter; expected at least {MIN_GROUPS} {units}, or \
+                     {instead}"
+                )),
+                groups if found.is_too_alike() => Some(format!(
+                    "no intervals: all curves of the bootstrap of {groups} {units} are the same; expected {units} that differ, or {instead}"
+                )),
+                _ => None,
+            }
         });
         let deviate = self.independence.deviate(self.confidence);
         let profile = LikelihoodProfile::clustered(&self.data, &self.fit, deviate, self.covariance.clone());
@@ -253,7 +259,7 @@ impl Assessment {
         });
         let missing = (self.without_measure > 0)
             .then(|| format!("{heading}: {} rows without the measure are left out of the curve", self.without_measure));
-        missing.into_iter().chain(few).chain(alike).chain(falls).collect()
+        missing.into_iter().chain(without).chain(alike).chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.

@@ -28,11 +28,21 @@ pub struct Bootstrap {
 }
 
 impl Bootstrap {
-    /// The central interval of this fraction of a feature's values. It is unbounded for fewer than two curves or ten groups.
+    /// Whether all curves are the same to round-off, as of groups with equal rows: their scatter is no knowledge.
+    pub fn is_too_alike(&self) -> bool {
+        /// Relative difference of coefficients.
+        const ROUND_OFF: f64 = 1e-9;
+        let Some((first, others)) = self.fits.split_first() else { return false };
+        let first = &first.coefficients;
+        others.iter().all(|other| (&other.coefficients - first).norm() <= ROUND_OFF * first.norm())
+    }
+
+    /// The central interval of this fraction of a feature's values. It is unbounded for fewer than two curves or ten groups, and for curves
+    /// that are all the same.
     pub fn interval(&self, confidence: f64, of: impl Fn(&CurveFit) -> f64) -> Interval {
         let mut values: Vec<f64> = self.fits.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
-        if values.len() < 2 || self.groups < MIN_GROUPS {
+        if values.len() < 2 || self.groups < MIN_GROUPS || self.is_too_alike() {
             return [None; 2];
         }
         [-0.5, 0.5].map(|side| Some(quantile(&values, 0.5 + side * confidence)))
@@ -75,4 +85,28 @@ pub fn bootstrap(
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fragility::Observation;
+
+    /// Every draw from groups with equal rows gives the same curve: that is no interval, and a group that differs makes one.
+    #[test]
+    fn groups_that_agree_give_no_interval_of_zero_width() {
+        // Of each group, 0, 1, 2 and 3 of 3 rows at four levels exceed the limit; of the last, one fewer.
+        let of = |last: i32| {
+            let exceeds = |group: i32, i: i32| i % 3 < i / 3 - i32::from(group == 11 && i == last);
+            let rows = (0..12).flat_map(|group| (0..12).map(move |i| (group, i)));
+            let rows = rows.map(|(group, i)| Observation::of(&[f64::from(1 + i / 3)], exceeds(group, i))).collect();
+            let groups: Vec<usize> = (0..144).map(|row| row / 12).collect();
+            bootstrap(&Data::new(rows).unwrap(), &groups, Link::Probit, 40, 1).unwrap()
+        };
+        let alike = of(-1);
+        assert!(alike.is_too_alike() && alike.fits.len() == 40);
+        assert_eq!(alike.interval(0.9, CurveFit::median), [None; 2]);
+        let [low, high] = of(3).interval(0.9, CurveFit::median).map(Option::unwrap);
+        assert!(low < high, "{low} {high}");
+    }
 }

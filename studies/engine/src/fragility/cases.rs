@@ -35,8 +35,8 @@ struct RowOutcome {
 }
 
 /// The fraction of a row's runs that exceed a limit if all those without a verdict do, or none. `fraction` is that of the known ones.
-pub fn completed(fraction: Option<f64>, unknown: f64, exceeds: bool) -> f64 {
-    let of_unknown = if exceeds { unknown } else { 0.0 };
+pub fn completed(fraction: Option<f64>, unknown: f64, unknown_exceed: bool) -> f64 {
+    let of_unknown = if unknown_exceed { unknown } else { 0.0 };
     fraction.map_or(0.0, |fraction| fraction * (1.0 - unknown)) + of_unknown
 }
 
@@ -47,9 +47,9 @@ pub struct RowCounts {
     pub all: usize,
     /// Rows whose run decides whether the limit is exceeded.
     pub decided: usize,
-    /// Rows that exceed the limit. For ensembles, the sum of the fractions of samples that do.
+    /// Number of rows that exceed the limit. For ensembles, the sum of the fractions of samples that do.
     pub exceeded: f64,
-    /// Rows that exceed the limit if all rows and samples without a known outcome do.
+    /// Number of rows that exceed the limit if all rows and samples without a known outcome do.
     pub exceeded_at_most: f64,
     /// Rows of ensembles some of whose samples have no known outcome.
     pub partly_known: usize,
@@ -182,14 +182,14 @@ impl SweepTable {
     pub fn completed_cases(
         &self,
         limit: Limit,
-        exceeds: bool,
+        unknown_exceed: bool,
         motions: &mut Motions,
         place: impl Fn(usize) -> u64,
     ) -> Result<Vec<Case>, SweepTableError> {
         let motion_of = self.motions(motions, place)?;
         let case = |(row, (RowOutcome { fraction, unknown, peak, .. }, motion))| Case {
             row,
-            fraction: completed(fraction, unknown, exceeds),
+            fraction: completed(fraction, unknown, unknown_exceed),
             unknown: 0.0,
             peak,
             motion,
@@ -338,9 +338,9 @@ mod tests {
         let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
         assert_eq!((cases, counts.without_response, counts.failed), (vec![(0, 0.0), (2, 1.0), (3, 1.0)], 1, 1));
         assert_eq!((counts.exceeded, counts.exceeded_at_most), (2.0, 4.0));
-        let completed = |exceeds: bool| {
-            let found =
-                table(text).completed_cases(Limit::Slip(0.1), exceeds, &mut Motions::default(), |row| row as u64);
+        let completed = |unknown_exceed: bool| {
+            let found = table(text)
+                .completed_cases(Limit::Slip(0.1), unknown_exceed, &mut Motions::default(), |row| row as u64);
             found.unwrap().iter().map(|case| case.fraction).collect::<Vec<_>>()
         };
         assert_eq!(completed(false), [0.0, 0.0, 1.0, 1.0, 0.0]);

@@ -45,10 +45,10 @@ impl Independence {
     }
 
     /// The two-sided p-value of a deviate.
-    pub(super) fn exceedance(self, deviate: f64) -> f64 {
+    pub(super) fn p_value(self, deviate: f64) -> f64 {
         match self {
             Independence::Rows | Independence::OneMotion => libm::erfc(deviate / std::f64::consts::SQRT_2),
-            Independence::Motions(count) => student::exceedance(deviate, (count - 1) as f64),
+            Independence::Motions(count) => student::p_value(deviate, (count - 1) as f64),
         }
     }
 }
@@ -64,6 +64,14 @@ impl Independence {
             (Independence::OneMotion, Some(column)) => format!("for the only value of {column}"),
         }
     }
+}
+
+/// Whether a variance clustered by motion is far below that of independent rows: the motions agree too well for it. Few motions that happen
+/// to agree, such as those with equal counts at each level, have a clustered variance near zero, which is no knowledge.
+pub(super) fn is_too_alike(clustered: f64, independent: f64) -> bool {
+    /// Fraction of the variance of independent rows. Of ten independent motions one estimate in 10⁷ is as small.
+    const FAR_BELOW: f64 = 0.01;
+    clustered < FAR_BELOW * independent
 }
 
 /// Greatest number of records for a jackknife with full refits. With more, one Newton step is as accurate.

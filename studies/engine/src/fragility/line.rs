@@ -19,14 +19,16 @@ pub struct Line {
     pub independence: Independence,
     /// Standard errors of a and b; infinite if one motion alone determines one of them.
     pub standard_errors: [f64; 2],
+    /// Whether the points lie on the line to round-off: their scatter, and with it any interval, is unknown.
+    is_exact: bool,
 }
 
 impl Line {
     /// Fits a line. `motions` has the ground motion of each point; only points of different motions have independent errors.
     ///
     /// Where motions repeat, the errors are those of a jackknife that leaves out one motion at a time (CV3, as for
-    /// [curves](crate::fragility::Assessment)), otherwise those of independent points of equal variance. `None` for fewer than three
-    /// points, or a constant x.
+    /// [curves](crate::fragility::Assessment)), otherwise those of independent points of equal variance. The latter also hold where the
+    /// motions agree too well. `None` for fewer than three points, or a constant x.
     pub fn of(x: &[f64], y: &[f64], motions: &[usize]) -> Option<Line> {
         let count = x.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
@@ -44,19 +46,21 @@ impl Line {
         let deviation = (residuals.iter().map(|residual| residual * residual).sum::<f64>() / (count - 2.0)).sqrt();
         let independence = Independence::of(motions);
         // About the mean of x, the level of the line and its slope have independent errors if all points have.
+        let variance = deviation * deviation;
+        let independent = DMatrix::from_row_slice(2, 2, &[variance / count, 0.0, 0.0, variance / xx]);
         let centred = match independence {
-            Independence::Motions(motions_in_all) => jackknife(x, mean_x, &residuals, motions, motions_in_all),
-            Independence::Rows | Independence::OneMotion => {
-                let variance = deviation * deviation;
-                Some(DMatrix::from_row_slice(2, 2, &[variance / count, 0.0, 0.0, variance / xx]))
-            }
+            Independence::Motions(motions_in_all) => jackknife(x, mean_x, &residuals, motions, motions_in_all)
+                .map(|of| if is_too_alike(&of, &independent) { independent } else { of }),
+            Independence::Rows | Independence::OneMotion => Some(independent),
         };
         let standard_errors = centred.map_or([f64::INFINITY; 2], |of| {
             let of_intercept = of[(0, 0)] - 2.0 * mean_x * of[(0, 1)] + mean_x * mean_x * of[(1, 1)];
             [of_intercept, of[(1, 1)]].map(f64::sqrt)
         });
         let coefficients = [mean_y - slope * mean_x, slope];
-        Some(Line { coefficients, deviation, residuals, independence, standard_errors })
+        let greatest = y.iter().fold(0.0, |greatest: f64, y| greatest.max(y.abs()));
+        let is_exact = deviation <= ROUND_OFF * greatest;
+        Some(Line { coefficients, deviation, residuals, independence, standard_errors, is_exact })
     }
 
     /// Degrees of freedom of Student's t: one less than the number of motions, or two less than that of independent points.
@@ -67,8 +71,12 @@ impl Line {
         }
     }
 
-    /// Intervals of a and b at a confidence above 0 and below 1. An end without a bound is `None`.
+    /// Intervals of a and b at a confidence above 0 and below 1. An end without a bound is `None`, and both are where the points lie on the
+    /// line: an interval without width would claim certainty.
     pub fn intervals(&self, confidence: f64) -> [Interval; 2] {
+        if self.is_exact {
+            return [[None; 2]; 2];
+        }
         let deviate = student::quantile(1.0 - confidence, self.freedom());
         let ends = |(coefficient, error): (f64, f64)| {
             [-1.0, 1.0].map(|side| Some(coefficient + side * deviate * error).filter(|end| end.is_finite()))
@@ -81,8 +89,16 @@ impl Line {
     pub fn p(&self) -> f64 {
         let [_, slope] = self.coefficients;
         let [_, error] = self.standard_errors;
-        if error > 0.0 { student::exceedance(slope.abs() / error, self.freedom()) } else { 0.0 }
+        if error > 0.0 { student::p_value(slope.abs() / error, self.freedom()) } else { 0.0 }
     }
+}
+
+/// Scatter over the greatest value below which points lie on their line.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Whether the variance of the slope or of the level, clustered by motion, is far below that of independent points.
+fn is_too_alike(clustered: &DMatrix<f64>, independent: &DMatrix<f64>) -> bool {
+    (0..2).any(|i| clusters::is_too_alike(clustered[(i, i)], independent[(i, i)]))
 }
 
 /// Fraction of the determinant of independent columns below which x does not vary, to round-off.
@@ -153,6 +169,23 @@ mod tests {
         let x = [0.313, 0.313, 0.313, 0.787, 0.787].map(|x: f64| x * 1.1);
         let property = Line::of(&x, &[0.0, 1.0, 1.0, 2.0, 3.0], &[0, 0, 0, 1, 1]).unwrap();
         assert_eq!((property.standard_errors, property.p()), ([f64::INFINITY; 2], 1.0));
+    }
+
+    /// Motions with the same residuals at the same x have a clustered variance of zero, and points on a line no variance at all: neither is
+    /// an interval without width.
+    #[test]
+    fn points_that_agree_give_no_interval_of_zero_width() {
+        let x = [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0, 2.0];
+        let motions = [0, 0, 0, 1, 1, 1, 2, 2, 2];
+        let y = x.map(|x| x + if x == 1.0 { 0.3 } else { 0.0 });
+        let (line, rows) =
+            (Line::of(&x, &y, &motions).unwrap(), Line::of(&x, &y, &[0, 1, 2, 3, 4, 5, 6, 7, 8]).unwrap());
+        assert_eq!(line.standard_errors, rows.standard_errors);
+        assert!(line.intervals(0.95).iter().all(|interval| interval[0] < interval[1]), "{line:?}");
+        let exact = x.map(|x| 0.1 + 0.7 * x);
+        for motions in [motions, [0, 1, 2, 3, 4, 5, 6, 7, 8]] {
+            assert_eq!(Line::of(&x, &exact, &motions).unwrap().intervals(0.95), [[None; 2]; 2]);
+        }
     }
 
     /// Coverage of the 95 % interval of a slope, and rejections of a property without effect at 5 %, in trials with rows that share the

@@ -17,8 +17,8 @@ pub struct Observation {
 
 impl Observation {
     /// A single run.
-    pub fn of(measures: &[f64], exceeded: bool) -> Observation {
-        Observation::with_probability(measures, f64::from(u8::from(exceeded)))
+    pub fn of(measures: &[f64], exceeds: bool) -> Observation {
+        Observation::with_probability(measures, f64::from(u8::from(exceeds)))
     }
 
     /// A probability, such as that of an ensemble, with the weight of a single run.
@@ -42,8 +42,8 @@ pub struct CurveFitError(pub(super) String);
 
 impl CurveFitError {
     /// All rows have the same outcome.
-    pub(super) fn one_class(exceeded: bool, rows: usize) -> CurveFitError {
-        let is = if exceeded { "exceeded" } else { "not exceeded" };
+    pub(super) fn one_class(exceeds: bool, rows: usize) -> CurveFitError {
+        let is = if exceeds { "exceeded" } else { "not exceeded" };
         CurveFitError(format!("found one class: the limit is {is} in all {rows} rows; expected rows of both kinds"))
     }
 

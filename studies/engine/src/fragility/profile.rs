@@ -17,8 +17,8 @@ pub type Interval = [Option<f64>; 2];
 ///
 /// Rows of the same record are not independent. Where records repeat, the permitted statistic grows by the ratio of the feature's
 /// variance with rows clustered by motion to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
-/// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t². It never shrinks: few records
-/// that happen to agree, such as those with equal counts at each level, have a clustered variance near zero, which is no knowledge.
+/// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t². It never shrinks: see
+/// [`is_too_alike`](LikelihoodProfile::is_too_alike).
 pub struct LikelihoodProfile<'a> {
     /// The rows, those of one measure together.
     observations: Vec<Observation>,
@@ -90,14 +90,12 @@ impl<'a> LikelihoodProfile<'a> {
         [low.or(Some(0.0)), high.or(Some(1.0))]
     }
 
-    /// Whether the variance of the median clustered by motion is far below that of independent rows: the motions agree too well for it.
+    /// Whether the motions agree too well for a variance of the median clustered by motion.
     pub fn is_too_alike(&self) -> bool {
-        /// Fraction of the variance of independent rows. Of ten independent records one estimate in 10⁷ is as small.
-        const FAR_BELOW: f64 = 0.01;
         let [a, b] = self.coefficients();
         let gradient = [-1.0 / b, a / (b * b)];
         let naive = variance(gradient, &self.fit.covariance);
-        self.covariance.as_ref().is_some_and(|of| variance(gradient, of) < FAR_BELOW * naive)
+        self.covariance.as_ref().is_some_and(|of| clusters::is_too_alike(variance(gradient, of), naive))
     }
 
     fn coefficients(&self) -> [f64; 2] {

@@ -147,7 +147,7 @@ pub(super) fn p_value(
     // The added coefficient is the last one. As for intervals, records that agree carry no more information than independent rows.
     let naive = surface.covariance[(2, 2)];
     let clustered = covariance.map_or(f64::INFINITY, |found| found[(2, 2)].max(naive));
-    independence.exceedance((gain * naive / clustered).sqrt())
+    independence.p_value((gain * naive / clustered).sqrt())
 }
 
 #[cfg(test)]

@@ -33,8 +33,8 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
 
 /// Checks that both classes occur, and that each measure varies. `ends` are those of the measures.
 pub(super) fn check_classes(ends: &[Ends], rows: usize) -> Result<(), CurveFitError> {
-    if let Some(exceeded) = ends[0].only_class() {
-        return Err(CurveFitError::one_class(exceeded, rows));
+    if let Some(exceeds) = ends[0].only_class() {
+        return Err(CurveFitError::one_class(exceeds, rows));
     }
     let alike = ends.iter().map(Ends::range).find(|[low, high]| low == high);
     alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))

@@ -169,9 +169,9 @@ impl Collected {
                 store.push(place(case.row), case, [first[case.row], second]);
             }
         }
-        for (store, exceeds) in self.completions.iter_mut().flatten().zip([false, true]) {
+        for (store, unknown_exceed) in self.completions.iter_mut().flatten().zip([false, true]) {
             let measures = batch.numbers(&self.columns[0].0)?;
-            for case in batch.completed_cases(limit, exceeds, &mut self.motions, place)? {
+            for case in batch.completed_cases(limit, unknown_exceed, &mut self.motions, place)? {
                 store.push(place(case.row), &case, [measures[case.row], Some(1.0)]);
             }
         }

@@ -1,6 +1,7 @@
 //! Tables → lines of CSV, and back.
 
 use std::io::{self, Read};
+use std::ops::Range;
 
 use csv::{ReaderBuilder, Writer};
 
@@ -11,9 +12,14 @@ use crate::output::table::{Heading, Kind, Table};
 /// # Errors
 /// None in practice: the lines are written to memory.
 pub fn lines(table: &Table) -> io::Result<String> {
-    let mut writer = Writer::from_writer(Vec::with_capacity(256 * table.rows()));
+    lines_of(table, 0..table.rows())
+}
+
+/// Returns some of the rows as [`lines`] does.
+pub(super) fn lines_of(table: &Table, rows: Range<usize>) -> io::Result<String> {
+    let mut writer = Writer::from_writer(Vec::with_capacity(256 * rows.len()));
     let mut field = String::with_capacity(32);
-    for row in 0..table.rows() {
+    for row in rows {
         for column in table.columns() {
             field.clear();
             column.write(row, &mut field);
@@ -26,8 +32,13 @@ pub fn lines(table: &Table) -> io::Result<String> {
 
 /// Returns the names of columns, with their units, as a line of CSV.
 pub(super) fn heading_line(headings: &[Heading]) -> io::Result<String> {
+    record_line(&headings.iter().map(Heading::to_string).collect::<Vec<_>>())
+}
+
+/// Returns fields as a line of CSV.
+pub(super) fn record_line(fields: &[String]) -> io::Result<String> {
     let mut writer = Writer::from_writer(Vec::new());
-    writer.write_record(headings.iter().map(Heading::to_string))?;
+    writer.write_record(fields)?;
     text(writer)
 }
 

@@ -11,11 +11,13 @@
 //! | [`seal`] | the bytes of a file → a checksum in its end |
 //! | [`runner`] | numbered tasks → their results in order, computed on all cores |
 //! | [`parts`] | a study → its parts, each a file of a folder |
+//! | [`merging`] | the parts of a study → the table of one run |
 //! | [`table_files`] | the parts of a study, or other files of one table → its rows |
 //! | [`forecast`] | a study → its expected cost, from a sample of its rows |
 
 pub mod csv;
 pub mod forecast;
+pub mod merging;
 pub mod output_target;
 #[cfg(feature = "parquet")]
 pub mod parquet;

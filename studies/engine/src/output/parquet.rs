@@ -22,7 +22,8 @@ use parquet::schema::types::Type;
 use crate::output::seal::{self, SealingWriter};
 use crate::output::table::{Heading, Kind, Series, Table, Values};
 
-/// Rows of a group, which is kept in memory until it is compressed.
+/// Rows of a group, which is kept in memory until it is compressed. Only the last one has fewer: the bytes of a file do not depend on the
+/// batches of its rows.
 const GROUP: usize = 1 << 16;
 
 /// The first bytes of a file.
@@ -61,7 +62,12 @@ impl<W: Write + Send> ParquetWriter<W> {
     /// `out` takes no bytes.
     pub fn push(&mut self, rows: Table) -> Result<()> {
         self.group.append(rows);
-        if self.group.rows() >= GROUP { self.end_group() } else { Ok(()) }
+        while self.group.rows() >= GROUP {
+            let more = self.group.split_off(GROUP);
+            self.end_group()?;
+            self.group = more;
+        }
+        Ok(())
     }
 
     /// Ends the file.
@@ -313,6 +319,8 @@ mod tests {
             writer.push(table(begin..(begin + 999).min(rows))).unwrap();
         }
         let content = writer.finish().unwrap();
+        // The batches leave no trace.
+        assert!(content == file(&study, &table(0..0).headings(), table(0..rows)).unwrap());
         assert!(content.starts_with(MAGIC) && content.ends_with(MAGIC));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.parquet");

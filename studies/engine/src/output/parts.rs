@@ -26,6 +26,9 @@ const BLOCKS: u64 = 32;
 /// Most rows of a block: enough to fill the lanes of vectors.
 const MAX_BLOCK: u64 = 256;
 
+/// Most parts of a range.
+const MAX_PARTS: u64 = 1 << 20;
+
 /// The number of a part, from 1, and the number of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PartNumber {
@@ -67,6 +70,73 @@ impl Display for PartNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} of {}", self.number, self.count)
     }
+}
+
+/// The numbers of some parts of a study, ascending.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PartNumbers(Vec<PartNumber>);
+
+impl PartNumbers {
+    /// The parts, at least one.
+    pub fn parts(&self) -> &[PartNumber] {
+        &self.0
+    }
+
+    /// The number of parts of the study.
+    pub fn count(&self) -> u64 {
+        self.0[0].count
+    }
+}
+
+/// Writes `3` or `1-10,17`, the numbers without that of all parts.
+impl Display for PartNumbers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&ranges(self.0.iter().map(|part| part.number)))
+    }
+}
+
+/// Reads `3/100`, `1-10/100` and lists of both, `3,17,40-42/100`.
+impl FromStr for PartNumbers {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<PartNumbers, String> {
+        let read = || {
+            let (list, count) = text.split_once('/')?;
+            let count = count.parse().ok()?;
+            let mut parts: Vec<PartNumber> = Vec::new();
+            for range in list.split(',') {
+                let (first, last) = range.split_once('-').unwrap_or((range, range));
+                let [first, last] =
+                    [PartNumber::new(first.parse().ok()?, count)?, PartNumber::new(last.parse().ok()?, count)?];
+                // No task makes more.
+                if last.number.checked_sub(first.number)? >= MAX_PARTS {
+                    return None;
+                }
+                parts.extend((first.number..=last.number).map(|number| PartNumber { count, number }));
+            }
+            parts.sort_unstable();
+            parts.dedup();
+            (!parts.is_empty()).then_some(PartNumbers(parts))
+        };
+        read().ok_or_else(|| {
+            "expected the numbers of parts from 1 and the number of all parts, such as 3/100, 1-10/100 or 3,17,40/100; number the tasks of \
+             a job array from 1"
+                .into()
+        })
+    }
+}
+
+/// Writes ascending numbers as job arrays take them, such as `3,17,40-42`.
+pub fn ranges(numbers: impl IntoIterator<Item = u64>) -> String {
+    let mut found: Vec<[u64; 2]> = Vec::new();
+    for number in numbers {
+        match found.last_mut() {
+            Some([_, last]) if *last + 1 == number => *last = number,
+            _ => found.push([number; 2]),
+        }
+    }
+    let text = |[first, last]: &[u64; 2]| if first == last { first.to_string() } else { format!("{first}-{last}") };
+    found.iter().map(text).collect::<Vec<_>>().join(",")
 }
 
 /// Returns the file of a part, or of a table of its own, in a format.
@@ -114,19 +184,6 @@ pub fn format_in(
     }
 }
 
-/// Reads `3/100`.
-impl FromStr for PartNumber {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<PartNumber, String> {
-        let numbers =
-            text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
-        numbers.and_then(|(number, count)| PartNumber::new(number, count)).ok_or_else(|| {
-            "expected the number of a part from 1 and the number of parts, such as 3/100; number the tasks of a job array from 1".into()
-        })
-    }
-}
-
 /// The rows of a part, by their numbers in the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartPlan {
@@ -149,6 +206,16 @@ impl PartPlan {
         let Some(last) = rounds.checked_sub(1) else { return 0 };
         let begin = self.block_of(last) * self.block;
         last * self.block + self.block.min(self.of - begin)
+    }
+
+    /// Rows of the study.
+    pub fn rows_of_study(&self) -> u64 {
+        self.of
+    }
+
+    /// Rows of a block of the study, whose last block may have fewer. Parts have whole blocks, in the order of their numbers.
+    pub fn rows_of_block(&self) -> u64 {
+        self.block
     }
 
     /// The number in the study of the row at a position in the part.
@@ -331,4 +398,25 @@ fn open(path: &Path) -> Result<File, PartsError> {
 
 pub(super) fn refused(path: &Path, error: io::Error) -> PartsError {
     PartsError::Refused(format!("{}: cannot be read: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_parts_are_read_as_job_arrays_write_them() {
+        let read = |text: &str| text.parse::<PartNumbers>().map(|parts| (parts.to_string(), parts.parts().len()));
+        for (text, shown, count) in [
+            ("3/100", "3", 1),
+            ("1-10/10000", "1-10", 10),
+            ("40,3,17-18,18,41/41", "3,17-18,40-41", 5),
+            ("7-7/7", "7", 1),
+        ] {
+            assert_eq!(read(text), Ok((shown.into(), count)), "{text}");
+        }
+        for text in ["", "3", "0/4", "5/4", "3-2/4", "1-5/4", "1,/4", "-2/4", "1-/4", "a/4", "1/0", "1/4/5"] {
+            assert!(read(text).is_err_and(|error| error.contains("such as 3/100, 1-10/100")), "{text}");
+        }
+    }
 }

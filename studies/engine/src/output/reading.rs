@@ -103,7 +103,7 @@ impl ColumnBuilder {
         match split_heading(heading).0 {
             ROW => ColumnBuilder::of_kind(Kind::Integer),
             // The name of a file may be a number.
-            "record" | "vertical" => ColumnBuilder::of_kind(Kind::Text),
+            "record" | "vertical" | "motion" => ColumnBuilder::of_kind(Kind::Text),
             _ => ColumnBuilder::of_kind(Kind::Real),
         }
     }

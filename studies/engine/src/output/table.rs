@@ -330,6 +330,23 @@ impl Table {
         self.columns.iter_mut().zip(more.columns).for_each(|(column, more)| column.append(more));
     }
 
+    /// Takes the rows from this one on out of the table.
+    pub(super) fn split_off(&mut self, row: usize) -> Table {
+        let rows = self.rows - row;
+        self.rows = row;
+        let columns = self.columns.iter_mut().map(|Series { heading, values }| {
+            let values = match values {
+                Values::Real(values) => Values::Real(values.split_off(row)),
+                Values::Integer(values) => Values::Integer(values.split_off(row)),
+                Values::Boolean(values) => Values::Boolean(values.split_off(row)),
+                Values::Choice(values) => Values::Choice(values.split_off(row)),
+                Values::Text(values) => Values::Text(values.split_off(row)),
+            };
+            Series { heading: heading.clone(), values }
+        });
+        Table { columns: columns.collect(), rows }
+    }
+
     /// Puts rows into this order: `order` has the positions of those that are kept.
     pub(super) fn reorder(&mut self, order: &[usize]) {
         fn reorder<T: Clone>(values: &mut Vec<T>, order: &[usize]) {
@@ -404,6 +421,8 @@ mod tests {
         all.append(table(&[1.0, -2.5]));
         all.append(table(&[3.0]));
         assert_eq!(all, table(&[1.0, -2.5, 3.0]));
+        let mut first = all.clone();
+        assert_eq!((first.split_off(1), first), (table(&[-2.5, 3.0]), table(&[1.0])));
         all.retain(&[false, true, true]);
         assert_eq!(all, table(&[-2.5, 3.0]));
         let sign = all.column("sign").unwrap();

@@ -30,6 +30,31 @@ pub struct TableFile {
 /// Takes a batch of rows, with the headings of all columns of the file.
 pub type TakeBatch<'a, E> = dyn FnMut(Table, &[String]) -> Result<(), E> + 'a;
 
+/// The parts of a study in a folder.
+#[derive(Debug)]
+pub struct PartsState {
+    /// The number of parts of the study.
+    pub count: u64,
+    /// The numbers of the parts without a file.
+    pub missing: Vec<u64>,
+    /// The numbers of the parts that are damaged or of another study, with the reasons.
+    pub faults: Vec<(u64, PartsError)>,
+    /// Rows of the others.
+    pub rows: u64,
+    /// Rows of the study, if a part tells them.
+    pub rows_of_study: Option<u64>,
+}
+
+impl PartsState {
+    /// The numbers of the parts to make, ascending.
+    pub fn to_make(&self) -> Vec<u64> {
+        let mut numbers: Vec<u64> =
+            self.missing.iter().copied().chain(self.faults.iter().map(|(number, _)| *number)).collect();
+        numbers.sort_unstable();
+        numbers
+    }
+}
+
 impl TableFiles {
     /// Whether a path stands for several files: a folder, or a pattern such as `runs/*.parquet`.
     pub fn are_at(path: &Path) -> bool {
@@ -104,12 +129,10 @@ impl TableFiles {
     /// Checks that all parts are there.
     ///
     /// # Errors
-    /// Names the missing ones, and `partial`, the option that does without them.
-    pub fn check_complete(&self, partial: &str) -> Result<(), PartsError> {
+    /// Names the missing ones, and `partial`, the option that does without them, if there is one.
+    pub fn check_complete(&self, partial: Option<&str>) -> Result<(), PartsError> {
         for set in self.files.chunk_by(|one, other| one.keys == other.keys) {
-            let known: Vec<u64> = set.iter().filter_map(|file| Some(file.part?.number())).collect();
-            let parts = set[0].part.map_or(0, PartNumber::count);
-            let missing: Vec<u64> = (1..=parts).filter(|number| known.binary_search(number).is_err()).collect();
+            let (parts, missing) = missing(set);
             if missing.is_empty() {
                 continue;
             }
@@ -120,11 +143,65 @@ impl TableFiles {
                 _ => self.folder.clone(),
             };
             let (count, missing) = (missing.len(), shown.join(", ") + more);
+            let remedy =
+                partial.map_or(String::new(), |option| format!(", or evaluate the others alone with {option}"));
             return Err(PartsError::Refused(format!(
-                "{folder}: lacks {count} of {parts} parts: {missing}; make these, or evaluate the others alone with {partial}"
+                "{folder}: lacks {count} of {parts} parts: {missing}; make these{remedy}"
             )));
         }
         Ok(())
+    }
+
+    /// Compares the bytes of each part of one study with their checksum, and its description with that of the first one; rows are not read.
+    /// `progress` receives the number of parts so far.
+    ///
+    /// # Errors
+    /// The files are not the parts of one study.
+    pub fn state(&self, mut progress: impl FnMut(u64)) -> Result<PartsState, PartsError> {
+        let count = self.count_of_parts()?;
+        let mut first = None;
+        let (_, missing) = missing(&self.files);
+        let mut found = PartsState { count, missing, faults: Vec::new(), rows: 0, rows_of_study: None };
+        for (done, file) in (1..).zip(&self.files) {
+            let Some(part) = file.part else { continue };
+            match checked(file, part, &mut first) {
+                Ok(plan) => {
+                    found.rows += plan.rows();
+                    found.rows_of_study = Some(plan.rows_of_study());
+                }
+                Err(error) => found.faults.push((part.number(), error)),
+            }
+            progress(done);
+        }
+        Ok(found)
+    }
+
+    /// The number of parts of the only study.
+    ///
+    /// # Errors
+    /// The files are not the parts of one study.
+    pub fn count_of_parts(&self) -> Result<u64, PartsError> {
+        let count = self.files[0].part.filter(|_| self.are_numbered() && self.files[0].keys.is_empty());
+        let count = count.map(PartNumber::count);
+        count.ok_or_else(|| {
+            PartsError::Refused(format!(
+                "{}: found other files; expected the parts of one study, such as part-00001-of-00010.csv",
+                self.folder
+            ))
+        })
+    }
+
+    /// The description of the study of a single set of parts, line by line, and the plan of its first part.
+    ///
+    /// # Errors
+    /// The files are not the parts of one study, or the first is damaged.
+    pub(super) fn study(&self) -> Result<(Vec<String>, PartPlan), PartsError> {
+        self.count_of_parts()?;
+        let mut first = None;
+        let file = &self.files[0];
+        file.part.map(|part| checked(file, part, &mut first)).transpose()?;
+        let Description { study, plan, .. } = first.unwrap_or_else(|| unreachable!("the file is a part"));
+        Ok((study, plan))
     }
 
     /// Reads the wanted columns of all files. Parts of a study are in the order of the rows; the headings of all columns are returned as
@@ -169,7 +246,7 @@ impl TableFiles {
         reader: &mut TableReader<'a>,
         mut each: impl FnMut(&mut TableReader<'a>) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut first: Option<(&TableFile, Vec<String>)> = None;
+        let mut first = None;
         for file in &self.files {
             let TableFile { keys, part, path } = file;
             reader.set_keys(keys);
@@ -180,42 +257,9 @@ impl TableFiles {
                 }
                 continue;
             };
-            let damaged = |reason: String| {
-                let file = path.display();
-                PartsError::Refused(format!(
-                    "{file}: is damaged: {reason}; make it anew: delete it, and run part {part} again"
-                ))
-            };
-            let unread = |error| match error {
-                TableReadError::Damaged { reason, .. } => damaged(reason),
-                TableReadError::Refused { .. } => PartsError::Read(error),
-            };
-            match seal::check(path).map_err(|error| refused(path, error))? {
-                Seal::Whole => (),
-                Seal::Broken => return Err(damaged("its bytes do not have their checksum".into()).into()),
-                Seal::Absent => return Err(damaged("found no checksum in its end".into()).into()),
-            }
-            let mut study = description(path).map_err(|error| match error {
-                PartsError::Read(error) => unread(error),
-                other => other,
-            })?;
-            let own = study.pop().unwrap_or_default();
-            let begin = format!("{PART}{part}, ");
-            let plan = match own.parse::<PartPlan>() {
-                Ok(plan) if plan.part() == part => plan,
-                _ if own.starts_with(PART) && !own.starts_with(&begin) => {
-                    return Err(PartsError::of_other_study(path, &own, &(begin + "…")).into());
-                }
-                _ => return Err(damaged(format!("found `{own}`, expected `{begin}…`")).into()),
-            };
-            match &first {
-                Some((other, first)) if other.keys == *keys => {
-                    if let Some((expected, found)) = first.iter().zip(&study).find(|(first, other)| first != other) {
-                        return Err(PartsError::of_other_study(path, found, expected).into());
-                    }
-                }
-                _ => first = Some((file, study)),
-            }
+            let plan = checked(file, part, &mut first)?;
+            let damaged = |reason| damaged(path, part, reason);
+            let unread = |error| unread(path, part, error);
             let (before, mut passed) = (reader.rows(), 0);
             let mut rows = reader.begin_file(path).map_err(unread)?;
             while reader.next_batch(&mut rows).map_err(unread)? {
@@ -232,6 +276,68 @@ impl TableFiles {
     }
 }
 
+/// The description of a study without that of a part, and the plan of the part.
+struct Description<'f> {
+    of: &'f TableFile,
+    study: Vec<String>,
+    plan: PartPlan,
+}
+
+/// Checks that the file of a part has the bytes that were written, and belongs to the study of the `first` part of its set. Its rows are
+/// not read.
+fn checked<'f>(
+    file: &'f TableFile,
+    part: PartNumber,
+    first: &mut Option<Description<'f>>,
+) -> Result<PartPlan, PartsError> {
+    let path = &file.path;
+    match seal::check(path).map_err(|error| refused(path, error))? {
+        Seal::Whole => (),
+        Seal::Broken => return Err(damaged(path, part, "its bytes do not have their checksum".into())),
+        Seal::Absent => return Err(damaged(path, part, "found no checksum in its end".into())),
+    }
+    let mut study = description(path).map_err(|error| match error {
+        PartsError::Read(error) => unread(path, part, error),
+        other => other,
+    })?;
+    let own = study.pop().unwrap_or_default();
+    let begin = format!("{PART}{part}, ");
+    let plan = match own.parse::<PartPlan>() {
+        Ok(plan) if plan.part() == part => plan,
+        _ if own.starts_with(PART) && !own.starts_with(&begin) => {
+            return Err(PartsError::of_other_study(path, &own, &(begin + "…")));
+        }
+        _ => return Err(damaged(path, part, format!("found `{own}`, expected `{begin}…`"))),
+    };
+    match first {
+        Some(first) if first.of.keys == file.keys => {
+            let mut lines = first.study.iter().zip(&study);
+            if let Some((expected, found)) = lines.find(|(first, other)| first != other) {
+                return Err(PartsError::of_other_study(path, found, expected));
+            }
+            let of = |plan: &PartPlan| (plan.rows_of_study(), plan.rows_of_block());
+            if of(&first.plan) != of(&plan) {
+                return Err(PartsError::of_other_study(path, &own, &first.plan.to_string()));
+            }
+        }
+        _ => *first = Some(Description { of: file, study, plan }),
+    }
+    Ok(plan)
+}
+
+/// The error of a damaged part, with its remedy.
+fn damaged(path: &Path, part: PartNumber, reason: String) -> PartsError {
+    let file = path.display();
+    PartsError::Refused(format!("{file}: is damaged: {reason}; make it anew: delete it, and run part {part} again"))
+}
+
+fn unread(path: &Path, part: PartNumber, error: TableReadError) -> PartsError {
+    match error {
+        TableReadError::Damaged { reason, .. } => damaged(path, part, reason),
+        TableReadError::Refused { .. } => PartsError::Read(error),
+    }
+}
+
 /// Compares the last rows of a reader with those of a part at these positions; the error says what was found.
 fn check_rows(reader: &TableReader, plan: &PartPlan, positions: Range<u64>) -> Result<(), String> {
     let Some(found) = reader.last_numbers(positions.end - positions.start) else {
@@ -242,6 +348,13 @@ fn check_rows(reader: &TableReader, plan: &PartPlan, positions: Range<u64>) -> R
     }
     let place = positions.zip(found).find(|(position, found)| i64::try_from(plan.row(*position)) != Ok(**found));
     place.map_or(Ok(()), |(position, found)| Err(format!("found row {found} in place of row {}", plan.row(position))))
+}
+
+/// The number of parts of a set, and the numbers of those that are not among its files.
+fn missing(set: &[TableFile]) -> (u64, Vec<u64>) {
+    let known: Vec<u64> = set.iter().filter_map(|file| Some(file.part?.number())).collect();
+    let parts = set[0].part.map_or(0, PartNumber::count);
+    (parts, (1..=parts).filter(|number| known.binary_search(number).is_err()).collect())
 }
 
 fn is_pattern(path: &Path) -> bool {

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`normal`] | deviate ↔ probability |
 //! | [`sampling`] | a seed and a number of samples → a Latin hypercube |
-//! | [`student`] | exceedance of Student's t → deviate |
+//! | [`student`] | p-value of Student's t → deviate |
 
 pub mod normal;
 pub mod sampling;

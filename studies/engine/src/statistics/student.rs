@@ -1,10 +1,10 @@
-//! Student's t distribution: an exceedance of both sides and the degrees of freedom → the deviate.
+//! Student's t distribution: a p-value of both sides and the degrees of freedom → the deviate.
 
 use rocking_block::numerics::roots::sign_change;
 
 /// The deviate t of Student's t distribution with P(|T| > t) = `probability`, which is above 0 and below 1.
 pub fn quantile(probability: f64, freedom: f64) -> f64 {
-    let excess = |t: f64| exceedance(t, freedom) - probability;
+    let excess = |t: f64| p_value(t, freedom) - probability;
     let mut high = 1.0;
     while excess(high) > 0.0 {
         high *= 2.0;
@@ -14,7 +14,7 @@ pub fn quantile(probability: f64, freedom: f64) -> f64 {
 
 /// P(|T| > t) of Student's t distribution, as an incomplete beta function (M. Abramowitz, I. A. Stegun, Handbook of
 /// mathematical functions, 26.7.1).
-pub fn exceedance(t: f64, freedom: f64) -> f64 {
+pub fn p_value(t: f64, freedom: f64) -> f64 {
     let x = freedom / (freedom + t * t);
     let [a, b] = [0.5 * freedom, 0.5];
     match x < (a + 1.0) / (a + b + 2.0) {
@@ -62,12 +62,12 @@ mod tests {
         }
         for t in [0.01_f64, 0.7, 3.0, 500.0] {
             let exact = 2.0 / std::f64::consts::PI * (1.0 / t).atan();
-            assert!((exceedance(t, 1.0) / exact - 1.0).abs() < 1e-12, "{t}");
+            assert!((p_value(t, 1.0) / exact - 1.0).abs() < 1e-12, "{t}");
             let exact = 2.0 / ((2.0 + t * t).sqrt() * ((2.0 + t * t).sqrt() + t));
-            assert!((exceedance(t, 2.0) / exact - 1.0).abs() < 1e-12, "{t}");
+            assert!((p_value(t, 2.0) / exact - 1.0).abs() < 1e-12, "{t}");
         }
         let [near, normal] = [quantile(0.05, 1e6), normal::quantile(0.975)];
         assert!((near / normal - 1.0).abs() < 1e-5);
-        assert_eq!(exceedance(f64::INFINITY, 7.0), 0.0);
+        assert_eq!(p_value(f64::INFINITY, 7.0), 0.0);
     }
 }

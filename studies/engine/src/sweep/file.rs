@@ -43,11 +43,11 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
 ///
 /// A check takes some 15 µs, so a part checks its own combinations only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Checks {
+pub enum Checks<'a> {
     /// All.
     All,
-    /// Those of a part. Whether any block reads a parameter is not asked.
-    Part(PartNumber),
+    /// Those of some parts. Whether any block reads a parameter is not asked.
+    Parts(&'a [PartNumber]),
     /// None: they were checked before.
     None,
 }

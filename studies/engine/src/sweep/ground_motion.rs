@@ -48,6 +48,12 @@ impl Intensities {
     }
 }
 
+/// Joins the names of a horizontal and a vertical record.
+pub(super) fn joined(names: &[String; 2]) -> String {
+    let names: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+    names.join(" + ")
+}
+
 impl GroundMotion {
     /// A motion with these measures of the record alone. `gravity` (m/s²) is that of the Arias intensity.
     pub fn new(names: [String; 2], ground: Ground, measures: &[Measure], gravity: f64) -> GroundMotion {
@@ -68,8 +74,7 @@ impl GroundMotion {
 
     /// Names of its records: `h.AT2 + v.AT2`.
     pub fn name(&self) -> String {
-        let names: Vec<&str> = self.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
-        names.join(" + ")
+        joined(&self.names)
     }
 
     /// The motion of a floor under this ground motion. Measures of the record remain those of the ground.

@@ -7,11 +7,13 @@
 //! | [`strength`] | `scales`, `levels`, `hunt` or `least` → factors on the records |
 //! | [`hunt`] | the runs of a block under a record → the level of the next one |
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
+//! | [`amplified`] | factors on records → doubts about strong ones |
 //! | [`change`] | a block → the same block with another base, foundation, friction or ties |
 //! | `columns` | a row → the columns of the table |
 //! | `records` | `[[records]]` of a study file → ground motions |
 //! | [`mod@file`] | a study file → a sweep with valid values |
 
+pub mod amplified;
 pub mod change;
 mod columns;
 pub mod ensemble;
@@ -25,7 +27,7 @@ pub mod strength;
 use crate::building::Building;
 use crate::doubts;
 use crate::intensity::Measure;
-use crate::output::parts::Part;
+use crate::output::parts::{Part, PartNumber};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRows};
 use crate::output::table::{Table, headings};
@@ -86,52 +88,24 @@ pub struct Sweep {
     pub remarks: Vec<String>,
 }
 
-/// Largest usual factor on a record; beyond it, noise of the instrument becomes ground motion.
-const LARGEST_SCALE: f64 = 20.0;
-
-/// Doubts a factor on a record, if it is greater than usual; `is` is the verb.
-pub fn strong_scale(name: &str, is: &str, largest: f64) -> Option<String> {
-    (largest > LARGEST_SCALE).then(|| {
-        let largest = if largest < 1e6 { format!("{largest:.1}") } else { format!("{largest:.1e}") };
-        format!(
-            "{name} {is} scaled by up to {largest}; expected at most {LARGEST_SCALE}, beyond which noise is amplified"
-        )
-    })
-}
-
 impl Sweep {
-    /// Names the records that a strength scales by more than usual, or may. The block is that in the middle of the study. The levels of a hunt
-    /// follow from its runs.
-    fn amplified(&self) -> Vec<String> {
-        let Ok(block) = self.middle().block() else { return Vec::new() };
-        let of = |motion: &GroundMotion| {
-            let (largest, is) = match &self.strengths {
-                Strengths::Scales(_) | Strengths::Levels(..) => {
-                    let scale = |strength| self.strengths.scale(strength, motion, &block).abs();
-                    ((0..self.strengths.count()).map(scale).fold(0.0, f64::max), "is")
-                }
-                Strengths::Hunt(..) => return None,
-                Strengths::Least(measure, scan) => (motion.scale_to(*measure, scan.to, &block), "may be"),
-            };
-            strong_scale(&motion.name(), is, largest).filter(|_| motion.has_record())
-        };
-        self.motions.iter().filter_map(of).collect()
-    }
-
     /// Number of combinations of parameters; `None` if it overflows.
     pub fn combinations(&self) -> Option<u64> {
         self.design.combinations(&self.parameters)
     }
 
     /// The numbers of the combinations that are checked, in their order.
-    fn combinations_to_check(&self, checks: Checks) -> Box<dyn Iterator<Item = u64> + '_> {
+    fn combinations_to_check<'a>(&'a self, checks: Checks<'a>) -> Box<dyn Iterator<Item = u64> + 'a> {
         match checks {
             Checks::All => Box::new(0..self.combinations().unwrap_or(0)),
-            Checks::Part(part) => {
-                let plan = Part::new(self, part).plan();
+            Checks::Parts(parts) => {
                 let per_combination = self.motions.len() as u64 * self.strengths.count();
+                let of_part = move |part: &PartNumber| {
+                    let plan = Part::new(self, *part).plan();
+                    (0..plan.rows()).map(move |position| plan.row(position) / per_combination)
+                };
                 let mut last = None;
-                let numbers = (0..plan.rows()).map(move |position| plan.row(position) / per_combination);
+                let numbers = parts.iter().flat_map(of_part);
                 Box::new(numbers.filter(move |number| last.replace(*number) != Some(*number)))
             }
             Checks::None => Box::new(std::iter::empty()),

@@ -11,7 +11,7 @@ use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
 use crate::output::progress::Progress;
 use crate::output::report::ReportOptions;
-use rocking_charts::numerals::readable;
+use rocking_charts::numerals::{ends, readable};
 use rocking_studies::fit::{Estimate, Fit, TestFit, file, fit};
 use rocking_studies::input::study_file::StudyFileError;
 
@@ -100,13 +100,11 @@ fn summary(fit: &Fit) -> String {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         let shown = |value: f64| readable(value, 5);
         let interval = match interval {
-            Some([low, high]) => {
-                let [low, high] = [low, high].map(|end| end.map_or("the bound".into(), shown));
-                format!("{percent} %: {low} to {high}")
+            Some([Some(low), Some(high)]) => format!("{percent} %: {}", ends([*low, *high], 5, readable).join(" to ")),
+            Some(ends) => {
+                format!("{percent} %: {}", ends.map(|end| end.map_or("the bound".into(), shown)).join(" to "))
             }
-            None => {
-                format!("{percent} %, quadratic: {} to {}", shown(quadratic_interval[0]), shown(quadratic_interval[1]))
-            }
+            None => format!("{percent} %, quadratic: {}", ends(*quadratic_interval, 5, readable).join(" to ")),
         };
         line(name, format!("{} ± {}{unit}; {interval}", shown(*value), readable(*standard_error, 2)));
     }

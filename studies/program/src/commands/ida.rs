@@ -1,7 +1,5 @@
 //! `rocking ida`: a study file → incremental dynamic analysis. It has a table of runs, fractiles and a picture.
 
-use std::collections::BTreeMap;
-
 use clap::Parser;
 use serde_json::json;
 
@@ -13,12 +11,11 @@ use crate::output::report::is_standard_output;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::fragility as charts;
 use rocking_charts::numerals::significant;
-use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable, SweepTableError};
+use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
 use rocking_studies::sweep::file::Checks;
 use rocking_studies::sweep::strength::Strengths;
-use rocking_studies::sweep::strong_scale;
 
 /// Options of `rocking ida`.
 #[derive(Parser)]
@@ -56,33 +53,25 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     warn(&sweep.remarks);
     let mut outputs = Outputs::open([("plot", plot)])?;
     let mut table = Table::default();
+    let mut scales = sweep.hunted_scales();
     let mut follow = |rows| {
+        if let Some(scales) = &mut scales {
+            scales.take(&rows);
+        }
         table.append(rows);
         Ok(())
     };
-    let summary = options.study.run(&sweep, Some(&mut follow))?;
+    let summary = options.study.run(&sweep, Some(&mut follow), true)?;
     let name = if is_standard_output(csv) { "the table".into() } else { csv.display().to_string() };
     let table = SweepTable::new(&name, table);
     let ida = Ida::read(&table, &measure.to_string())?;
-    let mut remarks = sweep.remarks.clone();
-    if matches!(sweep.strengths, Strengths::Hunt(..)) {
-        remarks.extend(strong_scales(&table)?);
-        warn(&remarks[sweep.remarks.len()..]);
-    }
+    let found = scales.map(|scales| scales.doubts()).unwrap_or_default();
+    warn(&found);
+    let remarks = [sweep.remarks, found].concat();
     outputs
         .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
     outputs.write()?;
     options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &remarks)
-}
-
-/// Doubts the greatest factors on the records of a hunt, which are known after its runs.
-fn strong_scales(table: &SweepTable) -> Result<Vec<String>, SweepTableError> {
-    let mut largest: BTreeMap<String, f64> = BTreeMap::new();
-    for (record, scale) in table.words("record").unwrap_or_default().into_iter().zip(table.numbers("scale")?) {
-        let known = largest.entry(record).or_default();
-        *known = known.max(scale.unwrap_or_default());
-    }
-    Ok(largest.into_iter().filter_map(|(record, scale)| strong_scale(&record, "is", scale)).collect())
 }
 
 /// The curves of an analysis in numbers.

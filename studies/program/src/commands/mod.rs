@@ -8,6 +8,8 @@
 //! | [`frame`] | options → columns under a beam → one run of their equivalent block |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
+//! | [`parts`] | a folder of parts → their counts, and the parts to make |
+//! | [`merge`] | a folder of parts → the table of one run |
 //! | [`ida`] | study file → incremental dynamic analysis |
 //! | [`fragility`] | table of a sweep → fragility curves |
 //! | [`rate`] | hazard curve, fragility curve → annual rate |
@@ -31,6 +33,10 @@ pub mod frame;
 pub mod spectrum;
 
 pub mod sweep;
+
+pub mod parts;
+
+pub mod merge;
 
 pub mod ida;
 

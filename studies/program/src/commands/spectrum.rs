@@ -132,7 +132,7 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
         Ok(())
     };
     let is_followed = plot.is_some() || statistics_path.is_some() || !is_standard_output(csv);
-    let summary = options.study.run(&spectrum, is_followed.then_some(&mut follow))?;
+    let summary = options.study.run(&spectrum, is_followed.then_some(&mut follow), is_followed)?;
     made.fill("plot", || {
         let svg = match files.len() {
             1 => rocking_charts::spectrum::spectrum(&spectrum, &curves, &excitation),

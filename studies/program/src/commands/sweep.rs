@@ -11,9 +11,13 @@ use crate::output::formats::{check_table, knows_parquet};
 use crate::output::summary::Summary;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
-use rocking_studies::output::parts::{self, PartNumber};
+use rocking_studies::output::parts::{self, PartNumber, PartNumbers};
+use rocking_studies::output::resumable::{Failures, TableWriteError};
+use rocking_studies::output::runner::{Follower, StudySummary};
+use rocking_studies::output::table::Table;
 use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
+use rocking_studies::sweep::amplified::GreatestScales;
 use rocking_studies::sweep::file::{self as study_file, Checks};
 use rocking_studies::sweep::parameters::SweptParameter;
 
@@ -31,10 +35,10 @@ pub struct SweepCommand {
 #[derive(Args)]
 #[command(next_help_heading = "Parts")]
 struct PartOptions {
-    /// Make one of several parts, such as 3/100 for the third of a hundred, unless its file is complete. Parts can be made at the same
-    /// time on any machines
+    /// Make one of several parts, such as 3/100 for the third of a hundred, or some, such as 1-10/100 or 3,17,40/100, unless their
+    /// files are complete. Parts can be made at the same time on any machines
     #[arg(long, value_name = "K/N", conflicts_with_all = ["csv", "resume"], requires = "out")]
-    part: Option<PartNumber>,
+    part: Option<PartNumbers>,
     /// Folder of the parts, which `rocking fragility` and `rocking rate` read like a table
     #[arg(long, value_name = "FOLDER", requires = "part")]
     out: Option<PathBuf>,
@@ -80,47 +84,115 @@ impl SweepOptions {
     }
 }
 
-/// Runs the command.
-pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
-    let SweepCommand { sweep: options, part: PartOptions { part, out, part_format, dry_run } } = options;
-    let study = &options.study;
-    let part = part.zip(out.as_deref()).map(|(number, folder)| {
+/// The parts to make, and the folder and format of their files.
+struct Parts<'a> {
+    numbers: &'a PartNumbers,
+    folder: &'a Path,
+    format: String,
+}
+
+impl PartOptions {
+    /// The parts, if the study is made in parts. Their format is that of the parts in the folder.
+    fn parts(&self) -> anyhow::Result<Option<Parts<'_>>> {
+        let PartOptions { part: Some(numbers), out: Some(folder), part_format, .. } = self else { return Ok(None) };
         let names = folder.read_dir().into_iter().flatten().flatten();
         let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
-        let format = parts::format_in(names, number.count(), part_format.as_deref());
+        let format = parts::format_in(names, numbers.count(), part_format.as_deref());
         let format = format.map_err(|reason| anyhow::anyhow!("{}: {reason}", folder.display()))?;
-        let extension = format.unwrap_or(parts::FORMATS[0].into());
-        let file = folder.join(number.file_name(&extension));
-        anyhow::Ok((number, folder, extension, file))
-    });
-    let part = part.transpose()?;
-    let table = match &part {
-        Some((_, folder, _, file)) => {
-            knows_parquet(file)?;
-            folder.exists().then(|| NamedFile::new("--out", file))
+        let parts = Parts { numbers, folder, format: format.unwrap_or(parts::FORMATS[0].into()) };
+        knows_parquet(&parts.file(numbers.parts()[0]))?;
+        Ok(Some(parts))
+    }
+}
+
+impl Parts<'_> {
+    fn file(&self, part: PartNumber) -> PathBuf {
+        self.folder.join(part.file_name(&self.format))
+    }
+
+    /// Makes the parts, and reports on all of them.
+    fn make(&self, study: &StudyOptions, sweep: &Sweep) -> anyhow::Result<()> {
+        let numbers = self.numbers.parts();
+        let mut scales = sweep.hunted_scales();
+        let mut whole = StudySummary { rows: 0, resumed: 0, failures: Failures::default(), reason: None };
+        let mut before = 0;
+        let is_hunt = scales.is_some();
+        let mut take = |rows: Table| take_scales(&mut scales, &rows);
+        for part in numbers {
+            let follow: Option<Follower> = if is_hunt { Some(&mut take) } else { None };
+            let (_, made) = study.run_part(sweep, *part, self.folder, &self.format, follow)?;
+            before += usize::from(made.resumed > 0);
+            whole.rows += made.rows;
+            whole.resumed += made.resumed;
+            if whole.failures.count == 0 {
+                whole.failures.first = made.failures.first;
+            }
+            whole.failures.count += made.failures.count;
+            whole.reason = whole.reason.or(made.reason);
         }
-        None if *dry_run => None,
+        let mut items = Summary::default();
+        let remarks = with_doubts(sweep, scales);
+        if let [part] = numbers {
+            let complete = if before > 0 { ", complete before" } else { "" };
+            items.item("part", [part.number(), part.count()], "part", format!("{part}{complete}"));
+            return study.report("sweep", (&self.file(*part), &whole), items, &[], &remarks);
+        }
+        let complete = if before > 0 { format!(", {before} complete before") } else { String::new() };
+        let count = self.numbers.count();
+        items.line("parts", format!("{} of {count}{complete}", self.numbers));
+        items.entry("parts", [self.numbers.to_string(), count.to_string()]);
+        study.report("sweep", (self.folder, &whole), items, &[], &remarks)
+    }
+}
+
+/// Runs the command.
+pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
+    let SweepCommand { sweep: options, part: of_parts } = options;
+    let (study, dry_run) = (&options.study, of_parts.dry_run);
+    let parts = of_parts.parts()?;
+    let outputs: Vec<NamedFile> = match &parts {
+        Some(parts) if parts.folder.exists() => {
+            parts.numbers.parts().iter().map(|part| NamedFile::new("--out", &parts.file(*part))).collect()
+        }
+        Some(_) => Vec::new(),
+        None if dry_run => Vec::new(),
         None => {
             check_table(study.csv())?;
-            Some(NamedFile::new("--csv", study.csv()))
+            vec![NamedFile::new("--csv", study.csv())]
         }
     };
-    let checks = match &part {
-        Some((number, ..)) if !dry_run => Checks::Part(*number),
+    let checks = match &parts {
+        Some(parts) if !dry_run => Checks::Parts(parts.numbers.parts()),
         _ => Checks::All,
     };
-    let sweep = options.read(table.as_slice(), checks)?;
+    let sweep = options.read(&outputs, checks)?;
     warn(&sweep.remarks);
-    if *dry_run {
-        return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
+    if dry_run {
+        return study.forecast(&sweep, parts.map_or(1, |parts| parts.numbers.count()));
     }
-    let Some((number, folder, extension, _)) = part else {
-        let summary = study.run(&sweep, None)?;
-        return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &sweep.remarks);
-    };
-    let (file, summary) = study.run_part(&sweep, number, folder, &extension)?;
-    let before = if summary.resumed > 0 { ", complete before" } else { "" };
-    let mut items = Summary::default();
-    items.item("part", [number.number(), number.count()], "part", format!("{number}{before}"));
-    study.report("sweep", (&file, &summary), items, &[], &sweep.remarks)
+    if let Some(parts) = parts {
+        return parts.make(study, &sweep);
+    }
+    let mut scales = sweep.hunted_scales();
+    let is_hunt = scales.is_some();
+    let mut take = |rows: Table| take_scales(&mut scales, &rows);
+    // Rows that nothing follows are not read again where a table is resumed.
+    let summary = study.run(&sweep, if is_hunt { Some(&mut take) } else { None }, false)?;
+    let remarks = with_doubts(&sweep, scales);
+    study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &remarks)
+}
+
+/// Takes the factors on the records of a hunt.
+fn take_scales(scales: &mut Option<GreatestScales>, rows: &Table) -> Result<(), TableWriteError> {
+    if let Some(scales) = scales {
+        scales.take(rows);
+    }
+    Ok(())
+}
+
+/// Warns of the strong scales of a hunt, and returns all remarks on the study.
+fn with_doubts(sweep: &Sweep, scales: Option<GreatestScales>) -> Vec<String> {
+    let found = scales.map(|scales| scales.doubts()).unwrap_or_default();
+    warn(&found);
+    [sweep.remarks.as_slice(), &found].concat()
 }

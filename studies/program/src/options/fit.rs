@@ -137,7 +137,7 @@ impl FitOptions {
         }
         let files = TableFiles::of(path)?;
         if !self.partial {
-            files.check_complete("--partial")?;
+            files.check_complete(Some("--partial"))?;
         }
         Ok(Some(files))
     }

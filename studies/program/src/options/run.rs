@@ -119,8 +119,9 @@ impl StudyOptions {
         self.csv.as_deref().unwrap_or_else(|| unreachable!("required by the command line"))
     }
 
-    /// Computes the missing rows of a study and writes them; `follow` receives all rows.
-    pub fn run(&self, study: &impl Study, follow: Option<Follower>) -> anyhow::Result<StudySummary> {
+    /// Computes the missing rows of a study and writes them; `follow` receives all rows. If it `needs_all`, they are also made after the
+    /// reader of a pipe has closed it.
+    pub fn run(&self, study: &impl Study, follow: Option<Follower>, needs_all: bool) -> anyhow::Result<StudySummary> {
         let csv = self.csv();
         if is_parquet(csv) {
             let name = csv.display();
@@ -134,8 +135,7 @@ impl StudyOptions {
             );
             return self.run_whole(csv, study, follow);
         }
-        // A closed pipe on standard output ends the work, unless others need the rows.
-        let options = TableOptions { resume: self.resume, force: self.force, outlives_reader: follow.is_some() };
+        let options = TableOptions { resume: self.resume, force: self.force, outlives_reader: needs_all };
         let mut table = study.open(csv, options)?;
         print_continuation(csv)?;
         self.fill(study, &mut table, follow)
@@ -177,13 +177,14 @@ impl StudyOptions {
         Ok(summary?)
     }
 
-    /// Makes a part of a study in a folder and returns its file. A part that is there stays.
+    /// Makes a part of a study in a folder and returns its file; `follow` receives its rows. A part that is there stays.
     pub fn run_part<S: Study>(
         &self,
         study: &S,
         number: PartNumber,
         folder: &Path,
         extension: &str,
+        follow: Option<Follower>,
     ) -> anyhow::Result<(PathBuf, StudySummary)> {
         fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
         let path = folder.join(number.file_name(extension));
@@ -192,9 +193,12 @@ impl StudyOptions {
         let state = if self.force { PartState::Broken } else { parts::state(&path, &part.header())? };
         let summary = match state {
             PartState::Complete => StudySummary { rows, resumed: rows, failures: Failures::default(), reason: None },
-            PartState::Absent | PartState::Broken => self.run_whole(&path, &part, None)?,
+            PartState::Absent | PartState::Broken => self.run_whole(&path, &part, follow)?,
         };
-        Ok((path, summary))
+        // Rows of a part have their numbers in the study.
+        let first = if summary.failures.count > 0 { part.plan().row(summary.failures.first) } else { 0 };
+        let failures = Failures { first, ..summary.failures };
+        Ok((path, StudySummary { failures, ..summary }))
     }
 
     /// Prints the expected cost of a study, from a sample of its rows.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::commands::fragility::{MeasureCurve, TableCases};
 use crate::options::fit::FitOptions;
 use crate::output::summary::{Object, Summary, aligned};
+use rocking_charts::numerals;
 use rocking_studies::fragility::{Assessment, Interval, RowCounts, Surface};
 use rocking_studies::spec::words::Words;
 
@@ -65,8 +66,14 @@ impl MeasureReport {
             .with("rocking", rocking)
             .with("sufficiency", sufficiency)
             .with_some("without_curve", found.without_curve());
-        let end = |end: Option<f64>| end.map_or("?".into(), |end| format!("{end:.4}"));
-        let with = |value: f64, [low, high]: Interval| format!("{value:.4} ({} to {})", end(low), end(high));
+        let fixed = |value: f64, decimals: usize| format!("{value:.decimals$}");
+        let with = |value: f64, ends: Interval| {
+            let ends = match ends {
+                [Some(low), Some(high)] => numerals::ends([low, high], 4, fixed),
+                ends => ends.map(|end| end.map_or("?".into(), |end| fixed(end, 4))),
+            };
+            format!("{} ({})", fixed(value, 4), ends.join(" to "))
+        };
         let mut fields = vec![
             heading.into(),
             with(median, of_median),

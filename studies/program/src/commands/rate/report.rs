@@ -2,7 +2,8 @@
 
 use crate::commands::rate::Fragility;
 use crate::output::summary::{Object, Summary};
-use rocking_charts::rate::per_year;
+use rocking_charts::numerals::{self, significant};
+use rocking_charts::rate::{per_year, per_year_to};
 use rocking_studies::fragility::{Interval, split_heading};
 use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
@@ -43,7 +44,7 @@ impl RateReport<'_> {
     /// Returns the heading of the picture.
     pub fn lines(&self) -> Vec<String> {
         let rate = self.found.rate;
-        let between = self.ends.map_or(String::new(), |_| format!(" ({})", between(self.interval(), per_year)));
+        let between = self.ends.map_or(String::new(), |_| format!(" ({})", between(self.interval(), per_year_to)));
         let file = self.file.rsplit(['/', '\\']).next().unwrap_or_default();
         vec![
             format!("{} per year{between}, once in {} years", per_year(rate), period(1.0 / rate)),
@@ -88,7 +89,7 @@ impl RateReport<'_> {
     pub fn summary(&self) -> Summary {
         let RateReport { file, im, fragility, found, .. } = self;
         let (rate, [least, greatest], levels) = (found.rate, self.found.hazard_range(), found.hazard.levels().len());
-        let ends = |ends: [Option<f64>; 2], format: fn(f64) -> String| match self.ends {
+        let ends = |ends: [Option<f64>; 2], format: fn(f64, usize) -> String| match self.ends {
             Some((confidence, _)) => format!(" ({} % interval {})", 100.0 * confidence, between(ends, format)),
             None => String::new(),
         };
@@ -104,7 +105,7 @@ impl RateReport<'_> {
         );
         summary.item("fragility", &fragility.json, "fragility", &fragility.text);
         let interval = self.interval();
-        summary.item("rate", rate, "rate", format!("{} per year{}", per_year(rate), ends(interval, per_year)));
+        summary.item("rate", rate, "rate", format!("{} per year{}", per_year(rate), ends(interval, per_year_to)));
         summary.entry("rate_interval", interval);
         if let Some((confidence, _)) = self.ends {
             summary.entry("confidence", confidence);
@@ -121,14 +122,14 @@ impl RateReport<'_> {
             );
         }
         let (years, periods) = (1.0 / rate, [interval[1], interval[0]].map(|end| end.map(|rate| 1.0 / rate)));
-        let text = format!("{} years{}", period(years), ends(periods, period));
+        let text = format!("{} years{}", period(years), ends(periods, period_to));
         summary.item("return_period", years, "return period", text);
         summary.entry("return_period_interval", periods);
         let mut probabilities = Vec::new();
         for &years in self.years {
             let probability = probability_in(years, rate);
             let interval = interval.map(|end| end.map(|rate| probability_in(years, rate)));
-            let words = ends(interval, |probability| format!("{} %", percent(probability)));
+            let words = ends(interval, |probability, digits| format!("{} %", percent_to(probability, digits)));
             let unit = if years == 1.0 { "year" } else { "years" };
             summary.line("probability", format!("{} % in {years} {unit}{words}", percent(probability)));
             let numbers = Object::from([("years", years), ("probability", probability)]);
@@ -198,26 +199,36 @@ impl RateReport<'_> {
     }
 }
 
-/// Formats an interval.
-fn between(ends: [Option<f64>; 2], format: fn(f64) -> String) -> String {
-    let [low, high] = ends.map(|end| end.map_or("?".into(), format));
-    format!("{low} to {high}")
+/// Formats an interval. `format` takes a number and its digits.
+fn between(ends: [Option<f64>; 2], format: fn(f64, usize) -> String) -> String {
+    match ends {
+        [Some(low), Some(high)] => numerals::ends([low, high], 3, format).join(" to "),
+        ends => ends.map(|end| end.map_or("?".into(), |end| format(end, 3))).join(" to "),
+    }
 }
 
 /// Formats a probability or another fraction in per cent with three digits.
 fn percent(fraction: f64) -> String {
+    percent_to(fraction, 3)
+}
+
+fn percent_to(fraction: f64, digits: usize) -> String {
     match 100.0 * fraction {
         ..1e-10 => "0".into(),
-        small if small < 1e-3 => format!("{small:.1e}"),
-        other => rocking_charts::numerals::significant(other, 3),
+        small if small < 1e-3 => format!("{small:.*e}", digits - 2),
+        other => significant(other, digits),
     }
 }
 
 /// Formats a return period.
 fn period(years: f64) -> String {
+    period_to(years, 3)
+}
+
+fn period_to(years: f64, digits: usize) -> String {
     match years {
-        ..1e7 => rocking_charts::numerals::significant(years, 3),
-        ..1e12 => format!("{years:.2e}"),
+        ..1e7 => significant(years, digits),
+        ..1e12 => format!("{years:.*e}", digits - 1),
         _ => "more than 1e12".into(),
     }
 }

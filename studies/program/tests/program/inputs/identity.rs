@@ -99,7 +99,19 @@ fn doubts_about_records_are_said_once() {
     assert_eq!(warnings.lines().filter(|line| line.contains("warning")).count(), 0, "{warnings}");
     let (_, warnings) = sweep(folder.path(), "levels = { im = \"PGA\", values = [9] }", &tables[..1]);
     assert!(warnings.contains("a.csv is scaled by up to 22.5"), "{warnings}");
-    let study = std::fs::read_to_string(folder.path().join("study.toml")).unwrap().replace("[9]", "[8, 7, 8]");
+    // The levels of a hunt are known after its runs, of a resumed table and of a part, too.
+    let (_, warnings) = sweep(folder.path(), "hunt = { im = \"PGA\", first = 3, runs = 4 }", &tables[..1]);
+    let greatest = Table::read(&folder.path().join("s.csv")).column("scale").into_iter().fold(0.0, f64::max);
+    assert!(greatest > 20.0, "{greatest}");
+    let doubt = format!("warning: a.csv is scaled by up to {greatest:.1}; expected at most 20");
+    assert_eq!(warnings.lines().filter(|line| line.contains(&doubt)).count(), 1, "{warnings}");
+    for options in [&["--csv", "s.csv", "--resume"][..], &["--part", "1/1", "--out", "parts"]] {
+        let (_, warnings) = succeeds(&mut program(folder.path(), &[&["sweep", "study.toml"], options]));
+        assert!(warnings.contains(&doubt), "{options:?}: {warnings}");
+    }
+    let study = std::fs::read_to_string(folder.path().join("study.toml"))
+        .unwrap()
+        .replace("hunt = { im = \"PGA\", first = 3, runs = 4 }", "levels = { im = \"PGA\", values = [8, 7, 8] }");
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     let found = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv", "--force"]);
     assert!(found.contains("study.toml:3: values = 8; expected each value once"), "{found}");

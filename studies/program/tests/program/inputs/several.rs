@@ -180,13 +180,17 @@ fn the_picture_shows_records_mean_and_overturned_blocks() {
         "η = 40, ξv = 0.1, ε = 0.2; 4 records",
         "rigid base; 4 records",
         "one record",
-        "geometric mean of all records",
         "geometric mean of the records under which the block rocks and stands, if at least half",
         "±1 standard deviation of ln(peak |θ|/α) over the same records",
         "share of records: overturned",
     ] {
         assert!(labels.contains(label), "{label} is not in the picture");
     }
+    // One record rocks no block on a rigid base: without a line of all records, the key has no entry for it.
+    let of_all = "geometric mean of all records";
+    assert!(!labels.contains(of_all));
+    stdout(path, &spectrum(&NAMES[1..3], &["--csv", "two.csv", "--plot", "two.svg"]));
+    assert!(std::fs::read_to_string(path.join("two.svg")).unwrap().contains(of_all));
     // No run ends at separation or fails, so the key has no entry for them.
     assert!(!svg.contains("ended at separation") && !svg.contains("failed"));
     // One thin line per range of standing blocks, and one in the key.

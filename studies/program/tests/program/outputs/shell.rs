@@ -7,13 +7,15 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 20] = [
     "simulate",
     "sketch",
     "pushover",
     "frame",
     "spectrum",
     "sweep",
+    "parts",
+    "merge",
     "ida",
     "record",
     "pulse",

@@ -4,6 +4,7 @@ mod fragility;
 mod friction;
 mod lanes;
 mod measures;
+mod merging;
 mod parts;
 mod rate;
 mod search;

@@ -11,7 +11,7 @@ use crate::program::{Table, files, program, refusal, refused, rocking, stdout};
 use crate::studies::sweep::{GRID, SAMPLES, folder};
 
 /// Four curves of seven runs, each run's level from those before.
-const HUNT: &str = r#"
+pub const HUNT: &str = r#"
 [study]
 design = "grid"
 hunt = { im = "PGV", first = 0.1, runs = 7 }
@@ -27,7 +27,7 @@ dt = 0.02
 "#;
 
 /// Enough rows for a fit.
-const RECORDED: &str = r#"
+pub const RECORDED: &str = r#"
 [study]
 design = "latin-hypercube"
 samples = 20
@@ -49,11 +49,11 @@ unit = "m/s2"
 dt = 0.02
 "#;
 
-fn make_part(folder: &Path, part: &str, out: &str) -> String {
+pub fn make_part(folder: &Path, part: &str, out: &str) -> String {
     stdout(folder, &["sweep", "study.toml", "--part", part, "--out", out, "--part-format", "csv"])
 }
 
-fn make_parts(folder: &Path, count: usize, out: &str) {
+pub fn make_parts(folder: &Path, count: usize, out: &str) {
     (1..=count).for_each(|number| drop(make_part(folder, &format!("{number}/{count}"), out)));
 }
 
@@ -400,7 +400,7 @@ fn options_of_parts_say_what_they_expect() {
     let folder = folder(SAMPLES);
     for (options, expected) in [
         (&["--part", "0/4", "--out", "parts"][..], "number the tasks of a job array from 1"),
-        (&["--part", "5/4", "--out", "parts"], "from 1 and the number of parts, such as 3/100"),
+        (&["--part", "5/4", "--out", "parts"], "from 1 and the number of all parts, such as 3/100, 1-10/100"),
         (&["--part", "1/4"], "--out <FOLDER>"),
         (&["--out", "parts"], "--part <K/N>"),
         (&["--part", "1/4", "--out", "parts", "--csv", "table.csv"], "--csv"),
