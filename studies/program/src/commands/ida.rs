@@ -127,7 +127,7 @@ fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
     let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
     let peaks = |i: usize| fractiles.each_ref().map(|fractile| fractile[i]);
     let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>14} {b:>14} {c:>14}");
-    summary.line("fractiles", "peak |θ|/α that 16, 50 and 84 % of the curves do not exceed");
+    summary.line("fractiles", format!("peak {} that 16, 50 and 84 % of the curves do not exceed", ida.rotation));
     summary.line("", line(heading, ["16 %", "50 %", "84 %"]));
     let step = ida.levels.len().div_ceil(SHOWN).max(1);
     for (i, level) in ida.levels.iter().enumerate().skip(step - 1).step_by(step) {

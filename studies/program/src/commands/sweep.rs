@@ -68,7 +68,7 @@ impl SweepOptions {
         let folder = file.parent().unwrap_or(Path::new(""));
         let mut sweep = study_file::read_for(&name, &text, folder, checks)?;
         if let Some(on_separation) = *on_separation {
-            let is_named = |swept: &SweptParameter| swept.parameter.metadata.variable == Variable::OnSeparation;
+            let is_named = |swept: &SweptParameter| swept.parameter.variable() == Some(Variable::OnSeparation);
             let named = sweep.parameters.iter().any(is_named);
             anyhow::ensure!(!named, "--on-separation: {name} names on_separation as well; expected one of the two");
             sweep.on_separation = on_separation;
