@@ -391,8 +391,14 @@ impl std::fmt::Display for Blocks {
         let [alpha, eta, xi_v] = self.spans;
         let foundations = self.foundations.as_ref().map(|words| format!("foundation {}", words.join(" or ")));
         let in_space = self.is_in_space.then(|| "blocks in space".to_string());
-        let parts =
-            [self.file.clone(), in_space, span(alpha, "α", " rad"), foundations, span(eta, "η", ""), span(xi_v, "ξ_v", "")];
+        let parts = [
+            self.file.clone(),
+            in_space,
+            span(alpha, "α", " rad"),
+            foundations,
+            span(eta, "η", ""),
+            span(xi_v, "ξ_v", ""),
+        ];
         f.write_str(&parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     }
 }

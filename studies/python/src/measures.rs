@@ -23,7 +23,9 @@ pub fn behind(column: &MeasureColumn, alpha: Option<f64>, p: Option<f64>, g: f64
         (Some(_), false) => Err(invalid(format!("{name} has no effect on {}", column.name))),
     };
     let (alpha, p) = (of_block("alpha", alpha, with_alpha)?, of_block("p", p, with_p)?);
-    column.behind(relative.map(|measure| measure.record_measure(BlockScales { alpha, p, gravity: g })), g).map_err(invalid)
+    column
+        .behind(relative.map(|measure| measure.record_measure(BlockScales { alpha, p, gravity: g })), g)
+        .map_err(invalid)
 }
 
 /// The measure of a name and a unit, empty if nothing names it.

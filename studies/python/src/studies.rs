@@ -37,9 +37,9 @@ use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
 
 /// The columns of a table, and the reason of the first failed run.
-type Columns<'py> = (Vec<Column<'py>>, Option<String>);
+pub type Columns<'py> = (Vec<Column<'py>>, Option<String>);
 
-fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
+pub fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
     Ok((columns(py, rows.table)?, rows.failure.map(|failure| failure.to_string())))
 }
 

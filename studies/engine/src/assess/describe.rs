@@ -64,7 +64,8 @@ pub(super) fn building(plan: &Plan) -> Option<BuildingResult> {
     let building = plan.sweep.building.as_ref()?;
     let threshold = static_threshold(&plan.block);
     let pga = |motion: &GroundMotion| {
-        let [pga, pfa] = [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, (&plan.block).into()));
+        let [pga, pfa] =
+            [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, (&plan.block).into()));
         Some(threshold? * pga? / pfa?)
     };
     let modes = building.modes();

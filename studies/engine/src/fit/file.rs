@@ -127,7 +127,8 @@ fn test(
     let mut ground = Ground::default();
     if let Some(record) = &table.record {
         let place = format!("{path}record");
-        let found = records::Files { file, path: place, table: record, folder, vocabulary: Vocabulary::Plane }.read(values[Variable::G])?;
+        let found = records::Files { file, path: place, table: record, folder, vocabulary: Vocabulary::Plane }
+            .read(values[Variable::G])?;
         let [of_record] = &found[..] else {
             return Err(refused(
                 "record",

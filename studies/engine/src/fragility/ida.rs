@@ -411,7 +411,11 @@ mod tests {
             let name = &column.heading().name;
             assert!(!describes_curve(name, "PGV.RotD50"), "{name}");
         }
-        assert!(["record", "record_y", "vertical", "azimuth", "floor", "alpha", "run"].iter().all(|name| describes_curve(name, "PGV")));
+        assert!(
+            ["record", "record_y", "vertical", "azimuth", "floor", "alpha", "run"]
+                .iter()
+                .all(|name| describes_curve(name, "PGV"))
+        );
     }
 
     /// Curves with levels of their own are linear between them, and end where they overturn.

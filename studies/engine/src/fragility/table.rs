@@ -213,7 +213,8 @@ impl SweepTable {
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
         match limit {
             Limit::Balance if self.is_in_space() => {
-                let expected = "a block in space may pass it over a corner; expected overturned, or tilt:1 for the nearest edge";
+                let expected =
+                    "a block in space may pass it over a corner; expected overturned, or tilt:1 for the nearest edge";
                 Err(self.refused(format!("the limit balance is for blocks in the plane: {expected}")))
             }
             Limit::Overturned => Ok(Vec::new()),

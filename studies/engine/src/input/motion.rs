@@ -45,7 +45,8 @@ impl Motion {
         grounds: impl Iterator<Item = (&'a Ground, &'a [String; 2], &'a [String; 2])>,
     ) -> Vec<Motion> {
         Motion::of_all(grounds.map(|(ground, names, files)| {
-            let record = |record: &'a Option<Record>, slot: usize| Some((record.as_ref()?, &*names[slot], &*files[slot]));
+            let record =
+                |record: &'a Option<Record>, slot: usize| Some((record.as_ref()?, &*names[slot], &*files[slot]));
             [record(&ground.horizontal, 0), None, record(&ground.vertical, 1)]
         }))
     }

@@ -73,7 +73,12 @@ impl Parameter {
             known.clone().filter(parameters).find(|metadata| short(metadata.name) == name)
         });
         let Some(metadata) = known else {
-            return Err(format!("there is no parameter {name}; expected one of {}", similar(name)));
+            let in_space = numbers_in_space::numbers().iter().any(|number| number.name == short(name));
+            let message = match in_space || name == "inertia_tensor" {
+                true => format!("{name} is for a block in space; expected depth, depth_ratio, base or feet beside it"),
+                false => format!("there is no parameter {name}; expected one of {}", similar(name)),
+            };
+            return Err(message);
         };
         if metadata.causality != Causality::Parameter {
             let causality = metadata.causality;
@@ -89,13 +94,14 @@ impl Parameter {
         if let Some(number) = numbers.iter().find(|number| number.name == bare) {
             return Ok(number.into());
         }
-        let shared = |metadata: &Metadata| {
-            metadata.variable == Variable::OnSeparation || metadata.name.starts_with("pulse.")
-        };
+        let shared =
+            |metadata: &Metadata| metadata.variable == Variable::OnSeparation || metadata.name.starts_with("pulse.");
         let instead = match OF_PLANE.into_iter().find(|(known, _)| *known == bare) {
             Some((_, instead)) => instead.replace('`', ""),
             None if bare == "foundation" => INSTEAD_OF_RIGID.replace('`', ""),
-            None => "a block in space has depth, depth_ratio, base or feet in [parameters]; expected it without them".into(),
+            None => {
+                "a block in space has depth, depth_ratio, base or feet in [parameters]; expected it without them".into()
+            }
         };
         match Parameter::named(name) {
             Ok(Parameter { of: Of::Variable(metadata) }) if shared(metadata) => Ok(metadata.into()),
@@ -252,9 +258,7 @@ impl Parameter {
         let items = self.items();
         match items.iter().find(|item| is_same_word(item.1, name)) {
             Some((value, _)) => Ok(f64::from(*value)),
-            None if items.is_empty() => {
-                Err(format!("{} = \"{name}\"; expected {}", self.full_name(), self.expected()))
-            }
+            None if items.is_empty() => Err(format!("{} = \"{name}\"; expected {}", self.full_name(), self.expected())),
             None => {
                 let known: Vec<String> = items.iter().map(|item| word(item.1)).collect();
                 Err(format!("{} = \"{name}\"; expected one of {}", self.full_name(), known.join(", ")))
@@ -292,7 +296,9 @@ pub(crate) fn flatten<'a>(
         }
         let name = format!("{prefix}{}", key.get_ref());
         match value.get_ref().as_table() {
-            Some(group) if Parameter::is_group(&name) => flatten(source, vocabulary, &format!("{name}."), group, &[], found)?,
+            Some(group) if Parameter::is_group(&name) => {
+                flatten(source, vocabulary, &format!("{name}."), group, &[], found)?
+            }
             _ => {
                 let parameter = vocabulary.parameter(&name).map_err(|message| source.wrong(&key.span(), message))?;
                 if found.iter().any(|(known, _)| vocabulary.parameter(known) == Ok(parameter)) {

@@ -193,7 +193,8 @@ impl Measure {
             Measure::PeriodToBlock => (Measure::MeanPeriod, p),
             Measure::OfPair(measure, over) => {
                 let (of_record, factor) = measure.measure().record_measure(scales);
-                ComponentMeasure::of(of_record).map_or((self, 1.0), |of_record| (Measure::OfPair(of_record, over), factor))
+                ComponentMeasure::of(of_record)
+                    .map_or((self, 1.0), |of_record| (Measure::OfPair(of_record, over), factor))
             }
             of_record => (of_record, 1.0),
         }
@@ -235,7 +236,9 @@ impl Measure {
             Measure::Sa(period) => spectral_acceleration(record, period),
             Measure::Sv(period) => oscillator_peaks(record, period).velocity,
             Measure::Pfa | Measure::Pfv => return None,
-            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock | Measure::OfPair(..) => return None,
+            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock | Measure::OfPair(..) => {
+                return None;
+            }
         };
         Some(value).filter(|value| value.is_finite())
     }

@@ -120,12 +120,9 @@ mod tests {
         let along =
             |factor: f64| record_of(&(0..400).map(|i| factor * (0.05 * f64::from(i)).sin()).collect::<Vec<_>>(), 0.01);
         let line = [along(2.0 * angle.cos()), along(2.0 * angle.sin())];
-        for measure in [
-            ComponentMeasure::Pga,
-            ComponentMeasure::Pgv,
-            ComponentMeasure::Sa(0.4),
-            ComponentMeasure::Sv(0.4),
-        ] {
+        for measure in
+            [ComponentMeasure::Pga, ComponentMeasure::Pgv, ComponentMeasure::Sa(0.4), ComponentMeasure::Sv(0.4)]
+        {
             let whole = measure.measure().of(&along(2.0), 9.81).unwrap();
             let found = over_directions(measure, [&line[0], &line[1]], 9.81).unwrap().unwrap();
             let (sin, cos) = angle.sin_cos();

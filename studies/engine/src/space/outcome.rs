@@ -100,7 +100,8 @@ impl RunOutcome for OutcomeInSpace {
 pub fn columns<'c, R: 'c>(of: fn(&R) -> &OutcomeInSpace) -> Vec<TableColumn<'c, R>> {
     type Of<'c, R> = TableColumn<'c, R>;
     let peaks = PEAKS.into_iter().enumerate();
-    let peaks = peaks.map(|(place, (name, unit))| Of::real(format!("peak.{name}"), unit, move |row| of(row).peaks[place]));
+    let peaks =
+        peaks.map(|(place, (name, unit))| Of::real(format!("peak.{name}"), unit, move |row| of(row).peaks[place]));
     let mut columns = vec![
         Of::choice("outcome", End::ALL.map(End::word), move |row| of(row).end as usize),
         Of::real("end_time", "s", move |row| of(row).end_time),

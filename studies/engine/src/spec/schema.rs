@@ -55,7 +55,8 @@ fn add_numbers_in_space(properties: &mut Map<String, Value>, schema: impl Fn(Val
 /// The parameters of a block in space that no study varies.
 fn shape_in_space() -> [(String, Value); 3] {
     let words: Vec<&str> = BaseShape::WORDS.iter().map(|(word, _)| *word).collect();
-    let numbers = |count: usize| json!({ "type": "array", "items": { "type": "number" }, "minItems": count, "maxItems": count });
+    let numbers =
+        |count: usize| json!({ "type": "array", "items": { "type": "number" }, "minItems": count, "maxItems": count });
     [
         ("base", json!({ "enum": words, "description": "Shape of the base of a block in space; by default rectangle" })),
         (
@@ -94,7 +95,8 @@ pub(super) fn pulse(generator: &mut SchemaGenerator) -> Schema {
 /// Spreads of parameters by name.
 pub(super) fn spreads<Spread: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let spread = generator.subschema_for::<Spread>().to_value();
-    let mut schema = by_name(generator, "spread-of-", "", |metadata| (metadata.kind == Kind::Real).then(|| spread.clone()));
+    let mut schema =
+        by_name(generator, "spread-of-", "", |metadata| (metadata.kind == Kind::Real).then(|| spread.clone()));
     if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {
         add_numbers_in_space(properties, |_| spread.clone());
     }

@@ -250,6 +250,8 @@ pub struct RecordsTable {
     pub y: Option<String>,
     /// File of the vertical component for a block in space, or a pattern for several files.
     pub z: Option<String>,
+    /// Cut the components of each motion for a block in space to the samples that all of them have.
+    pub cut: Option<bool>,
     /// Channel of the files of y, by name or by number from 1, instead of channel.
     #[schemars(with = "Option<Column<1000>>")]
     pub y_channel: Option<Choice>,

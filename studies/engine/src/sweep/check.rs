@@ -52,7 +52,9 @@ pub(super) fn pairs(
     }
     let expected = match vocabulary {
         Vocabulary::Plane => "one of a single component, such as PGV, for a block in the plane",
-        Vocabulary::Space => "one of two components, such as PGV.RotD50, PGA.larger or Sa(0.5 s).geomean, for a block in space",
+        Vocabulary::Space => {
+            "one of two components, such as PGV.RotD50, PGA.larger or Sa(0.5 s).geomean, for a block in space"
+        }
     };
     Err(file.refused(&strength::path(file), format!("found the measure {measure}; expected {expected}")))
 }

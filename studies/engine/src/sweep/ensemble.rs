@@ -98,10 +98,7 @@ impl Ensemble {
     /// The columns of a row's samples, by their outcomes.
     ///
     /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
-    pub(super) fn columns<'c, R: 'c, O: RunOutcome + 'c>(
-        &self,
-        samples: fn(&R) -> &[O],
-    ) -> Vec<TableColumn<'c, R>> {
+    pub(super) fn columns<'c, R: 'c, O: RunOutcome + 'c>(&self, samples: fn(&R) -> &[O]) -> Vec<TableColumn<'c, R>> {
         let ended = move |row: &R, end| samples(row).iter().filter(|outcome| outcome.end() == end).count();
         let verdicts = move |row: &R, limit: Limit, found: Option<bool>| {
             samples(row).iter().filter(|sample| limit.verdict(sample.end(), sample.response(limit)) == found).count()

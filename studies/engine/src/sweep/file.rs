@@ -55,8 +55,7 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let elsewhere = [&Measure::OF_FLOOR[..], &of_block].concat();
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let (mut motions, mut remarks) =
-        records::read(&file, folder, vocabulary, &of_record, || gravity(&given, source))?;
+    let (mut motions, mut remarks) = records::read(&file, folder, vocabulary, &of_record, || gravity(&given, source))?;
     motions = space::turned(&file, motions)?;
     let building = building::file::read(&file)?;
     check::building(&file, &motions, &strengths)?;

@@ -28,9 +28,8 @@ pub(super) fn read(
         return Ok((vec![GroundMotion::new(Default::default(), Ground::default(), &[], f64::NAN)], Vec::new()));
     };
     let gravity = gravity()?;
-    let of_table = |(number, table)| {
-        Files { file, path: format!("records.{number}"), table, folder, vocabulary }.read(gravity)
-    };
+    let of_table =
+        |(number, table)| Files { file, path: format!("records.{number}"), table, folder, vocabulary }.read(gravity);
     let found: Vec<RecordFiles> = all(tables.iter().enumerate().map(of_table))?.into_iter().flatten().collect();
     let mut remarks: Vec<String> = Vec::new();
     for doubt in found.iter().flat_map(|files| &files.doubts) {
@@ -141,6 +140,15 @@ fn all<T>(results: impl Iterator<Item = Result<T, StudyFileError>>) -> Result<Ve
     failed.map_or(Ok(values), Err)
 }
 
+/// Cuts the components of a motion to the samples that all of them have.
+fn cut(records: &mut [Option<Record>]) {
+    let shortest = records.iter().flatten().map(|record| record.acceleration.len()).min();
+    for record in records.iter_mut().flatten() {
+        let samples = shortest.unwrap_or_default();
+        record.acceleration = record.acceleration[..samples].into();
+    }
+}
+
 /// A table of record files.
 pub(crate) struct Files<'r, 'a, T> {
     /// The file of the table.
@@ -156,8 +164,11 @@ pub(crate) struct Files<'r, 'a, T> {
 }
 
 /// The components of a block in space by their keys.
-const COMPONENTS: ComponentNames =
-    ComponentNames { names: ["x", "y", "z"], resample: "resample in [[records]] gives all components one step" };
+const COMPONENTS: ComponentNames = ComponentNames {
+    names: ["x", "y", "z"],
+    resample: "resample in [[records]] gives all components one step",
+    cut: "cut = true in [[records]] cuts the components to the samples that all have",
+};
 
 impl<T> Files<'_, '_, T> {
     /// Reads the ground motions with the names of their files. Values in g are multiplied by this gravity (m/s²).
@@ -198,18 +209,26 @@ impl<T> Files<'_, '_, T> {
 
     /// Refuses the components of the other body, and settings of a component that is missing.
     fn refuse_without_effect(&self) -> Result<(), StudyFileError> {
-        const OF_SPACE: &str =
-            "is for a block in space; expected horizontal or vertical, or depth, depth_ratio, base or feet in [parameters]";
-        let RecordsTable { horizontal, vertical, x, y, z, y_channel, y_acceleration_column, .. } = self.table;
+        const OF_SPACE: &str = "is for a block in space; expected horizontal or vertical, or depth, depth_ratio, base or feet in [parameters]";
+        let RecordsTable { horizontal, vertical, x, y, z, cut, y_channel, y_acceleration_column, .. } = self.table;
         let in_space = self.vocabulary == Vocabulary::Space;
         let of_y = y_channel.is_some() || y_acceleration_column.is_some();
         let rules = [
             ("x", !in_space && x.is_some(), OF_SPACE),
             ("y", !in_space && y.is_some(), OF_SPACE),
             ("z", !in_space && z.is_some(), OF_SPACE),
-            ("horizontal", in_space && horizontal.is_some(), "is for a block in the plane; expected x, and y beside it"),
+            ("cut", cut.is_some() && y.is_none() && z.is_none(), "has no effect without y or z"),
+            (
+                "horizontal",
+                in_space && horizontal.is_some(),
+                "is for a block in the plane; expected x, and y beside it",
+            ),
             ("vertical", in_space && vertical.is_some(), "is for a block in the plane; expected z"),
-            (if y_channel.is_some() { "y_channel" } else { "y_acceleration_column" }, of_y && y.is_none(), "has no effect without y"),
+            (
+                if y_channel.is_some() { "y_channel" } else { "y_acceleration_column" },
+                of_y && y.is_none(),
+                "has no effect without y",
+            ),
         ];
         match rules.into_iter().find(|(_, holds, _)| *holds) {
             Some((key, _, why)) => Err(self.refused(key, format!("{key} {why}"))),
@@ -245,7 +264,8 @@ impl<T> Files<'_, '_, T> {
                 );
             }
         }
-        all((0..along.max(up)).map(|number| self.ground(options, lists.each_ref().map(|list| list.get(number).cloned()))))
+        all((0..along.max(up))
+            .map(|number| self.ground(options, lists.each_ref().map(|list| list.get(number).cloned()))))
     }
 
     /// Reads a ground motion from its files.
@@ -274,6 +294,10 @@ impl<T> Files<'_, '_, T> {
             doubt.flatten().map(|why| format!("{}: {why}", file.as_deref().unwrap_or_default()))
         };
         let doubts = files.iter().zip(doubts).filter_map(doubt).collect();
+        let mut records = records;
+        if self.table.cut == Some(true) {
+            cut(&mut records);
+        }
         let mut records = records.into_iter();
         let ground = Ground { horizontal: records.next().flatten(), vertical: records.next().flatten() };
         let transverse = records.next().flatten();

@@ -4,7 +4,7 @@
 
 use crate::intensity::{BlockScales, Measure};
 use crate::output::runner::{MAX_RUNS, StudyRows};
-use crate::output::table::{Table, TableColumn, headings, Heading};
+use crate::output::table::{Heading, Table, TableColumn, headings};
 use crate::run::Run;
 use crate::run::outcome::End;
 use crate::run::rows::{Experiment, RunOutcome, RunRow};
@@ -196,7 +196,9 @@ impl Sweep {
     /// The headings of the table.
     pub(super) fn headings_of<E: SweptRun>(&self) -> Vec<Heading> {
         match self.strengths {
-            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => headings(&self.columns_of_runs::<E>()),
+            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => {
+                headings(&self.columns_of_runs::<E>())
+            }
             Strengths::Least(measure, _) => headings(&self.columns_of_searches(measure)),
         }
     }

@@ -47,7 +47,8 @@ pub(super) fn read(file: &Section<StudyFile>, folder: &Path) -> Result<Option<Bl
     if vocabulary(file) == Vocabulary::Plane {
         return match file.study.azimuths {
             Some(_) => {
-                let expected = "none; it turns the ground motion of a block in space, which has depth, depth_ratio, base or feet";
+                let expected =
+                    "none; it turns the ground motion of a block in space, which has depth, depth_ratio, base or feet";
                 Err(file.wrong("study.azimuths", expected))
             }
             None => Ok(None),
@@ -109,7 +110,10 @@ fn refuse_of_plane(file: &Section<StudyFile>) -> Result<(), StudyFileError> {
 }
 
 /// Returns each ground motion in each direction of the study.
-pub(super) fn turned(file: &Section<StudyFile>, motions: Vec<GroundMotion>) -> Result<Vec<GroundMotion>, StudyFileError> {
+pub(super) fn turned(
+    file: &Section<StudyFile>,
+    motions: Vec<GroundMotion>,
+) -> Result<Vec<GroundMotion>, StudyFileError> {
     let Some(azimuths) = &file.study.azimuths else { return Ok(motions) };
     let of_motion: Vec<Vec<f64>> = match azimuths {
         Azimuths::List(list) => {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use clap::Parser;
 use serde_json::json;
 
-use crate::commands::sweep::SweepOptions;
+use crate::commands::sweep::{SweepOptions, model};
 use crate::options::run::warn;
 use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
@@ -72,7 +72,7 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     outputs
         .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
     outputs.write()?;
-    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &remarks)
+    options.study.report("ida", (csv, &summary), items(model(&sweep), &ida, measure), &[("plot", plot)], &remarks)
 }
 
 /// Doubts the greatest factors on the records of a hunt, which are known after its runs.
@@ -85,9 +85,8 @@ fn strong_scales(table: &SweepTable) -> Result<Vec<String>, SweepTableError> {
     Ok(largest.into_iter().filter_map(|(record, scale)| strong_scale(&record, "is", scale)).collect())
 }
 
-/// The curves of an analysis in numbers.
-fn items(ida: &Ida, measure: Measure) -> Summary {
-    let mut summary = Summary::default();
+/// The curves of an analysis in numbers, after the items of the study.
+fn items(mut summary: Summary, ida: &Ida, measure: Measure) -> Summary {
     let capacity = |curve: &IdaCurve| {
         // The least level that overturns, and the greatest below that does not.
         let found = curve.overturning();

@@ -12,9 +12,11 @@ use crate::output::summary::Summary;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::output::parts::{self, PartNumber};
+use rocking_studies::output::runner::Study;
 use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::file::{self as study_file, Checks};
+use rocking_studies::sweep::ground_motion::GroundMotion;
 use rocking_studies::sweep::parameters::SweptParameter;
 
 /// Options of `rocking sweep`.
@@ -73,11 +75,25 @@ impl SweepOptions {
             anyhow::ensure!(!named, "--on-separation: {name} names on_separation as well; expected one of the two");
             sweep.on_separation = on_separation;
         }
-        let records = sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty());
-        let records: Vec<_> = records.map(|name| NamedFile::new("the record", &folder.join(name))).collect();
-        check_distinct(&records, outputs)?;
+        let records = sweep.motions.iter().flat_map(GroundMotion::read_files);
+        let records = records.map(|name| NamedFile::new("the record", &folder.join(name)));
+        let feet = sweep.space.iter().filter_map(|blocks| blocks.feet.as_ref());
+        let feet = feet.map(|(name, _)| NamedFile::new("the feet", &folder.join(name)));
+        check_distinct(&records.chain(feet).collect::<Vec<_>>(), outputs)?;
+        if !sweep.uses_lanes() {
+            self.study.refuse_lanes("on blocks in space, which are stepped one by one; expected --threads alone")?;
+        }
         Ok(sweep)
     }
+}
+
+/// Begins the summary of a study, which says that its blocks are in space.
+pub fn model(sweep: &Sweep) -> Summary {
+    let mut summary = Summary::default();
+    if sweep.space.is_some() {
+        summary.item("model", "block in space", "model", "block in space");
+    }
+    summary
 }
 
 /// Runs the command.
@@ -112,15 +128,15 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     let sweep = options.read(table.as_slice(), checks)?;
     warn(&sweep.remarks);
     if *dry_run {
-        return study.forecast(&sweep, part.map_or(1, |(number, ..)| number.count()));
+        return study.forecast(&sweep, model(&sweep), part.map_or(1, |(number, ..)| number.count()));
     }
     let Some((number, folder, extension, _)) = part else {
         let summary = study.run(&sweep, None)?;
-        return study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &sweep.remarks);
+        return study.report("sweep", (study.csv(), &summary), model(&sweep), &[], &sweep.remarks);
     };
     let (file, summary) = study.run_part(&sweep, number, folder, &extension)?;
     let before = if summary.resumed > 0 { ", complete before" } else { "" };
-    let mut items = Summary::default();
+    let mut items = model(&sweep);
     items.item("part", [number.number(), number.count()], "part", format!("{number}{before}"));
     study.report("sweep", (&file, &summary), items, &[], &sweep.remarks)
 }

@@ -4,6 +4,7 @@ mod figures;
 mod findings;
 mod fragility;
 mod friction;
+mod in_space;
 mod lanes;
 mod measures;
 mod parts;
