@@ -63,8 +63,8 @@ class Ida(_engine.Ida):
 
     @property
     def rotation(self) -> str:
-        """Symbol of the rotation whose peaks the curves have: |θ|/α, or the tilt over that of the balance in space."""
-        return "tilt/α_edge" if TILT in self.table else "|θ|/α"
+        """The rotation whose peaks the curves have: |θ|/α, or the tilt over that of the balance in space."""
+        return "tilt over that of the balance" if TILT in self.table else "|θ|/α"
 
     @property
     def curves(self) -> tuple[IdaCurve, ...]:

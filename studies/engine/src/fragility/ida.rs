@@ -18,12 +18,12 @@ pub struct Ida {
     pub levels: Vec<f64>,
     /// The curves, one per block and ground motion.
     pub curves: Vec<IdaCurve>,
-    /// Symbol of the rotation whose peaks they are: |θ|/α, or the tilt over that of the balance in space.
+    /// The rotation whose peaks they are: |θ|/α, or the tilt over that of the balance in space.
     pub rotation: &'static str,
 }
 
 /// The rotation of blocks in the plane, and of those in space.
-const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt/α_edge"];
+const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
 
 /// The response of a block to a ground motion of increasing strength.
 #[derive(Clone, Debug, PartialEq)]

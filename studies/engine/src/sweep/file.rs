@@ -38,8 +38,9 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let file = Section::<StudyFile>::read(source, THE_FILE, document.span(), document.get_ref())?;
     let study = &file.study;
     let samples = design(&file)?;
-    let (vocabulary, in_space) = (space::vocabulary(&file), space::read(&file, folder)?);
+    let vocabulary = space::vocabulary(&file);
     let given = parameters(&file, vocabulary, samples.is_some())?;
+    let in_space = space::read(&file, folder)?;
     let design = match samples {
         Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
         None => Design::Grid,
