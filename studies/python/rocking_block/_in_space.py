@@ -253,7 +253,7 @@ class BlockInSpace(_engine.BlockInSpace):
             raise ValueError("scale has no effect without records")
         options = run_options(tolerance, on_separation, duration=duration)
         with ticking(progress) as tick:
-            found, failure = _engine.outcomes_in_space(
+            of_runs, failure = _engine.outcomes_in_space(
                 self, motions, scales, azimuths, as_pulse(pulse), options, threads, tick
             )
         each = list(itertools.product(range(count), scales, azimuths))
@@ -266,9 +266,9 @@ class BlockInSpace(_engine.BlockInSpace):
         if counts:
             columns["scale"] = np.array([factor for _, factor, _ in each])
         columns["azimuth"] = np.array([direction for _, _, direction in each])
-        columns |= {name: values for name, _, values in found}
+        columns |= {name: values for name, _, values in of_runs}
         warn_of_failures(columns["outcome"], failure)
-        units = {"scale": "1", "azimuth": "deg"} | {name: unit for name, unit, _ in found if unit is not None}
+        units = {"scale": "1", "azimuth": "deg"} | {name: unit for name, unit, _ in of_runs if unit is not None}
         return Table(columns, {name: unit for name, unit in units.items() if name in columns})
 
     def __repr__(self) -> str:

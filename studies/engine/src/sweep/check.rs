@@ -5,8 +5,8 @@ use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText}
 use crate::intensity::{BlockScales, Measure};
 use crate::output::parts::PartNumber;
 use crate::spec::SpecError;
-use crate::spec::study::StudyFile;
-use crate::sweep::ensemble::{self, Ensemble, SpreadTarget};
+use crate::spec::study::{Distribution, StudyFile};
+use crate::sweep::ensemble::{Ensemble, SpreadTarget, SpreadWidth, UncertainQuantity};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::ParameterValues;
 use crate::sweep::rows::RowValues;
@@ -105,6 +105,45 @@ pub(super) fn ensemble(
     }
 }
 
+/// Checks that all samples of an ensemble make a block, which reads their values. Blocks that are valid at all corners of the spreads are
+/// valid between them.
+fn samples(ensemble: &Ensemble, sweep: &Sweep, values: &RowValues) -> Result<(), String> {
+    let ends = [0.5 / f64::from(ensemble.samples), 1.0 - 0.5 / f64::from(ensemble.samples)];
+    for corner in 0..1_usize << ensemble.spreads.len() {
+        let mut values = values.clone();
+        for (number, spread) in ensemble.spreads.iter().enumerate() {
+            let SpreadTarget::Parameter(parameter) = &spread.target else { continue };
+            let name = parameter.name();
+            let nominal = values.number(parameter);
+            let nominal =
+                nominal.ok_or_else(|| format!("{name} of the ensemble has no value in [parameters]; expected one"))?;
+            if parameter.shown(nominal).is_infinite() {
+                return Err(format!("{name} = {} cannot vary; expected a number", parameter.display(nominal)));
+            }
+            if nominal == 0.0
+                && (matches!(spread.width, SpreadWidth::Relative(_)) || spread.distribution == Distribution::Lognormal)
+            {
+                let expected = "a deviation of a normal or uniform distribution";
+                return Err(format!("{name} = 0 has no coefficient of variation; expected {expected}"));
+            }
+            let sample = parameter.number(spread.value(nominal, ends[corner >> number & 1]));
+            let sample = sample.map_err(|message| format!("in a sample of the ensemble, {message}"))?;
+            values.set(parameter, sample);
+        }
+        sweep.scales(&values).map_err(|error| format!("in a sample of the ensemble, {error}"))?;
+        let unread = |(name, needed): (&str, &str)| {
+            let is = |spread: &UncertainQuantity| matches!(&spread.target, SpreadTarget::Parameter(p) if p.variable().is_some() && p.full_name() == name);
+            let name = Parameter::named(name).ok()?.name();
+            let spread = ensemble.spreads.iter().find(|spread| is(spread));
+            spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
+        };
+        if let Some(message) = values.variables.unread_by_motion().find_map(unread) {
+            return Err(message);
+        }
+    }
+    Ok(())
+}
+
 /// Finds a parameter by its name in errors, such as "yield force of tie_1".
 fn named<'g, 'a>(given: &'g [GivenParameter<'a>], name: &str) -> Option<&'g GivenParameter<'a>> {
     let named = |name: &str| {
@@ -148,7 +187,7 @@ pub(super) fn combinations(
         };
         check_level(sweep, scales, file)?;
         if let Some(ensemble) = &sweep.ensemble {
-            ensemble::check(ensemble, sweep, &values).map_err(|message| file.refused("study.ensemble", message))?;
+            samples(ensemble, sweep, &values).map_err(|message| file.refused("study.ensemble", message))?;
         }
         if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
             let initial = if sweep.space.is_some() { "initial.tilt_x" } else { "initial.theta or initial.theta_dot" };

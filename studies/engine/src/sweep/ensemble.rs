@@ -13,8 +13,6 @@ use crate::spec::study::{Distribution, EnsembleTable, SpreadTable, StudyFile};
 use crate::spec::values::Word;
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
-use crate::sweep::Sweep;
-use crate::sweep::rows::RowValues;
 use rocking_block::unit::variables::Kind;
 
 /// The samples of each row.
@@ -220,45 +218,6 @@ fn spread<'a>(
         }
     };
     Ok(UncertainQuantity { target, distribution: table.distribution.unwrap_or(Distribution::Lognormal), width })
-}
-
-/// Checks that all samples of an ensemble make a block, which reads their values. Blocks that are valid at all corners of the spreads are
-/// valid between them.
-pub(super) fn check(ensemble: &Ensemble, sweep: &Sweep, values: &RowValues) -> Result<(), String> {
-    let ends = [0.5 / f64::from(ensemble.samples), 1.0 - 0.5 / f64::from(ensemble.samples)];
-    for corner in 0..1_usize << ensemble.spreads.len() {
-        let mut values = values.clone();
-        for (number, spread) in ensemble.spreads.iter().enumerate() {
-            let SpreadTarget::Parameter(parameter) = &spread.target else { continue };
-            let name = parameter.name();
-            let nominal = values.number(parameter);
-            let nominal =
-                nominal.ok_or_else(|| format!("{name} of the ensemble has no value in [parameters]; expected one"))?;
-            if parameter.shown(nominal).is_infinite() {
-                return Err(format!("{name} = {} cannot vary; expected a number", parameter.display(nominal)));
-            }
-            if nominal == 0.0
-                && (matches!(spread.width, SpreadWidth::Relative(_)) || spread.distribution == Distribution::Lognormal)
-            {
-                let expected = "a deviation of a normal or uniform distribution";
-                return Err(format!("{name} = 0 has no coefficient of variation; expected {expected}"));
-            }
-            let sample = parameter.number(spread.value(nominal, ends[corner >> number & 1]));
-            let sample = sample.map_err(|message| format!("in a sample of the ensemble, {message}"))?;
-            values.set(parameter, sample);
-        }
-        sweep.scales(&values).map_err(|error| format!("in a sample of the ensemble, {error}"))?;
-        let unread = |(name, needed): (&str, &str)| {
-            let is = |spread: &UncertainQuantity| matches!(&spread.target, SpreadTarget::Parameter(p) if p.full_name() == name);
-            let name = Parameter::named(name).ok()?.name();
-            let spread = ensemble.spreads.iter().find(|spread| is(spread));
-            spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
-        };
-        if let Some(message) = values.variables.unread_by_motion().find_map(unread) {
-            return Err(message);
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -314,7 +314,10 @@ fn incremental_dynamic_analysis_has_a_curve_for_each_direction() {
     let folder = folder(&study);
     let printed = stdout(folder.path(), &["ida", "study.toml", "--csv", "s.csv", "--plot", "ida.svg"]);
     assert!(printed.contains("model         block in space"), "{printed}");
-    assert!(printed.contains("curves        8, ") && printed.contains("peak tilt over that of the balance that 16"), "{printed}");
+    assert!(
+        printed.contains("curves        8, ") && printed.contains("peak tilt over that of the balance that 16"),
+        "{printed}"
+    );
     let svg = std::fs::read_to_string(folder.path().join("ida.svg")).unwrap();
     let labels = labels(&svg);
     assert!(labels.contains(&"peak tilt over that of the balance".to_string()), "{labels:?}");
