@@ -32,6 +32,11 @@ VARIANTS = [
         "parameters": {"foundation": "rigid", "mass": 1000.0, "damper_1": {"ground_z": -1.0, "stiffness": 1e5, "yield_force": 1e3}},
     },
     {"parameters": {"alpha": {"from": 0.1, "to": 0.2, "count": 2}}},
+    {
+        "study": {"design": "grid", "scales": [1.0], "azimuths": {"count": 2, "seed": 1}},
+        "parameters": {"depth_ratio": 1.5, "kappa": {"from": 0.5, "to": 1.0, "count": 2}, "initial": {"twist": 0.01}},
+        "records": [{"x": str(RECORD), "y": str(ROOT / "examples/space/np01002p_4225c_a.smc"), "cut": True, "y_channel": 1}],
+    },
     {"building": {"floor_masses": [1e5, 1e5], "storey_stiffnesses": [1e8, 1e8], "rayleigh": {"damping": 0.05, "modes": [1, 2]}}},
     {"assess": {"title": "Block", "hazard": {"file": str(ROOT / "examples/hazard.csv")}}},
     {"assess": {"title": "Block", "states": [{"name": "rocks", "limit": 0.1}]}},
@@ -161,6 +166,8 @@ def test_limits_are_those_of_the_program(program, schemas, tmp_path):
     {"parameters": {"friction": 0}},
     {"records": [{"horizontal": 3}]},
     {"records": []},
+    {"study": {"design": "grid", "azimuths": "all"}},
+    {"parameters": {"depth": 1.0, "feet": True}},
     {"assess": {"titel": "Block"}},
 ])
 def test_both_refuse_a_mistake(program, schemas, wrong, tmp_path):

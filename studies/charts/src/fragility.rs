@@ -183,7 +183,7 @@ pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureEr
     });
     let (axis, _) = axis(heading);
     let chart = Chart {
-        x: ("peak |θ|/α", x.clone()),
+        x: (&format!("peak {}", found.rotation), x.clone()),
         y: (&axis, y.clone()),
         tiles: if is_dense { density(found, &x, &y) } else { Vec::new() },
         notes: names.collect(),
@@ -352,11 +352,13 @@ pub struct Blocks {
     /// Ranges of [`DESCRIBED`].
     spans: [Option<[f64; 2]>; 3],
     foundations: Option<Vec<String>>,
+    is_in_space: bool,
 }
 
 impl Blocks {
     /// Takes rows of a table.
     pub fn take(&mut self, table: &SweepTable) {
+        self.is_in_space = table.is_in_space();
         self.file = table.file.rsplit(['/', '\\']).next().map(String::from);
         for (span, name) in self.spans.iter_mut().zip(DESCRIBED) {
             let names = [name.to_string(), format!("dimensionless.{name}")];
@@ -390,8 +392,15 @@ impl std::fmt::Display for Blocks {
         };
         let [alpha, eta, xi_v] = self.spans;
         let foundations = self.foundations.as_ref().map(|words| format!("foundation {}", words.join(" or ")));
-        let parts =
-            [self.file.clone(), span(alpha, "α", " rad"), foundations, span(eta, "η", ""), span(xi_v, "ξ_v", "")];
+        let in_space = self.is_in_space.then(|| "blocks in space".to_string());
+        let parts = [
+            self.file.clone(),
+            in_space,
+            span(alpha, "α", " rad"),
+            foundations,
+            span(eta, "η", ""),
+            span(xi_v, "ξ_v", ""),
+        ];
         f.write_str(&parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     }
 }
@@ -415,6 +424,9 @@ pub fn probability_of(limit: Limit) -> String {
         Limit::Slip(limit) => format!("probability of a slip above {} m", short(limit)),
         Limit::Plastic(limit) => format!("probability of a plastic elongation above {} m", short(limit)),
         Limit::HalfCycles(limit) => format!("probability of more than {} half cycles", short(limit)),
+        Limit::Tilt(limit) => format!("probability of a tilt above {} of that of the balance", short(limit)),
+        Limit::Twist(limit) => format!("probability of a twist above {} rad", short(limit)),
+        Limit::Drift(limit) => format!("probability of a drift above {} m", short(limit)),
     }
 }
 
@@ -461,7 +473,7 @@ mod tests {
             responses: vec![Response::Stands(0.01 * number as f64), Response::Overturns],
         };
         let picture = |count: usize| {
-            let found = Ida { levels: vec![0.1, 0.2], curves: (1..=count).map(curve).collect() };
+            let found = Ida { levels: vec![0.1, 0.2], curves: (1..=count).map(curve).collect(), rotation: "|θ|/α" };
             ida("", &found, "PGV [m/s]").unwrap()
         };
         let [few, many] = [MAX_CURVES, MAX_CURVES + 1].map(picture);

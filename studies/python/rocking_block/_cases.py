@@ -40,8 +40,8 @@ class Cases:
             self._begin(table)
         outcome, limit = outcomes_of(table, self.all), self.limit
         assert limit is not None
-        if "peak.theta/alpha" in table or not isinstance(limit, str):
-            peak = numbers(table, "peak.theta/alpha")
+        if rotation(table) in table or not isinstance(limit, str):
+            peak = numbers(table, rotation(table))
         else:
             peak = np.full(len(outcome), np.nan)
         response = np.full(len(outcome), np.nan)
@@ -90,12 +90,18 @@ class Cases:
             limit = "balance" if "peak.theta/balance" in table else "overturned"
         elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
             limit = limit.lower()
+            if limit == "balance" and TILT in table:
+                expected = 'a block in space may pass it over a corner; expected "overturned", or "tilt:1" for the nearest edge'
+                raise ValueError(f"the limit balance is for blocks in the plane: {expected}")
         elif named is not None:
             limit = f"{named[0]}>" + repr(named[1]).removesuffix(".0")
         elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
             shown = f'"{limit}"' if isinstance(limit, str) else limit
             expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
-            raise ValueError(f"limit = {shown}; {expected}")
+            in_space = '; of a block in space "tilt:0.5" over that of its balance, "twist:0.1" in rad, or "drift:0.1" in metres'
+            raise ValueError(f"limit = {shown}; {expected}{in_space}")
+        elif TILT in table:
+            limit = f"tilt/alpha_edge>{float(limit)!r}".removesuffix(".0")
         self.limit = limit
         searched = [name for name in table if name.startswith("least.")]
         if searched:
@@ -169,7 +175,17 @@ def _digits(code: int, words: list[npt.NDArray[Any]]) -> list[int]:
     return list(divmod(code, len(words[1])))
 
 
-_COLUMNS = {"slip": r"peak\.slip", "plastic": r"peak\..*\.plastic", "half_cycles": "half_cycles>.*"}
+TILT = "peak.tilt/alpha_edge"
+"""The column of blocks in space with the tilt over that of the balance over the nearest edge."""
+
+_COLUMNS = {
+    "slip": r"peak\.slip",
+    "plastic": r"peak\..*\.plastic",
+    "half_cycles": "half_cycles>.*",
+    "tilt/alpha_edge": re.escape(TILT),
+    "twist": r"peak\.twist",
+    "drift": r"peak\.drift",
+}
 """The columns of limits by their quantities."""
 
 
@@ -177,7 +193,7 @@ def _named(limit: object) -> tuple[str, float] | None:
     """Returns the quantity and the number of a limit such as "slip:0.1"."""
     quantity, _, number = re.sub("[:>]", ">", limit).partition(">") if isinstance(limit, str) else ("", "", "")
     try:
-        found = (quantity.lower(), float(number or np.nan))
+        found = ("tilt/alpha_edge" if quantity.lower() == "tilt" else quantity.lower(), float(number or np.nan))
     except ValueError:
         return None
     return found if found[0] in _COLUMNS and 0.0 < found[1] < np.inf else None
@@ -191,7 +207,7 @@ def _response(table: Table, limit: str | float, peak: Floats) -> Floats:
     # Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
     if limit == "balance" and ("peak.theta/balance" in table or "eccentricity" in table):
         return numbers(table, "peak.theta/balance")
-    return numbers(table, "peak.theta/alpha") if limit == "balance" else peak
+    return numbers(table, rotation(table)) if limit == "balance" else peak
 
 
 def _peaks(table: Table, quantity: str) -> Floats:
@@ -217,9 +233,15 @@ def _column(table: Table, name: str) -> npt.NDArray[Any]:
     return table[name]
 
 
+def rotation(table: Table) -> str:
+    """Returns the column of the peak rotation: |θ|/α, or in space the tilt over that of the balance."""
+    return TILT if TILT in table else "peak.theta/alpha"
+
+
 def rocks(table: Table, peak: Floats) -> npt.NDArray[np.bool_]:
-    """Returns whether the blocks of rows that stand rocked, by their peak |θ|/α and their lift-offs if the table has them."""
-    return _engine.rocks(peak, numbers(table, "events.liftoffs") if "events.liftoffs" in table else None)
+    """Returns whether the blocks of rows that stand rocked, by their peak rotation and their lift-offs if the table has them."""
+    counted = next((name for name in ("events.liftoffs", "events.lift_offs") if name in table), None)
+    return _engine.rocks(peak, None if counted is None else numbers(table, counted))
 
 
 def numbers(table: Table, name: str) -> Floats:

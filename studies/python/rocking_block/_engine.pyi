@@ -400,7 +400,7 @@ def outcomes_in_space(
     options: dict[str, Any],
     threads: int | None,
     tick: _Tick,
-) -> tuple[list[str], _Floats, dict[str, _Floats], str | None]: ...
+) -> tuple[list[_Column], str | None]: ...
 def pushover(
     block: Block, side: str, to: float | None, amplitude: float | None, points: int
 ) -> tuple[

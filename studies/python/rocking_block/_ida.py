@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import numbers, outcomes_of
+from rocking_block._cases import TILT, numbers, outcomes_of, rotation
 from rocking_block._studies import swept
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats, OnSeparation
@@ -29,7 +29,7 @@ class IdaCurve(NamedTuple):
     levels: Floats
     """Levels of the measure, increasing, shape (n,)."""
     peaks: Floats
-    """Peak |θ|/α at the levels [1], shape (n,): inf where the block overturns, nan where the outcome is unknown."""
+    """Peak |θ|/α at the levels [1], in space the tilt over that of the balance, shape (n,): inf where the block overturns, nan where the outcome is unknown."""
 
 
 class Ida(_engine.Ida):
@@ -49,7 +49,7 @@ class Ida(_engine.Ida):
 
     def __new__(cls, table: Table, im: str) -> Self:
         described = [(name, list(map(str, table[name].tolist()))) for name in table if _engine.describes_curve(name, im)]
-        levels, peaks = numbers(table, im), numbers(table, "peak.theta/alpha")
+        levels, peaks = numbers(table, im), numbers(table, rotation(table))
         missing = np.flatnonzero(np.isnan(levels))
         if missing.size:
             raise ValueError(f"{im} is missing in row {missing[0]}; expected a level in each row")
@@ -60,6 +60,11 @@ class Ida(_engine.Ida):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self._arguments)
+
+    @property
+    def rotation(self) -> str:
+        """The rotation whose peaks the curves have: |θ|/α, or the tilt over that of the balance in space."""
+        return "tilt over that of the balance" if TILT in self.table else "|θ|/α"
 
     @property
     def curves(self) -> tuple[IdaCurve, ...]:

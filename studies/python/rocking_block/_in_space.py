@@ -225,7 +225,8 @@ class BlockInSpace(_engine.BlockInSpace):
         Returns
         -------
         Table
-            A row for each motion, scale and azimuth, in this order, with the outcome and the peaks.
+            A row for each motion, scale and azimuth, in this order, with the outcome, the peaks and the counts of events: the columns
+            of a sweep of blocks in space.
 
         Examples
         --------
@@ -252,7 +253,7 @@ class BlockInSpace(_engine.BlockInSpace):
             raise ValueError("scale has no effect without records")
         options = run_options(tolerance, on_separation, duration=duration)
         with ticking(progress) as tick:
-            found_words, times, peaks, failure = _engine.outcomes_in_space(
+            of_runs, failure = _engine.outcomes_in_space(
                 self, motions, scales, azimuths, as_pulse(pulse), options, threads, tick
             )
         each = list(itertools.product(range(count), scales, azimuths))
@@ -265,10 +266,9 @@ class BlockInSpace(_engine.BlockInSpace):
         if counts:
             columns["scale"] = np.array([factor for _, factor, _ in each])
         columns["azimuth"] = np.array([direction for _, _, direction in each])
-        columns |= {"outcome": np.array(found_words), "end_time": times} | peaks
+        columns |= {name: values for name, _, values in of_runs}
         warn_of_failures(columns["outcome"], failure)
-        units = {"scale": "1", "azimuth": "deg", "end_time": "s"}
-        units |= dict(zip(peaks, ("rad", "1", "1", "rad", "m", "N", "m", "m"), strict=True))
+        units = {"scale": "1", "azimuth": "deg"} | {name: unit for name, unit, _ in of_runs if unit is not None}
         return Table(columns, {name: unit for name, unit in units.items() if name in columns})
 
     def __repr__(self) -> str:

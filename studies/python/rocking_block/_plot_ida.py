@@ -29,7 +29,7 @@ def ida(found: Ida, ax: Axes | None) -> Axes:
     for fraction, dashes in _FRACTILES:
         axes.plot(*_drawn(found.levels, found.fractile(fraction), edge), color=INK, ls=dashes, lw=1.8, label=f"peak that {100 * fraction:.0f} % do not exceed")
     unit = f" [{found.unit}]" if found.unit not in ("", "1") else ""
-    axes.set(xlabel="peak |θ|/α", ylabel=f"{found.im}{unit}", xlim=(0.0, edge), ylim=(0.0, None))
+    axes.set(xlabel=f"peak {found.rotation}", ylabel=f"{found.im}{unit}", xlim=(0.0, edge), ylim=(0.0, None))
     axes.legend(loc="upper left", frameon=False, fontsize="small")
     return axes
 

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Columns of whole numbers.
-_COUNTS = ("flights", "events.impacts", "events.liftoffs")
+_IN_SPACE = ("events.lift_offs", "events.landings", "events.slides", "events.sticks")
+_COUNTS = ("flights", "events.impacts", "events.liftoffs", *_IN_SPACE)
 
 
 class Table(dict[str, npt.NDArray[Any]]):

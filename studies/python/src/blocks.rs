@@ -80,5 +80,5 @@ pub fn parameter_unit(name: &str) -> PyResult<&'static str> {
         return Ok(number.quantity.unit());
     }
     let parameter = Parameter::named(name).map_err(PyValueError::new_err)?;
-    parameter.metadata.unit.ok_or_else(|| PyValueError::new_err(format!("{name} has no unit")))
+    parameter.unit().ok_or_else(|| PyValueError::new_err(format!("{name} has no unit")))
 }

@@ -1,7 +1,7 @@
 //! Names and units of measures, as Python hands them over → the engine's measures.
 
 use pyo3::prelude::*;
-use rocking_studies::intensity::{self, Measure, MeasureColumn};
+use rocking_studies::intensity::{self, BlockScales, Measure, MeasureColumn};
 
 use crate::options::{finite, invalid};
 
@@ -14,9 +14,8 @@ pub fn measure_name(im: &str) -> String {
 /// Returns the measure in SI units behind the numbers of a column, that of records if it is relative to a block, and their factor on it.
 pub fn behind(column: &MeasureColumn, alpha: Option<f64>, p: Option<f64>, g: f64) -> PyResult<(MeasureColumn, f64)> {
     finite("g", g, |x| x > 0.0, "an acceleration above 0")?;
-    let relative = column.measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
-    let [with_alpha, with_p] = [Measure::PeriodToBlock, Measure::PgaToUplift]
-        .map(|without| relative.is_some_and(|measure| measure != without));
+    let relative = column.measure.filter(|measure| measure.relative_to() != [false; 2]);
+    let [with_alpha, with_p] = relative.map_or([false; 2], Measure::relative_to);
     let of_block = |name: &str, value: Option<f64>, is_needed: bool| match (value, is_needed) {
         (Some(value), true) => finite(name, value, |x| x > 0.0, "a number above 0").map(|()| value),
         (None, false) => Ok(1.0),
@@ -24,7 +23,9 @@ pub fn behind(column: &MeasureColumn, alpha: Option<f64>, p: Option<f64>, g: f64
         (Some(_), false) => Err(invalid(format!("{name} has no effect on {}", column.name))),
     };
     let (alpha, p) = (of_block("alpha", alpha, with_alpha)?, of_block("p", p, with_p)?);
-    column.behind(relative.map(|measure| measure.record_measure_at(alpha, p, g)), g).map_err(invalid)
+    column
+        .behind(relative.map(|measure| measure.record_measure(BlockScales { alpha, p, gravity: g })), g)
+        .map_err(invalid)
 }
 
 /// The measure of a name and a unit, empty if nothing names it.

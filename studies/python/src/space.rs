@@ -13,9 +13,12 @@ use rocking_block::space::{
     DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,
 };
 use rocking_studies::doubts;
+use rocking_studies::output::runner::StudyRows;
 use rocking_studies::run::MemoryError;
+use rocking_studies::run::rows::RunRow;
 use rocking_studies::space::ground::{ComponentNames, of_components};
-use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
+use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, outcome, table};
+use rocking_studies::spec::numbers_in_space::BeginningSpec;
 use rocking_studies::spec::space::{BaseShape, FeetSpec, feet_of_table};
 use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, SpaceSpec};
@@ -23,13 +26,14 @@ use rocking_studies::spec::{BlockSpec, SpaceSpec};
 use crate::block::{number, refused, set};
 use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, warn};
 use crate::record::Record;
-use crate::studies::batches;
+use crate::studies::{Columns, batches, for_python};
 use crate::work::wait;
 
 /// The components by the names of Python.
 const COMPONENTS: ComponentNames = ComponentNames {
     names: ["x", "y", "vertical"],
     resample: "Record.processed(resample=...) gives all components one step",
+    cut: "cut the components to the samples that all have",
 };
 
 /// The parameters of a block in space; the Python class of the same name adds the methods.
@@ -222,18 +226,9 @@ pub struct InitialInSpace {
 impl InitialInSpace {
     fn initial(&self) -> PyResult<SpaceInitial> {
         let InitialInSpace { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, v, v_dot } = *self;
-        let is_valid = tilt_x * tilt_x + tilt_y * tilt_y < 1.57 * 1.57;
-        finite("tilt_x", tilt_x, |_| is_valid, "a tilt, with tilt_y, within 1.57 rad")?;
-        finite("tilt_y", tilt_y, |_| is_valid, "a tilt, with tilt_x, within 1.57 rad")?;
-        finite("twist", twist, |_| true, "a finite angle")?;
-        for (name, value) in [("omega_x", omega_x), ("omega_y", omega_y), ("omega_z", omega_z)] {
-            finite(name, value, |_| true, "a finite rate")?;
-        }
-        for (name, value) in [("v", v), ("v_dot", v_dot)] {
-            finite(name, value.unwrap_or_default(), |_| true, "a finite number")?;
-        }
-        let vertical = (v.is_some() || v_dot.is_some()).then_some([v.unwrap_or_default(), v_dot.unwrap_or_default()]);
-        Ok(SpaceInitial { tilt: [tilt_x, tilt_y], twist, omega: [omega_x, omega_y, omega_z], vertical })
+        let [tilt_x, tilt_y, twist] = [tilt_x, tilt_y, twist].map(Some);
+        let [omega_x, omega_y, omega_z] = [omega_x, omega_y, omega_z].map(Some);
+        BeginningSpec { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, v, v_dot }.initial().map_err(refused)
     }
 }
 
@@ -328,10 +323,11 @@ fn shown<'py>(py: Python<'py>, block: &BlockInSpace, history: &HistoryInSpace) -
     Ok(result)
 }
 
-/// The outcomes of a block in space under many motions: words, times of their ends [s], and peaks by name.
-type OutcomesInSpace<'py> = (Vec<&'static str>, Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>, Option<String>);
+/// A row of outcomes in space, with its number.
+type Row = RunRow<usize, RunInSpace>;
 
-/// Returns the outcome of each motion at each scale and azimuth [degrees], motion by motion, then scale by scale.
+/// Returns the outcome of each motion at each scale and azimuth [degrees], motion by motion, then scale by scale: the columns of the sweep of
+/// a study, and the reason of the first failed run.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes_in_space<'py>(
@@ -344,7 +340,7 @@ pub fn outcomes_in_space<'py>(
     options: RunOptions,
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
-) -> PyResult<OutcomesInSpace<'py>> {
+) -> PyResult<Columns<'py>> {
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let (pool, settings, duration) = (pool(threads)?, options.settings()?, options.duration);
     let BlockInSpace { parameters, body, .. } = block.get();
@@ -357,40 +353,27 @@ pub fn outcomes_in_space<'py>(
         }
     }
     let (parameters, body, count) = (parameters.clone(), body.clone(), grounds.len());
-    let of_body = body.clone();
     let made = wait(py, tick, move |progress| {
         let run = |number: usize| {
             let (ground, azimuth) = &grounds[number];
             let pulses = [DirectedPulse::horizontal(pulse, *azimuth), DirectedPulse::NONE, DirectedPulse::NONE];
-            let run = RunInSpace {
+            RunInSpace {
                 parameters: parameters.clone(),
                 setup: SpaceSetup { body: body.clone(), settings, pulses },
                 initial: SpaceInitial::default(),
                 ground: ground.clone(),
                 duration,
                 output_step: f64::INFINITY,
-            };
-            run.history(|_| progress.end_if_abandoned())
+            }
         };
-        let mut all = Vec::with_capacity(count);
-        let make = |numbers: Range<u64>| numbers.map(|number| run(number as usize)).collect::<Vec<_>>();
-        batches(&pool, count as u64, 1, progress, make, |batch| all.extend(batch));
-        all
+        let columns = outcome::columns(|row: &Row| &row.outcome);
+        let make = |numbers: Range<u64>| {
+            let rows = numbers.map(|number| (number as usize, run(number as usize))).collect();
+            RunRow::table(&columns, &RunRow::all(None, rows, |_| [], || progress.end_if_abandoned()))
+        };
+        let mut made = StudyRows::default();
+        batches(&pool, None, count as u64, 1, progress, make, |batch| made.append(batch));
+        made
     })?;
-    let failure = made.iter().find_map(|made| Some(made.as_ref().err()?.to_string()));
-    let words = made.iter().map(|made| made.as_ref().map_or("failed", |history| history.end.word()));
-    let end = |history: &HistoryInSpace| {
-        let last = history.rows.last().map_or(f64::NAN, |row| row.observation.time);
-        history.ending.map_or(last, |(_, time)| time)
-    };
-    let words = words.collect();
-    let times = PyArray1::from_iter(py, made.iter().map(|made| made.as_ref().map_or(f64::NAN, end)));
-    let peaks = PyDict::new(py);
-    let of_peaks: Vec<_> =
-        made.iter().map(|made| made.as_ref().ok().map(|history| facts::of_peaks(&of_body, &history.peaks))).collect();
-    for (place, (name, _)) in facts::of_peaks(&of_body, &Default::default()).into_iter().enumerate() {
-        let values = of_peaks.iter().map(|peaks| peaks.map_or(f64::NAN, |peaks| peaks[place].1));
-        peaks.set_item(format!("peak.{name}"), PyArray1::from_iter(py, values))?;
-    }
-    Ok((words, times, peaks, failure))
+    for_python(py, made)
 }

@@ -39,15 +39,17 @@ use crate::table::{Column, columns};
 use crate::work::{Progress, wait};
 
 /// The columns of a table, and the reason of the first failed run.
-type Columns<'py> = (Vec<Column<'py>>, Option<String>);
+pub type Columns<'py> = (Vec<Column<'py>>, Option<String>);
 
-fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
+pub fn for_python(py: Python, rows: StudyRows) -> PyResult<Columns> {
     Ok((columns(py, rows.table)?, rows.failure.map(|failure| failure.to_string())))
 }
 
-/// Makes rows of several runs each in batches, in order. The thread unwinds once they are abandoned.
+/// Makes rows of several runs each in batches, in order; the size of a batch suits vectors of this width. The thread unwinds once they are
+/// abandoned.
 pub fn batches<T: Send>(
     pool: &ThreadPool,
+    width: Option<VectorWidth>,
     count: u64,
     runs_in_a_row: u64,
     progress: &Progress,
@@ -61,7 +63,7 @@ pub fn batches<T: Send>(
         progress.end_if_abandoned();
         (numbers.end - numbers.start, make(numbers))
     };
-    let Ok(()) = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |(rows, batch)| {
+    let Ok(()) = runner::in_batches(pool, 0..count, width, runs_in_a_row, make, |(rows, batch)| {
         take(batch);
         done += rows;
         progress.show(done, count);
@@ -125,7 +127,7 @@ pub fn outcomes<'py>(
         let of_records = shown.iter().map(|&measure| {
             table::TableColumn::optional(measure.to_string(), measure.unit(), move |row: &Row| {
                 let (motion, scale, block) = &row.inputs;
-                motion.intensity(measure, *scale, block)
+                motion.intensity(measure, *scale, block.into())
             })
         });
         let of_runs = outcome::columns(holds, |row: &Row| &row.outcome);
@@ -136,7 +138,7 @@ pub fn outcomes<'py>(
             RunRow::table(&columns, &RunRow::all(VectorWidth::widest(), rows, |_| [], ended))
         };
         let mut made = StudyRows::default();
-        batches(&pool, count, 1, progress, make, |batch| made.append(batch));
+        batches(&pool, VectorWidth::widest(), count, 1, progress, make, |batch| made.append(batch));
         made
     })?;
     for_python(py, made)
@@ -162,6 +164,10 @@ impl runner::Study for Abandonable<'_> {
 
     fn runs_in_a_row(&self) -> u64 {
         self.study.runs_in_a_row()
+    }
+
+    fn uses_lanes(&self) -> bool {
+        self.study.uses_lanes()
     }
 
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
@@ -219,8 +225,9 @@ fn part_of(number: u64, count: u64) -> PyResult<PartNumber> {
 /// Makes the rows of a study; `progress` learns of them.
 fn made(study: &impl runner::Study, pool: &ThreadPool, progress: &Progress) -> StudyRows {
     let mut made = StudyRows::default();
-    let make = |numbers| study.make_range(numbers, VectorWidth::widest());
-    batches(pool, study.rows(), study.runs_in_a_row(), progress, make, |batch| made.append(batch));
+    let width = VectorWidth::widest().filter(|_| study.uses_lanes());
+    let make = |numbers| study.make_range(numbers, width);
+    batches(pool, width, study.rows(), study.runs_in_a_row(), progress, make, |batch| made.append(batch));
     made
 }
 
@@ -246,7 +253,7 @@ impl Study {
         let mut study = wait(py, tick, read)?.map_err(without_line)?;
         if let Some(on_separation) = on_separation {
             let choices = [OnSeparation::Terminate, OnSeparation::Fly];
-            if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {
+            if study.parameters.iter().any(|swept| swept.parameter.variable() == Some(Variable::OnSeparation)) {
                 let message = format!("on_separation: {name_shown} names it as well; expected one of the two");
                 return Err(PyValueError::new_err(message));
             }

@@ -5,7 +5,8 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import RECORDS, same
+import scipy.linalg
+from conftest import RECORDS, ROOT, same
 
 import rocking_block as rb
 
@@ -147,3 +148,83 @@ def test_components_that_do_not_belong_together_are_refused():
         assert message in str(error.value)
     with pytest.raises(ValueError, match="found 2 of x, 1 of y; expected equal numbers"):
         block.outcomes([x, y], y=[x])
+
+
+def pair(folder):
+    """Files of two components, and a study of a block under them."""
+    for record in crossed():
+        rows = zip((np.arange(3000) * record.dt).tolist(), record.acceleration.tolist())
+        (folder / f"{record.name}.csv").write_text("t [s],a [m/s2]\n" + "".join(f"{t!r},{a!r}\n" for t, a in rows))
+    return {
+        "study": {"design": "grid", "azimuths": [0, 40], "scales": [1.5, 3.0], "periods": [0.3, 1.0]},
+        "parameters": {"width": 0.4, "depth": 0.6, "height": 1.8, "eta": 60.0, "friction": 0.5},
+        "records": [{"x": str(folder / "x.csv"), "y": str(folder / "y.csv")}],
+    }
+
+
+def test_a_sweep_has_the_outcomes_of_the_block(tmp_path):
+    """Both have the columns of runs, with the same units, and the same bits."""
+    table = rb.sweep(pair(tmp_path))
+    block = rb.BlockInSpace(width=0.4, depth=0.6, height=1.8, eta=60.0, friction=0.5)
+    x, y = (rb.read_record(tmp_path / f"{name}.csv") for name in "xy")
+    outcomes = block.outcomes(x, y=y, scale=[1.5, 3.0], azimuth=[0, 40])
+    of_runs = list(table)[list(table).index("outcome") :]
+    assert of_runs == list(outcomes)[list(outcomes).index("outcome") :] and len(of_runs) == 19
+    assert {"record", "record_y", "azimuth", "scale"} <= set(table) & set(outcomes)
+    # A study changes its strength faster than its direction.
+    order = [0, 2, 1, 3]
+    assert table["scale"].tolist() == outcomes["scale"][order].tolist() and table["azimuth"].tolist() == outcomes["azimuth"][order].tolist()
+    for name in of_runs:
+        assert table[name].tolist() == outcomes[name][order].tolist(), name
+        assert table.units.get(name) == outcomes.units.get(name), name
+
+
+def oscillator(acceleration, dt, period):
+    """Peak pseudo-acceleration and velocity of an oscillator with 5 % damping, by the exact transition over a step of a linear input."""
+    frequency = 2 * np.pi / period
+    # Displacement, velocity, input and its rate.
+    system = np.array([[0, 1, 0, 0], [-(frequency**2), -0.1 * frequency, -1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+    fine = 10
+    step = scipy.linalg.expm(system * dt / fine)
+    displacement = velocity = 0.0
+    state = np.zeros(4)
+    padded = np.append(acceleration, np.zeros(int(2 * period / dt)))
+    for now, after in zip(padded[:-1], padded[1:]):
+        state[2:] = now, (after - now) / dt
+        for _ in range(fine):
+            state = step @ state
+            displacement, velocity = max(displacement, abs(state[0])), max(velocity, abs(state[1]))
+    return frequency**2 * displacement, velocity
+
+
+def test_spectral_measures_of_pairs_are_those_of_their_definition(tmp_path):
+    table = rb.sweep(pair(tmp_path))
+    x, y = (rb.read_record(tmp_path / f"{name}.csv") for name in "xy")
+    for period in (0.3, 1.0):
+        # Directions in steps of 15 degrees bound the median, and nearly have the greatest.
+        angles = np.radians(np.arange(0, 180, 15))
+        found = [oscillator(x.acceleration * np.cos(angle) + y.acceleration * np.sin(angle), x.dt, period) for angle in angles]
+        for place, name in enumerate(("Sa", "Sv")):
+            values = 1.5 * np.array([peaks[place] for peaks in found])
+            along, across = values[0], values[6]
+            measure = f"{name}({period:g} s)"
+            assert table[f"{measure}.larger"][0] == pytest.approx(max(along, across), rel=2e-3)
+            assert table[f"{measure}.geomean"][0] == pytest.approx(np.sqrt(along * across), rel=2e-3)
+            assert table[f"{measure}.RotD100"][0] == pytest.approx(values.max(), rel=0.03)
+            assert table[f"{measure}.RotD50"][0] == pytest.approx(np.median(values), rel=0.03)
+    # All grow with the factor on the records.
+    assert table["Sa(1 s).RotD50"][1] == pytest.approx(2 * table["Sa(1 s).RotD50"][0], rel=1e-12)
+
+
+def test_fragility_in_space_has_its_own_limits():
+    table = rb.sweep(ROOT / "examples/space/study.toml")
+    for limit, word in ((0.7, "tilt/alpha_edge>0.7"), ("tilt:0.7", "tilt/alpha_edge>0.7"), ("twist:0.02", "twist>0.02"), ("drift:0.1", "drift>0.1")):
+        fit = rb.fragility(table, "PGV.RotD50", limit=limit)
+        column = {"tilt/alpha_edge": "peak.tilt/alpha_edge", "twist": "peak.twist", "drift": "peak.drift"}[word.split(">")[0]]
+        exceeded = (table[column] > float(word.split(">")[1])) | (table["outcome"] == "overturned")
+        assert fit.limit == word and word in repr(fit) and fit.exceeded[0] == pytest.approx(exceeded.mean())
+        assert "the only motion" in fit.independence
+    with pytest.raises(ValueError, match="the limit balance is for blocks in the plane"):
+        rb.fragility(table, "PGV.RotD50", limit="balance")
+    found = rb.ida(table, "PGV.RotD50")
+    assert found.rotation == "tilt over that of the balance" and len(found.curves) == 12

@@ -102,6 +102,9 @@ pub fn limit(limit: impl Borrow<Limit>) -> String {
         Limit::Slip(limit) => format!("slip > {limit} m"),
         Limit::Plastic(limit) => format!("plastic elongation > {limit} m"),
         Limit::HalfCycles(limit) => format!("more than {limit} half cycles"),
+        Limit::Tilt(limit) => format!("tilt > {limit} of that of the balance"),
+        Limit::Twist(limit) => format!("twist > {limit} rad"),
+        Limit::Drift(limit) => format!("drift > {limit} m"),
     }
 }
 
@@ -114,6 +117,9 @@ pub fn exceed(limit: Limit) -> String {
         Limit::Slip(limit) => format!("overturn or slip more than {limit} m"),
         Limit::Plastic(limit) => format!("overturn or stretch a tie or damper plastically by more than {limit} m"),
         Limit::HalfCycles(limit) => format!("overturn or give a tie or damper more than {limit} half cycles"),
+        Limit::Tilt(limit) => format!("tilt more than {limit} of the way to the balance"),
+        Limit::Twist(limit) => format!("overturn or twist more than {limit} rad"),
+        Limit::Drift(limit) => format!("overturn or drift more than {limit} m"),
     }
 }
 
@@ -134,6 +140,9 @@ pub fn exceeds_in_words(limit: Limit) -> String {
         Limit::Slip(limit) => format!("overturns or slips more than {limit} m"),
         Limit::Plastic(limit) => format!("overturns or stretches a tie or damper plastically by more than {limit} m"),
         Limit::HalfCycles(limit) => format!("overturns or gives a tie or damper more than {limit} half cycles"),
+        Limit::Tilt(limit) => format!("tilts beyond {limit} times the angle of its balance over the nearest edge"),
+        Limit::Twist(limit) => format!("overturns or twists more than {limit} rad"),
+        Limit::Drift(limit) => format!("overturns or drifts more than {limit} m"),
     }
 }
 

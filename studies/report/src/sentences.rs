@@ -14,7 +14,13 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
     let happens = match state.limit {
         Limit::Overturned | Limit::Balance => exceeds_in_words(state.limit),
         // The name says more to its author than the words for the limit.
-        Limit::Rotation(_) | Limit::Slip(_) | Limit::Plastic(_) | Limit::HalfCycles(_) => {
+        Limit::Rotation(_)
+        | Limit::Slip(_)
+        | Limit::Plastic(_)
+        | Limit::HalfCycles(_)
+        | Limit::Tilt(_)
+        | Limit::Twist(_)
+        | Limit::Drift(_) => {
             format!("{} (“{}”)", exceeds_in_words(state.limit), state.name)
         }
     };

@@ -101,14 +101,14 @@ fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
         ParameterValues::Range { from, to, .. } => Some([*from, *to]),
         ParameterValues::List(values) => range(values.iter().copied()).filter(|[low, high]| low < high),
     };
-    let real = sweep.parameters.iter().filter(|swept| swept.parameter.metadata.kind == Kind::Real);
+    let real = sweep.parameters.iter().filter(|swept| swept.parameter.kind() == Kind::Real);
     let assumption = real.filter_map(|swept| {
-        let values = ends(&swept.values)?;
+        let (values, variable) = (ends(&swept.values)?, swept.parameter.variable()?);
         // Friction without a limit is no end of a range.
         if values.iter().any(|&value| swept.parameter.shown(value).is_infinite()) {
             return None;
         }
-        let changes = values.map(|value| Change::Parameter(swept.parameter.metadata.variable, value));
+        let changes = values.map(|value| Change::Parameter(variable, value));
         let name = swept.parameter.heading();
         Some(Assumption { name, changes, values, middle: swept.values.at(0.5), is_given: true })
     });
@@ -119,10 +119,10 @@ fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
 /// value.
 fn foundation_ranges(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
     let varies = |variable: Variable| {
-        let found = sweep.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
+        let found = sweep.parameters.iter().find(|swept| swept.parameter.variable() == Some(variable));
         found.is_some_and(|swept| swept.values.at(0.0) != swept.values.at(1.0))
     };
-    let heading = |variable: Variable| Parameter { metadata: &VARIABLES[variable as usize] }.heading();
+    let heading = |variable: Variable| Parameter::from(&VARIABLES[variable as usize]).heading();
     let factors = |variables: [Variable; 2], middle: f64, change: fn(f64) -> Change| {
         let values = FACTORS.map(|factor| factor * middle);
         let name = heading(variables[0]);

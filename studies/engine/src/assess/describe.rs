@@ -64,7 +64,8 @@ pub(super) fn building(plan: &Plan) -> Option<BuildingResult> {
     let building = plan.sweep.building.as_ref()?;
     let threshold = static_threshold(&plan.block);
     let pga = |motion: &GroundMotion| {
-        let [pga, pfa] = [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, &plan.block));
+        let [pga, pfa] =
+            [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, (&plan.block).into()));
         Some(threshold? * pga? / pfa?)
     };
     let modes = building.modes();
@@ -81,14 +82,14 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
     let Plan { sweep, block, .. } = plan;
     let motion = |number: usize| {
         let motion = &sweep.motions[number];
-        let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, block));
+        let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, block.into()));
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
         MotionResult {
             name: motion.name() + &floor,
-            pga: motion.intensity(Measure::Pga, 1.0, block),
-            pgv: motion.intensity(Measure::Pgv, 1.0, block),
-            pfa: motion.intensity(Measure::Pfa, 1.0, block),
-            pfv: motion.intensity(Measure::Pfv, 1.0, block),
+            pga: motion.intensity(Measure::Pga, 1.0, block.into()),
+            pgv: motion.intensity(Measure::Pgv, 1.0, block.into()),
+            pfa: motion.intensity(Measure::Pfa, 1.0, block.into()),
+            pfv: motion.intensity(Measure::Pfv, 1.0, block.into()),
             scales: range(scales).unwrap_or([1.0; 2]),
         }
     };

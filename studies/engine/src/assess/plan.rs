@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 
 use crate::assess::alternatives::{self, Alternative, Assumption};
 use crate::fragility::Limit;
-use crate::input::parameters::{Parameter, flatten};
+use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
 use crate::intensity::Measure;
 use crate::risk::{HazardCurve, HazardOptions, read_hazard};
@@ -183,6 +183,11 @@ impl Plan {
 
 /// Refuses a study whose runs cannot give a curve.
 fn check_runs(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFileError> {
+    if sweep.space.is_some() {
+        let message = "an assessment is for a block in the plane; expected rocking sweep and rocking fragility for one in space, or \
+                       [parameters] without depth, depth_ratio, base and feet";
+        return Err(root.refused("assess", message));
+    }
     let expected = match (&sweep.strengths, &sweep.ensemble) {
         _ if !sweep.motions.iter().all(|motion| motion.ground.horizontal.is_some()) => {
             Some("[[records]] with a horizontal record each")
@@ -280,6 +285,9 @@ fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Res
             Limit::Plastic(_) if !holds.yields => Some(
                 "a limit on plastic elongations without a tie or damper that yields; expected yield_force in [parameters]",
             ),
+            Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) => {
+                Some("a limit for a block in space; expected overturned, a number for |theta|/alpha, or a slip")
+            }
             Limit::HalfCycles(_) if sweep.half_cycles.is_none() => {
                 Some("a limit on half cycles without their amplitude; expected half_cycles in [study]")
             }
@@ -328,12 +336,12 @@ fn variants(
         let (name, path) = (&table.name, format!("assess.variants.{number}"));
         let (mut given, mut changes) = (Vec::new(), Vec::new());
         if let Some(table) = root.get(&format!("{path}.parameters")).and_then(|value| value.get_ref().as_table()) {
-            flatten(root.source, "", table, &[], &mut given)?;
+            flatten(root.source, Vocabulary::Plane, "", table, &[], &mut given)?;
         }
         for (name, value) in given {
-            let parameter = parameter(root.source, &name, value)?;
+            let (parameter, variable) = parameter(root.source, &name, value)?;
             let found = read_number(root.source, &parameter, value)?;
-            changes.push(Change::Parameter(parameter.metadata.variable, found));
+            changes.push(Change::Parameter(variable, found));
         }
         changes.extend(table.width.map(|factor| Change::Width(factor.0)));
         changes.extend(table.friction_over_threshold.map(|ratio| Change::FrictionOverThreshold(ratio.0)));
@@ -358,11 +366,10 @@ fn sensitivity(root: &Section<StudyFile>, sweep: &Sweep) -> Result<Vec<Assumptio
     ranges.sort_by_key(|(key, _)| key.span().start);
     let read = |(key, value): (&toml::Spanned<std::borrow::Cow<str>>, SpannedValue)| {
         let name = key.get_ref();
-        let parameter = parameter(source, name, value)?;
+        let (parameter, variable) = parameter(source, name, value)?;
         let ends = value.get_ref().as_array().filter(|list| list.len() == 2);
         let ends = ends.ok_or_else(|| source.unexpected(name, value, "both ends of a range, as in [20, 80]"))?;
         let values = [read_number(source, &parameter, &ends[0])?, read_number(source, &parameter, &ends[1])?];
-        let variable = parameter.metadata.variable;
         let changes = values.map(|value| Change::Parameter(variable, value));
         for change in changes {
             let checked = sweep.check_changes(&[change]);
@@ -374,11 +381,11 @@ fn sensitivity(root: &Section<StudyFile>, sweep: &Sweep) -> Result<Vec<Assumptio
 }
 
 /// Finds a real parameter by its name.
-fn parameter(source: StudyText, name: &str, value: SpannedValue) -> Result<Parameter, StudyFileError> {
+fn parameter(source: StudyText, name: &str, value: SpannedValue) -> Result<(Parameter, Variable), StudyFileError> {
     let parameter = Parameter::named(name).map_err(|message| source.wrong(&value.span(), message))?;
-    match parameter.metadata.kind {
-        Kind::Real => Ok(parameter),
-        Kind::Integer | Kind::Enumeration | Kind::Boolean | Kind::String => {
+    match (parameter.kind(), parameter.variable()) {
+        (Kind::Real, Some(variable)) => Ok((parameter, variable)),
+        _ => {
             let message = format!("{name} is not a number; expected a parameter with a unit");
             Err(source.wrong(&value.span(), message))
         }
@@ -386,8 +393,8 @@ fn parameter(source: StudyText, name: &str, value: SpannedValue) -> Result<Param
 }
 
 fn read_number(source: StudyText, parameter: &Parameter, value: SpannedValue) -> Result<f64, StudyFileError> {
-    let unexpected = |expected| source.unexpected(parameter.name(), value, expected);
-    let found = number(value).ok_or_else(|| unexpected(parameter.expected()))?;
+    let unexpected = |expected: &str| source.unexpected(parameter.name(), value, expected);
+    let found = number(value).ok_or_else(|| unexpected(&parameter.expected()))?;
     if found.is_infinite() {
         return Err(unexpected("a finite number"));
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::fit::problem::{FitError, Free, Options, Problem, Test, unit};
-use crate::input::parameters::{Parameter, flatten};
+use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
 use crate::spec::fit::{FitFile, FitTable, TestTable};
 use crate::sweep::file::values;
@@ -66,7 +66,7 @@ fn parameters<'a>(
     for key in tables {
         let prefix = if path.is_empty() { String::new() } else { format!("{key}.") };
         if let Some(table) = file.get(&format!("{path}{key}")).and_then(|value| value.get_ref().as_table()) {
-            flatten(file.source, &prefix, table, &[], &mut found)?;
+            flatten(file.source, Vocabulary::Plane, &prefix, table, &[], &mut found)?;
         }
     }
     let parameter = |(name, value): (String, SpannedValue<'a>)| {
@@ -82,8 +82,8 @@ fn set<'a>(
 ) -> Result<Values, StudyFileError> {
     let mut set = Values::default();
     for (parameter, value) in parameters.clone() {
-        match values(source, parameter, value, false)? {
-            ParameterValues::List(list) if list.len() == 1 => set[parameter.metadata.variable] = list[0],
+        match (parameter.variable(), values(source, parameter, value, false)?) {
+            (Some(variable), ParameterValues::List(list)) if list.len() == 1 => set[variable] = list[0],
             _ => {
                 let message = format!("{} has several values; expected one, the first start", parameter.name());
                 return Err(source.wrong(&value.span(), message));
@@ -91,7 +91,7 @@ fn set<'a>(
         }
     }
     for (parameter, value) in parameters.clone() {
-        let name = parameter.metadata.name;
+        let name = parameter.full_name();
         if let Some((_, needed)) = set.unread_by_motion().find(|(unread, _)| *unread == name) {
             return Err(source.wrong(&value.span(), format!("{} is not read; expected {needed}", parameter.name())));
         }
@@ -127,7 +127,8 @@ fn test(
     let mut ground = Ground::default();
     if let Some(record) = &table.record {
         let place = format!("{path}record");
-        let found = records::Files { file, path: place, table: record, folder }.read(values[Variable::G])?;
+        let found = records::Files { file, path: place, table: record, folder, vocabulary: Vocabulary::Plane }
+            .read(values[Variable::G])?;
         let [of_record] = &found[..] else {
             return Err(refused(
                 "record",

@@ -17,7 +17,7 @@ pub struct Case {
     pub fraction: f64,
     /// Fraction of its runs without a verdict, 0 for a single run.
     pub unknown: f64,
-    /// Peak |θ|/α, if the block rocks and stands.
+    /// Peak |θ|/α, in space the tilt over that of the balance, if the block rocks and stands.
     pub peak: Option<f64>,
     /// Number of its ground motion; `None` for a row without one, which has its own.
     pub motion: Option<usize>,
@@ -206,12 +206,12 @@ impl SweepTable {
                  scales or levels"
             )));
         }
-        let ends = self.ends()?;
+        let (ends, limit) = (self.ends()?, self.limit_of(limit));
         let known = |name: &str| self.column(name).ok();
-        let peaks = known("peak.theta/alpha");
+        let peaks = known(self.rotation());
         let is_ensemble = self.column("ensemble.samples").is_ok();
         let limited = if is_ensemble { Vec::new() } else { self.limited(limit)? };
-        let liftoffs = known("events.liftoffs");
+        let liftoffs = known("events.liftoffs").or(known("events.lift_offs"));
         let probabilities = match is_ensemble {
             true => Some(self.column(&format!("P({limit})"))?),
             false => None,

@@ -141,7 +141,8 @@ pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Mi
         },
     });
     for component in components {
-        let (demand, unit, factor) = match component.measure {
+        let (measure, over_directions) = component.measure.of_component();
+        let (demand, unit, factor) = match measure {
             Measure::Pga => ("Peak Ground Acceleration".into(), "g", 1.0 / gravity),
             Measure::Pgv => ("Peak Ground Velocity".into(), "mps", 1.0),
             Measure::Pfa => ("Peak Floor Acceleration".into(), "g", 1.0 / gravity),
@@ -150,8 +151,9 @@ pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], Mi
             Measure::Sv(period) => (format!("Spectral Velocity|{period}"), "mps", 1.0),
             _ => return Err(component.unknown("pelicun", "PGA, PGV, PFA, PFV, Sa(T) or Sv(T)")),
         };
-        // A block rocks in one plane: the demand is that of the component's direction.
-        let _ = write!(csv, "\n{},0,{demand},{unit},0,1", component.id);
+        // A block in the plane has the demand of its direction, one in space that of the pair.
+        let is_directional = u8::from(over_directions.is_none());
+        let _ = write!(csv, "\n{},0,{demand},{unit},0,{is_directional}", component.id);
         for State { median, beta, .. } in &component.states {
             let _ = write!(csv, ",lognormal,{},{beta}", median * factor);
         }
@@ -187,13 +189,16 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Misma
             Limit::Slip(limit) => format!("slip_{limit}_m"),
             Limit::Plastic(limit) => format!("plastic_{limit}_m"),
             Limit::HalfCycles(limit) => format!("half_cycles_{limit}"),
+            Limit::Tilt(limit) => format!("tilt_{limit}"),
+            Limit::Twist(limit) => format!("twist_{limit}_rad"),
+            Limit::Drift(limit) => format!("drift_{limit}_m"),
         };
         component.states.iter().map(|state| name(state).replace('.', "_")).collect::<Vec<String>>()
     };
     let states = components.first().map(names).unwrap_or_default();
     let mut functions = String::new();
     for component in components {
-        let (imt, factor) = match component.measure {
+        let (imt, factor) = match component.measure.of_component().0 {
             Measure::Pga => ("PGA".into(), 1.0 / gravity),
             Measure::Sa(period) => (format!("SA({period:?})"), 1.0 / gravity),
             Measure::Pgv => ("PGV".into(), 100.0),

@@ -18,7 +18,12 @@ pub struct Ida {
     pub levels: Vec<f64>,
     /// The curves, one per block and ground motion.
     pub curves: Vec<IdaCurve>,
+    /// The rotation whose peaks they are: |θ|/α, or the tilt over that of the balance in space.
+    pub rotation: &'static str,
 }
+
+/// The rotation of blocks in the plane, and of those in space.
+const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
 
 /// The response of a block to a ground motion of increasing strength.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +140,7 @@ impl Ida {
     /// # Errors
     /// A missing column, a row without a level, or those of [`Ida::of`].
     pub fn read(table: &SweepTable, im: &str) -> Result<Ida, SweepTableError> {
-        let (measures, peaks) = (table.numbers(im)?, table.numbers("peak.theta/alpha")?);
+        let (measures, peaks) = (table.numbers(im)?, table.numbers(table.rotation())?);
         let ends = table.ends()?;
         let described = table.table.columns().iter().filter(|column| describes_curve(&column.heading.name, im));
         let text = |column: &Series| (0..table.rows()).map(|row| column.text(row)).collect();
@@ -146,7 +151,8 @@ impl Ida {
             let Some(level) = level else { return Err(table.no_level(row, im)) };
             rows.push((names[row].clone(), level, peak, end));
         }
-        Ida::of(rows).map_err(|error| table.refused(error.to_string()))
+        let found = Ida::of(rows).map_err(|error| table.refused(error.to_string()))?;
+        Ok(Ida { rotation: ROTATIONS[usize::from(table.is_in_space())], ..found })
     }
 
     /// Sorts rows into curves. Each row has block and ground motion, the level, the peak |θ|/α and the end of the run.
@@ -180,7 +186,7 @@ impl Ida {
             let found = format!("a single level in each of {} curves, as of `{}`", curves.len(), curves[0].name);
             return Err(Mismatch::new(found, "several levels of each block and ground motion"));
         }
-        Ok(Ida { levels: levels(&curves), curves })
+        Ok(Ida { levels: levels(&curves), curves, rotation: ROTATIONS[0] })
     }
 
     /// Returns the fractile of the responses of all curves at each level: the least one that this fraction of the curves does not exceed.
@@ -251,7 +257,7 @@ fn is_same(one: f64, other: f64) -> bool {
 /// measure of the levels. Columns of unknown names describe, such as the keys of folders.
 pub fn describes_curve(column: &str, im: &str) -> bool {
     /// The number of a row, the motion of its record, factors on it, and results.
-    const OTHERS: [&str; 11] = [
+    const OTHERS: [&str; 12] = [
         "row",
         MOTION,
         "scale",
@@ -263,6 +269,7 @@ pub fn describes_curve(column: &str, im: &str) -> bool {
         "flights",
         "ties.broken",
         "overturning_ranges",
+        "separated",
     ];
     /// Results that occur more than once.
     const RESULTS: [&str; 10] = [
@@ -297,7 +304,7 @@ pub fn curve_names(described: &[(String, Vec<String>)], rows: usize) -> Result<V
         varying.push(first);
     }
     let part = |(name, values): &(String, Vec<String>), row: usize| match name.as_str() {
-        "record" | "vertical" => values[row].clone(),
+        "record" | "record_y" | "vertical" => values[row].clone(),
         name => format!("{name} = {}", values[row]),
     };
     let name = |row: usize| varying.iter().map(|column| part(column, row)).collect::<Vec<_>>().join(", ");
@@ -400,7 +407,15 @@ mod tests {
             let name = &column.heading().name;
             assert!(!describes_curve(name, "PGV"), "{name}");
         }
-        assert!(["record", "vertical", "floor", "alpha", "run"].iter().all(|name| describes_curve(name, "PGV")));
+        for column in crate::space::outcome::columns(|row: &crate::space::outcome::OutcomeInSpace| row) {
+            let name = &column.heading().name;
+            assert!(!describes_curve(name, "PGV.RotD50"), "{name}");
+        }
+        assert!(
+            ["record", "record_y", "vertical", "azimuth", "floor", "alpha", "run"]
+                .iter()
+                .all(|name| describes_curve(name, "PGV"))
+        );
     }
 
     /// Curves with levels of their own are linear between them, and end where they overturn.

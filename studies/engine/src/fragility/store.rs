@@ -153,7 +153,8 @@ impl Collected {
     /// # Errors
     /// Those of [`SweepTable::cases`], and a column that is missing or has no numbers.
     pub fn take(&mut self, batch: &SweepTable, is_part: bool) -> Result<(), SweepTableError> {
-        let limit = *self.limit.get_or_insert_with(|| batch.usual_limit());
+        let limit = batch.limit_of(self.limit.unwrap_or_else(|| batch.usual_limit()));
+        self.limit = Some(limit);
         let before = self.counts.all as u64;
         let numbers = if is_part { Some(batch.numbers("row")?) } else { None };
         let place = |row: usize| match &numbers {

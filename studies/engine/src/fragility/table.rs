@@ -38,6 +38,9 @@ impl SweepTableError {
 /// Column of blocks with ties: the peak rotation over the balance angle of its side.
 const OVER_BALANCE: &str = "peak.theta/balance";
 
+/// Column of blocks in space: the peak tilt over that of the balance over the nearest edge.
+const TILT: &str = "peak.tilt/alpha_edge";
+
 /// The table of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepTable {
@@ -53,7 +56,7 @@ pub struct SweepTable {
 pub const DESCRIBED: [&str; 3] = ["alpha", "eta", "xi_v"];
 
 /// Other columns that fits read whatever their measure.
-const OF_FITS: [&str; 12] = [
+const OF_FITS: [&str; 16] = [
     "row",
     "outcome",
     "peak.theta/alpha",
@@ -66,6 +69,10 @@ const OF_FITS: [&str; 12] = [
     MOTION,
     "eccentricity",
     "foundation",
+    TILT,
+    "peak.twist",
+    "peak.drift",
+    "events.lift_offs",
 ];
 
 /// Whether a fit over the named columns needs a column.
@@ -181,6 +188,21 @@ impl SweepTable {
         }
     }
 
+    /// Whether the blocks are in space.
+    pub fn is_in_space(&self) -> bool {
+        self.column(TILT).is_ok()
+    }
+
+    /// The column of the peak rotation: |θ|/α, or in space the tilt over that of the balance.
+    pub(super) fn rotation(&self) -> &'static str {
+        if self.is_in_space() { TILT } else { "peak.theta/alpha" }
+    }
+
+    /// The limit for the blocks of the table: a rotation is a tilt in space.
+    pub fn limit_of(&self, limit: Limit) -> Limit {
+        if self.is_in_space() { limit.in_space() } else { limit }
+    }
+
     /// The columns whose greatest value a limit refers to.
     pub(super) fn limited(&self, limit: Limit) -> Result<Vec<&Series>, SweepTableError> {
         let all_of = |is_one: fn(&str) -> bool, expected: &str| -> Result<Vec<&Series>, SweepTableError> {
@@ -190,12 +212,20 @@ impl SweepTable {
         // Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
         match limit {
+            Limit::Balance if self.is_in_space() => {
+                let expected =
+                    "a block in space may pass it over a corner; expected overturned, or tilt:1 for the nearest edge";
+                Err(self.refused(format!("the limit balance is for blocks in the plane: {expected}")))
+            }
             Limit::Overturned => Ok(Vec::new()),
             Limit::Balance if !is_even => self.column(OVER_BALANCE).map(|column| vec![column]),
             Limit::Balance | Limit::Rotation(_) => self.column("peak.theta/alpha").map(|column| vec![column]),
             Limit::Slip(_) => self.column("peak.slip").map(|column| vec![column]),
             Limit::Plastic(_) => all_of(is_plastic, "peak.damper_1.plastic"),
             Limit::HalfCycles(_) => all_of(|name| name.starts_with(fatigue::COLUMN), fatigue::COLUMN),
+            Limit::Tilt(_) => self.column(TILT).map(|column| vec![column]),
+            Limit::Twist(_) => self.column("peak.twist").map(|column| vec![column]),
+            Limit::Drift(_) => self.column("peak.drift").map(|column| vec![column]),
         }
     }
 

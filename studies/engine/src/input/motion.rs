@@ -44,15 +44,31 @@ impl Motion {
     pub fn of_grounds<'a>(
         grounds: impl Iterator<Item = (&'a Ground, &'a [String; 2], &'a [String; 2])>,
     ) -> Vec<Motion> {
+        Motion::of_all(grounds.map(|(ground, names, files)| {
+            let record =
+                |record: &'a Option<Record>, slot: usize| Some((record.as_ref()?, &*names[slot], &*files[slot]));
+            [record(&ground.horizontal, 0), None, record(&ground.vertical, 1)]
+        }))
+    }
+
+    /// The motions of components: both horizontal ones and the vertical one, each with its name and that of its file.
+    ///
+    /// A motion is that of its first component. Horizontal components that occurred before are of the motion in which they did.
+    pub fn of_all<'a>(motions: impl Iterator<Item = [Option<(&'a Record, &'a str, &'a str)>; 3]>) -> Vec<Motion> {
         let mut of_content: HashMap<String, Motion> = HashMap::new();
-        let motion = |(ground, names, files): (&Ground, &[String; 2], &[String; 2])| {
-            let slot = usize::from(ground.horizontal.is_none());
-            let record = if slot == 0 { ground.horizontal.as_ref() } else { ground.vertical.as_ref() };
-            let Some(record) = record else { return Motion(String::new()) };
-            let of_record = || Motion::of_record(record, &names[slot], &files[slot]);
-            of_content.entry(fingerprint(record)).or_insert_with(of_record).clone()
+        let motion = |components: [Option<(&Record, &str, &str)>; 3]| {
+            let horizontal: Vec<_> = components[..2].iter().flatten().collect();
+            let telling = if horizontal.is_empty() { components[2].iter().collect() } else { horizontal };
+            let Some((record, name, file)) = telling.first() else { return Motion(String::new()) };
+            let contents: Vec<String> = telling.iter().map(|(record, ..)| fingerprint(record)).collect();
+            let known = contents.iter().find_map(|content| of_content.get(content)).cloned();
+            let motion = known.unwrap_or_else(|| Motion::of_record(record, name, file));
+            for content in contents {
+                of_content.entry(content).or_insert_with(|| motion.clone());
+            }
+            motion
         };
-        grounds.map(motion).collect()
+        motions.map(motion).collect()
     }
 
     /// The motion of a title that names event, station and component. `None` if it may leave one of them out: two earthquakes or two
@@ -326,6 +342,24 @@ mod tests {
         let found = Motion::of_grounds(all.iter().map(|(ground, names, files)| (ground, names, files)));
         let words: Vec<String> = found.iter().map(Motion::to_string).collect();
         assert_eq!(first_places(&words), [0, 0, 2, 3, 3, 5, 6]);
+    }
+
+    /// Pairs of one instrument are one motion, whichever of its components comes first.
+    #[test]
+    fn pairs_with_a_common_component_are_one_motion() {
+        let record = |peak: f64| Record {
+            title: "t".into(),
+            format: Format::Columns,
+            unit: rocking_records::Unit::MetrePerSecondSquared,
+            start_time: 0.0,
+            time_step: 0.01,
+            acceleration: vec![0.0, peak].into(),
+            processing: Default::default(),
+        };
+        let [a, b, c] = [1.0, 2.0, 3.0].map(record);
+        let pairs = [[(&a, "a"), (&b, "b")], [(&b, "b"), (&a, "a")], [(&c, "c"), (&record(4.0), "d")]];
+        let found = Motion::of_all(pairs.iter().map(|[x, y]| [Some((x.0, x.1, x.1)), Some((y.0, y.1, y.1)), None]));
+        assert_eq!(found.iter().map(Motion::to_string).collect::<Vec<_>>(), ["a", "a", "c"]);
     }
 
     #[test]

@@ -1,26 +1,70 @@
-//! Names and values of a study file → the variables of modelDescription.xml.
+//! Names and values of a study file → the variables of modelDescription.xml, or the numbers of a block in space.
+
+use std::borrow::Cow;
 
 use toml::de::DeTable;
 
 use crate::input::study_file::{SpannedValue, StudyFileError, StudyText};
 use crate::output::table::TableColumn;
+use crate::spec::limits;
+use crate::spec::numbers_in_space::{self, SpaceNumber};
+use crate::spec::space::{INSTEAD_OF_RIGID, OF_PLANE};
 use crate::spec::words::friction;
 use rocking_block::unit::variables::{Causality, Kind, Metadata, VARIABLES, Variable};
 
-/// A parameter of the FMU.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its description in modelDescription.xml.
-    pub metadata: &'static Metadata,
+/// The bodies whose parameters a study may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vocabulary {
+    /// A block in the plane: the variables of modelDescription.xml.
+    Plane,
+    /// A block in space: its numbers and those of its beginning; the pulse and `on_separation` as in the plane.
+    Space,
 }
 
-impl Parameter {
+impl Vocabulary {
     /// Finds a parameter by its short name, `alpha`, or that in the FMU, `dimensionless.alpha`.
-    ///
-    ///
     ///
     /// # Errors
     /// An unknown name, with the similar ones, or a variable that is not set from outside.
+    pub fn parameter(self, name: &str) -> Result<Parameter, String> {
+        match self {
+            Vocabulary::Plane => Parameter::named(name),
+            Vocabulary::Space => Parameter::in_space(name),
+        }
+    }
+}
+
+/// A parameter of a study.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    of: Of,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Of {
+    /// A variable of modelDescription.xml.
+    Variable(&'static Metadata),
+    /// A number of a block in space.
+    Space(&'static SpaceNumber),
+}
+
+impl From<&'static Metadata> for Parameter {
+    fn from(metadata: &'static Metadata) -> Parameter {
+        Parameter { of: Of::Variable(metadata) }
+    }
+}
+
+impl From<&'static SpaceNumber> for Parameter {
+    fn from(number: &'static SpaceNumber) -> Parameter {
+        Parameter { of: Of::Space(number) }
+    }
+}
+
+impl Parameter {
+    /// Finds a parameter of the plane by its short name, `alpha`, or that in the FMU, `dimensionless.alpha`.
+    ///
+    /// # Errors
+    /// Those of [`Vocabulary::parameter`].
     pub fn named(name: &str) -> Result<Parameter, String> {
         // Studies name their record files elsewhere.
         let known = VARIABLES.iter().filter(|metadata| !metadata.name.starts_with("record."));
@@ -29,18 +73,111 @@ impl Parameter {
             known.clone().filter(parameters).find(|metadata| short(metadata.name) == name)
         });
         let Some(metadata) = known else {
-            return Err(format!("there is no parameter {name}; expected one of {}", similar(name)));
+            let in_space = numbers_in_space::numbers().iter().any(|number| number.name == short(name));
+            let message = match in_space || name == "inertia_tensor" {
+                true => format!("{name} is for a block in space; expected depth, depth_ratio, base or feet beside it"),
+                false => format!("there is no parameter {name}; expected one of {}", similar(name)),
+            };
+            return Err(message);
         };
         if metadata.causality != Causality::Parameter {
             let causality = metadata.causality;
             return Err(format!("{name} ({causality}) is not set from outside; expected one of {}", similar(name)));
         }
-        Ok(Parameter { metadata })
+        Ok(metadata.into())
+    }
+
+    /// Finds a parameter of a block in space.
+    fn in_space(name: &str) -> Result<Parameter, String> {
+        let numbers = numbers_in_space::numbers();
+        let bare = short(name);
+        if let Some(number) = numbers.iter().find(|number| number.name == bare) {
+            return Ok(number.into());
+        }
+        let shared =
+            |metadata: &Metadata| metadata.variable == Variable::OnSeparation || metadata.name.starts_with("pulse.");
+        let instead = match OF_PLANE.into_iter().find(|(known, _)| *known == bare) {
+            Some((_, instead)) => instead.replace('`', ""),
+            None if bare == "foundation" => INSTEAD_OF_RIGID.replace('`', ""),
+            None => {
+                "a block in space has depth, depth_ratio, base or feet in [parameters]; expected it without them".into()
+            }
+        };
+        match Parameter::named(name) {
+            Ok(Parameter { of: Of::Variable(metadata) }) if shared(metadata) => Ok(metadata.into()),
+            Ok(_) => Err(format!("{name} is for a block in the plane; {instead}")),
+            Err(_) => {
+                let known: Vec<&str> = numbers.iter().map(|number| number.name).collect();
+                Err(format!(
+                    "there is no parameter {name} of a block in space; expected base, feet, inertia_tensor, on_separation, \
+                     pulse.shape, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles or one of {}",
+                    known.join(", ")
+                ))
+            }
+        }
     }
 
     /// The name in tables, such as `alpha`. It lacks the group of the FMU where the name alone is clear.
     pub fn name(&self) -> &'static str {
-        short(self.metadata.name)
+        short(self.full_name())
+    }
+
+    /// The name with its group, such as `dimensionless.alpha`.
+    pub fn full_name(&self) -> &'static str {
+        match self.of {
+            Of::Variable(metadata) => metadata.name,
+            Of::Space(number) => number.name,
+        }
+    }
+
+    /// The variable of modelDescription.xml; `None` for a number of a block in space.
+    pub fn variable(&self) -> Option<Variable> {
+        match self.of {
+            Of::Variable(metadata) => Some(metadata.variable),
+            Of::Space(_) => None,
+        }
+    }
+
+    /// The number of a block in space, if it is one.
+    pub fn in_space_number(&self) -> Option<&'static SpaceNumber> {
+        match self.of {
+            Of::Variable(_) => None,
+            Of::Space(number) => Some(number),
+        }
+    }
+
+    /// The type of its values.
+    pub fn kind(&self) -> Kind {
+        match self.of {
+            Of::Variable(metadata) => metadata.kind,
+            Of::Space(_) => Kind::Real,
+        }
+    }
+
+    /// Its unit, if it is a number.
+    pub fn unit(&self) -> Option<&'static str> {
+        match self.of {
+            Of::Variable(metadata) => metadata.unit,
+            Of::Space(number) => Some(&number.unit),
+        }
+    }
+
+    /// The items of a choice with their numbers.
+    fn items(&self) -> &'static [(i32, &'static str)] {
+        match self.of {
+            Of::Variable(metadata) => metadata.items,
+            Of::Space(_) => &[],
+        }
+    }
+
+    /// Whether its values are words.
+    pub fn is_choice(&self) -> bool {
+        !self.items().is_empty()
+    }
+
+    /// Whether it is the friction of the feet, which may have no limit.
+    pub fn is_friction(&self) -> bool {
+        self.name() == "friction"
     }
 
     /// Whether a variable's name begins with this name and a dot.
@@ -53,26 +190,36 @@ impl Parameter {
     /// # Errors
     /// The number, with the limits.
     pub fn number(&self, found: f64) -> Result<f64, String> {
-        let found = match self.metadata.variable {
-            Variable::Friction => friction::of_user(found).map_err(|error| error.to_string())?,
-            _ => found,
-        };
-        self.metadata.admits(found).map(|()| found)
+        match self.of {
+            Of::Variable(metadata) => {
+                let found = match metadata.variable {
+                    Variable::Friction => friction::of_user(found).map_err(|error| error.to_string())?,
+                    _ => found,
+                };
+                metadata.admits(found).map(|()| found)
+            }
+            // Specifications have the friction of users.
+            Of::Space(_) if self.is_friction() && found == f64::INFINITY => Ok(found),
+            Of::Space(number) if limits::admits(&number.schema, found) => Ok(found),
+            Of::Space(number) => {
+                Err(format!("{} = {found}; expected {}", number.name, limits::expected(&number.schema)))
+            }
+        }
     }
 
     /// A number of the engine as that of users.
     pub fn shown(&self, value: f64) -> f64 {
-        match self.metadata.variable {
-            Variable::Friction => friction::to_user(value),
+        match self.variable() {
+            Some(Variable::Friction) => friction::to_user(value),
             _ => value,
         }
     }
 
     /// A value as written in tables. Items and booleans are words, numbers have digits that restore them exactly.
     pub fn display(&self, value: f64) -> String {
-        match self.metadata.kind {
+        match self.kind() {
             Kind::Boolean => (value != 0.0).to_string(),
-            _ => match self.metadata.items.iter().find(|item| f64::from(item.0) == value) {
+            _ => match self.items().iter().find(|item| f64::from(item.0) == value) {
                 Some((_, name)) => word(name),
                 None => self.shown(value).to_string(),
             },
@@ -81,8 +228,7 @@ impl Parameter {
 
     /// The column of its values in the engine. Choices are words, numbers are as users see them.
     pub fn column<'c, R>(self, value: impl Fn(&R) -> f64 + Sync + 'c) -> TableColumn<'c, R> {
-        let Metadata { kind, items, unit, .. } = *self.metadata;
-        let name = self.name();
+        let (kind, items, unit, name) = (self.kind(), self.items(), self.unit(), self.name());
         match kind {
             Kind::Boolean => TableColumn::boolean(name, move |row| value(row) != 0.0),
             Kind::Enumeration => {
@@ -101,7 +247,7 @@ impl Parameter {
     /// The column heading, name and unit: `p [rad/s]`. A choice has no unit.
     pub fn heading(&self) -> String {
         let name = self.name();
-        self.metadata.unit.map_or(name.into(), |unit| format!("{name} [{unit}]"))
+        self.unit().map_or(name.into(), |unit| format!("{name} [{unit}]"))
     }
 
     /// The number of an item such as `one-sine`, in any case. Its name in the FMU, `OneSine`, is accepted too.
@@ -109,27 +255,26 @@ impl Parameter {
     /// # Errors
     /// An unknown word, with the known ones.
     pub fn item(&self, name: &str) -> Result<f64, String> {
-        let items = self.metadata.items;
+        let items = self.items();
         match items.iter().find(|item| is_same_word(item.1, name)) {
             Some((value, _)) => Ok(f64::from(*value)),
-            None if items.is_empty() => {
-                Err(format!("{} = \"{name}\"; expected {}", self.metadata.name, self.expected()))
-            }
+            None if items.is_empty() => Err(format!("{} = \"{name}\"; expected {}", self.full_name(), self.expected())),
             None => {
                 let known: Vec<String> = items.iter().map(|item| word(item.1)).collect();
-                Err(format!("{} = \"{name}\"; expected one of {}", self.metadata.name, known.join(", ")))
+                Err(format!("{} = \"{name}\"; expected one of {}", self.full_name(), known.join(", ")))
             }
         }
     }
 
     /// The expected kind of value, in words.
-    pub fn expected(&self) -> &'static str {
-        match self.metadata.kind {
-            Kind::Boolean => "true or false",
-            Kind::Enumeration => "the name of an item",
-            Kind::Integer => "an integer",
-            Kind::Real if self.metadata.variable == Variable::Friction => "a number > 0, or \"none\" for no limit",
-            Kind::Real | Kind::String => "a number",
+    pub fn expected(&self) -> Cow<'static, str> {
+        match (self.kind(), self.of) {
+            (Kind::Boolean, _) => "true or false".into(),
+            (Kind::Enumeration, _) => "the name of an item".into(),
+            (Kind::Integer, _) => "an integer".into(),
+            (Kind::Real, _) if self.is_friction() => "a number > 0, or \"none\" for no limit".into(),
+            (Kind::Real, Of::Space(number)) => limits::expected(&number.schema).into(),
+            (Kind::Real | Kind::String, _) => "a number".into(),
         }
     }
 }
@@ -139,6 +284,7 @@ impl Parameter {
 /// `alpha` may also be `dimensionless.alpha`: in quotes, with a dot, or in a table of its group.
 pub(crate) fn flatten<'a>(
     source: StudyText,
+    vocabulary: Vocabulary,
     prefix: &str,
     table: &'a DeTable<'a>,
     others: &[&str],
@@ -150,10 +296,12 @@ pub(crate) fn flatten<'a>(
         }
         let name = format!("{prefix}{}", key.get_ref());
         match value.get_ref().as_table() {
-            Some(group) if Parameter::is_group(&name) => flatten(source, &format!("{name}."), group, &[], found)?,
+            Some(group) if Parameter::is_group(&name) => {
+                flatten(source, vocabulary, &format!("{name}."), group, &[], found)?
+            }
             _ => {
-                let parameter = Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
-                if found.iter().any(|(known, _)| Parameter::named(known) == Ok(parameter)) {
+                let parameter = vocabulary.parameter(&name).map_err(|message| source.wrong(&key.span(), message))?;
+                if found.iter().any(|(known, _)| vocabulary.parameter(known) == Ok(parameter)) {
                     return Err(source.wrong(&key.span(), format!("{name} is given twice; expected it once")));
                 }
                 found.push((name, value));
@@ -183,7 +331,7 @@ fn word(item: &str) -> String {
 }
 
 /// Strips the group of a parameterization from a name.
-fn short(name: &'static str) -> &'static str {
+fn short(name: &str) -> &str {
     ["dimensionless.", "physical."].iter().find_map(|group| name.strip_prefix(group)).unwrap_or(name)
 }
 

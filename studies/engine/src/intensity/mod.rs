@@ -7,6 +7,7 @@
 //! | `oscillator` | a record → the peaks of elastic oscillators: Sa(T), Sv(T), spectrum intensity |
 //! | `period` | a record → its mean period |
 //! | `rotated` | two components → measures over all directions, RotDnn |
+//! | `pair` | two components → one value of a measure: the larger, the geometric mean, RotD50, RotD100 |
 //!
 //! The acceleration of a [`Record`] is linear between its samples; integrals and peaks between samples are exact for it. Programs
 //! that sum over samples differ by the error of their rule, which decreases with the square of the time step; each measure states
@@ -14,6 +15,7 @@
 
 mod column;
 mod oscillator;
+mod pair;
 mod period;
 mod rotated;
 mod sums;
@@ -21,11 +23,13 @@ mod sums;
 use std::str::FromStr;
 
 use rocking_block::block::{Block, Corner};
+use rocking_block::space::SpaceBody;
 use rocking_records::Record;
 
 pub use column::{MeasureColumn, canonical, si};
 pub(crate) use oscillator::OscillatorStep;
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
+pub use pair::{ComponentMeasure, OverDirections, over_directions};
 pub use period::mean_period;
 pub use rotated::{rot_d, rotated};
 pub use sums::{arias, cumulative_absolute_velocity, pga, pgd, pgv, significant_duration};
@@ -69,6 +73,32 @@ pub enum Measure {
     Pfv,
     /// p·T_m (1), the mean period relative to the time scale 1/p of the block.
     PeriodToBlock,
+    /// A measure of a pair of components over its directions.
+    OfPair(ComponentMeasure, OverDirections),
+}
+
+/// The scales of a block, to which measures are relative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockScales {
+    /// Slenderness angle α (rad): of the side with less base, which lifts and overturns first; in space over the nearest edge.
+    pub alpha: f64,
+    /// Frequency parameter p (rad/s).
+    pub p: f64,
+    /// Gravity g (m/s²).
+    pub gravity: f64,
+}
+
+impl From<&Block> for BlockScales {
+    fn from(block: &Block) -> BlockScales {
+        let [left, right] = Corner::each(|corner| block.alpha_of(corner));
+        BlockScales { alpha: left.min(right), p: block.p, gravity: block.gravity }
+    }
+}
+
+impl From<&SpaceBody> for BlockScales {
+    fn from(body: &SpaceBody) -> BlockScales {
+        BlockScales { alpha: body.edge_angle(), p: body.p, gravity: body.gravity }
+    }
 }
 
 impl Measure {
@@ -98,6 +128,23 @@ impl Measure {
         Measure::OF_RECORD.into_iter().chain(spectral).collect()
     }
 
+    /// Measures of a pair of records: PGA, PGV, then Sa and Sv at each period (s), each over its directions.
+    pub fn of_pair(periods: &[f64]) -> Vec<Measure> {
+        let spectral = [ComponentMeasure::Sa as fn(f64) -> ComponentMeasure, ComponentMeasure::Sv];
+        let spectral = spectral.iter().flat_map(|kind| periods.iter().map(|&period| kind(period)));
+        Measure::over_directions([ComponentMeasure::Pga, ComponentMeasure::Pgv].into_iter().chain(spectral))
+    }
+
+    /// Measures of a pair of records relative to a block, each over its directions.
+    pub fn of_pair_to_block() -> Vec<Measure> {
+        Measure::over_directions([ComponentMeasure::PgaToUplift, ComponentMeasure::PgvToOverturning])
+    }
+
+    fn over_directions(measures: impl IntoIterator<Item = ComponentMeasure>) -> Vec<Measure> {
+        let each = |measure| OverDirections::ALL.map(|over| Measure::OfPair(measure, over));
+        measures.into_iter().flat_map(each).collect()
+    }
+
     /// The column heading, name and unit: `PGV [m/s]`.
     pub fn heading(self) -> String {
         format!("{self} [{}]", self.unit())
@@ -122,6 +169,7 @@ impl Measure {
             Measure::Pfa => ("PFA", "m/s2", 1),
             Measure::Pfv => ("PFV", "m/s", 1),
             Measure::PeriodToBlock => ("p T_m", "1", 0),
+            Measure::OfPair(measure, _) => measure.measure().properties(),
         }
     }
 
@@ -135,28 +183,45 @@ impl Measure {
         self.properties().2
     }
 
-    /// The underlying measure of the record, and the factor that relates it to a block.
-    pub fn record_measure(self, block: &Block) -> (Measure, f64) {
-        // The side with less base lifts and overturns first.
-        let [left, right] = Corner::each(|corner| block.alpha_of(corner));
-        self.record_measure_at(left.min(right), block.p, block.gravity)
-    }
-
-    /// [`Measure::record_measure`] for a slenderness, a frequency parameter and gravity. They are α (rad) of the side with less base, p
-    /// (rad/s) and g (m/s²).
-    pub fn record_measure_at(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
+    /// The underlying measure of the record, and the factor that relates it to a block of these scales.
+    pub fn record_measure(self, scales: BlockScales) -> (Measure, f64) {
+        let BlockScales { alpha, p, gravity } = scales;
         let uplift = || gravity * libm::tan(alpha);
         match self {
             Measure::PgaToUplift => (Measure::Pga, 1.0 / uplift()),
             Measure::PgvToOverturning => (Measure::Pgv, p / uplift()),
             Measure::PeriodToBlock => (Measure::MeanPeriod, p),
+            Measure::OfPair(measure, over) => {
+                let (of_record, factor) = measure.measure().record_measure(scales);
+                ComponentMeasure::of(of_record)
+                    .map_or((self, 1.0), |of_record| (Measure::OfPair(of_record, over), factor))
+            }
             of_record => (of_record, 1.0),
+        }
+    }
+
+    /// Whether the measure is relative to the slenderness α of a block, and to its frequency parameter p.
+    pub fn relative_to(self) -> [bool; 2] {
+        match self {
+            Measure::OfPair(measure, _) => measure.measure().relative_to(),
+            measure => [
+                matches!(measure, Measure::PgaToUplift | Measure::PgvToOverturning),
+                matches!(measure, Measure::PgvToOverturning | Measure::PeriodToBlock),
+            ],
+        }
+    }
+
+    /// The same measure of a single component, and how those of a pair became one; `None` for that of one component.
+    pub fn of_component(self) -> (Measure, Option<OverDirections>) {
+        match self {
+            Measure::OfPair(measure, over) => (measure.measure(), Some(over)),
+            measure => (measure, None),
         }
     }
 
     /// The value for a record; `gravity` (m/s²) is that of the Arias intensity.
     ///
-    /// `None` for measures relative to a block or of a floor, and for periods and durations of a record of zeros.
+    /// `None` for measures relative to a block, of a floor or of a pair, and for periods and durations of a record of zeros.
     pub fn of(self, record: &Record, gravity: f64) -> Option<f64> {
         let value = match self {
             Measure::Pga => pga(record),
@@ -171,7 +236,9 @@ impl Measure {
             Measure::Sa(period) => spectral_acceleration(record, period),
             Measure::Sv(period) => oscillator_peaks(record, period).velocity,
             Measure::Pfa | Measure::Pfv => return None,
-            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => return None,
+            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock | Measure::OfPair(..) => {
+                return None;
+            }
         };
         Some(value).filter(|value| value.is_finite())
     }
@@ -183,6 +250,7 @@ impl std::fmt::Display for Measure {
         let (name, ..) = self.properties();
         match self {
             Measure::Sa(period) | Measure::Sv(period) => write!(f, "{name}({period} s)"),
+            Measure::OfPair(measure, over) => f.write_str(&measure.name(over.word())),
             _ => f.write_str(name),
         }
     }
@@ -199,6 +267,15 @@ impl FromStr for Measure {
         }
         let spectral = [("sa(", Measure::Sa as fn(f64) -> Measure), ("sv(", Measure::Sv)];
         let lower = name.to_ascii_lowercase();
+        let of_pair = OverDirections::ALL.into_iter().find_map(|over| {
+            let word = format!(".{}", over.word().to_ascii_lowercase());
+            let at = lower.find(&word).filter(|at| !lower[at + word.len()..].starts_with('0'))?;
+            let component = format!("{}{}", &lower[..at], &lower[at + word.len()..]).parse().ok()?;
+            ComponentMeasure::of(component).map(|component| Measure::OfPair(component, over))
+        });
+        if let Some(measure) = of_pair {
+            return Ok(measure);
+        }
         let found = spectral.iter().find_map(|(start, kind)| {
             let period = lower.strip_prefix(start)?.strip_suffix(')')?;
             let period: f64 = period.strip_suffix('s').unwrap_or(period).trim().parse().ok()?;
@@ -234,18 +311,23 @@ mod tests {
 
     #[test]
     fn names_are_read_back() {
-        for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK) {
+        let of_pairs = [Measure::of_pair(&[0.5]), Measure::of_pair_to_block()].concat();
+        let of_records = Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK);
+        for measure in of_records.chain(of_pairs) {
             assert_eq!(measure.to_string().parse(), Ok(measure));
         }
+        let name = Measure::OfPair(ComponentMeasure::PgvToOverturning, OverDirections::RotD100).to_string();
+        assert_eq!(name, "p PGV.RotD100/(g tan alpha)");
         for (spelling, measure) in [
             ("pgv", Measure::Pgv),
             ("sa(0.5 S)", Measure::Sa(0.5)),
             ("SA(0.50)", Measure::Sa(0.5)),
             ("Sv(1s)", Measure::Sv(1.0)),
+            ("sa(0.5).rotd50", Measure::OfPair(ComponentMeasure::Sa(0.5), OverDirections::RotD50)),
         ] {
             assert_eq!(spelling.parse(), Ok(measure));
         }
-        for name in ["PVG", "Sa(0,5)", "Sa(s)", "Sa(-1 s)", "Sv(nan s)"] {
+        for name in ["PVG", "PGD.RotD50", "PGA.RotD500", "Sa(0,5)", "Sa(s)", "Sa(-1 s)", "Sv(nan s)"] {
             let refused = name.parse::<Measure>().unwrap_err();
             assert!(refused.contains(name) && refused.contains("CAV"), "{refused}");
         }

@@ -14,6 +14,9 @@ const STRATA: u64 = 64;
 /// Most rows of a block.
 const MAX_BLOCK: u64 = 128;
 
+/// Most rows of a block of single runs, which take longer.
+const MAX_SINGLE_BLOCK: u64 = 4;
+
 /// The sample ends after this time, with at least [`MIN_TASKS`] blocks.
 const LIMIT: Duration = Duration::from_secs(4);
 
@@ -54,7 +57,8 @@ impl Forecast {
             }
             let stratum = number * stride % strata;
             let [first, end] = [stratum, stratum + 1].map(|stratum| rows / together * stratum / strata * together);
-            let block = (end - first).min(MAX_BLOCK.next_multiple_of(together));
+            let most = if study.uses_lanes() { MAX_BLOCK } else { MAX_SINGLE_BLOCK };
+            let block = (end - first).min(most.next_multiple_of(together));
             let first = first + (end - first - block) / 2 / together * together;
             let before = clock();
             let made = study.make_range(first..first + block, width);

@@ -308,6 +308,10 @@ impl<S: Study> Study for Part<'_, S> {
         self.study.rows_together()
     }
 
+    fn uses_lanes(&self) -> bool {
+        self.study.uses_lanes()
+    }
+
     /// Makes rows by their positions in the part.
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
         self.study.make(&numbers.iter().map(|&position| self.plan.row(position)).collect::<Vec<_>>(), width)

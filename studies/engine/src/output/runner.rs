@@ -37,6 +37,10 @@ pub trait Study: Sync {
     fn rows_together(&self) -> u64 {
         1
     }
+    /// Whether its runs are stepped in vectors; otherwise batches of rows are small.
+    fn uses_lanes(&self) -> bool {
+        true
+    }
     /// Makes rows by their ascending numbers, in the columns of the header. Each row depends on its number alone.
     ///
     /// Runs are stepped in vectors of this width, or one by one without.
@@ -104,6 +108,7 @@ pub fn run(
     if let Some(follow) = &mut follow {
         table.read_resumed(&study.header(), follow)?;
     }
+    let width = width.filter(|_| study.uses_lanes());
     let mut reason = None;
     let is_text = table.is_text();
     let make = |numbers: Range<u64>| {

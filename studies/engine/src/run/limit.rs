@@ -1,4 +1,4 @@
-//! The end of a run and its peak rotation → whether a limit is exceeded.
+//! The end of a run and its greatest response → whether a limit is exceeded.
 
 use std::str::FromStr;
 
@@ -19,6 +19,12 @@ pub enum Limit {
     Plastic(f64),
     /// A number of half cycles of a plastic elongation above the amplitude of a study. A block that overturns exceeds it.
     HalfCycles(f64),
+    /// A tilt of a block in space over that of its balance over the nearest edge (1). A block that overturns exceeds it.
+    Tilt(f64),
+    /// A twist of a block in space about the vertical, in either sense (rad). A block that overturns exceeds it.
+    Twist(f64),
+    /// A distance of the base of a block in space from its place at the start (m). A block that overturns exceeds it.
+    Drift(f64),
 }
 
 impl Limit {
@@ -30,6 +36,7 @@ impl Limit {
             Limit::Rotation(limit) | Limit::Slip(limit) | Limit::Plastic(limit) | Limit::HalfCycles(limit) => {
                 Some(limit)
             }
+            Limit::Tilt(limit) | Limit::Twist(limit) | Limit::Drift(limit) => Some(limit),
         }
     }
 
@@ -61,6 +68,9 @@ impl std::fmt::Display for Limit {
             Limit::Slip(limit) => write!(f, "slip>{limit}"),
             Limit::Plastic(limit) => write!(f, "plastic>{limit}"),
             Limit::HalfCycles(limit) => write!(f, "half_cycles>{limit}"),
+            Limit::Tilt(limit) => write!(f, "tilt/alpha_edge>{limit}"),
+            Limit::Twist(limit) => write!(f, "twist>{limit}"),
+            Limit::Drift(limit) => write!(f, "drift>{limit}"),
         }
     }
 }
@@ -89,15 +99,29 @@ impl FromStr for Limit {
             "slip" => Some(Limit::Slip(limit)),
             "plastic" => Some(Limit::Plastic(limit)),
             "half_cycles" => Some(Limit::HalfCycles(limit)),
+            "tilt" | "tilt/alpha_edge" => Some(Limit::Tilt(limit)),
+            "twist" => Some(Limit::Twist(limit)),
+            "drift" => Some(Limit::Drift(limit)),
             _ => None,
         });
         found.ok_or_else(|| {
             format!(
                 "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, one in metres for the slip, as in \
                  slip:0.1, or for the plastic elongation of ties and dampers, as in plastic:0.02, or one for their half cycles, as in \
-                 half_cycles:20"
+                 half_cycles:20; of a block in space tilt:0.5 over that of its balance, twist:0.1 in rad, or drift:0.1 in metres"
             )
         })
+    }
+}
+
+impl Limit {
+    /// The limit for blocks in space: a rotation is a tilt there.
+    #[must_use]
+    pub fn in_space(self) -> Limit {
+        match self {
+            Limit::Rotation(limit) => Limit::Tilt(limit),
+            limit => limit,
+        }
     }
 }
 
@@ -115,6 +139,17 @@ mod tests {
         assert_eq!(verdicts(Limit::Balance, 1.0), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.4), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.6), [yes, yes, yes, yes, None]);
+        for (text, limit) in [
+            ("tilt:0.5", Limit::Tilt(0.5)),
+            ("tilt/alpha_edge>0.5", Limit::Tilt(0.5)),
+            ("Twist>0.1", Limit::Twist(0.1)),
+            ("drift:0.02", Limit::Drift(0.02)),
+        ] {
+            assert_eq!(text.parse(), Ok(limit));
+            assert_eq!(limit.to_string().parse(), Ok(limit));
+            assert_eq!(verdicts(limit, 0.7), [yes, yes, yes, yes, None]);
+        }
+        assert_eq!([Limit::Rotation(0.5), Limit::Slip(0.5)].map(Limit::in_space), [Limit::Tilt(0.5), Limit::Slip(0.5)]);
         let without = |limit: Limit| End::ALL.map(|end| limit.verdict(end, None));
         assert_eq!(without(Limit::Overturned), [no, yes, None, None, None]);
         assert_eq!(without(Limit::Slip(0.1)), [None, yes, None, None, None], "a missing response stays below no limit");

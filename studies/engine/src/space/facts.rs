@@ -35,18 +35,29 @@ pub fn feet(body: &SpaceBody) -> Vec<[f64; 3]> {
     body.feet.iter().map(|foot| [foot.place.x, foot.place.y, foot.place.z + body.center_height]).collect()
 }
 
-/// Returns the greatest values of a run.
-pub fn of_peaks(body: &SpaceBody, peaks: &SpacePeaks) -> [(&'static str, f64); 8] {
-    [
-        ("tilt", peaks.tilt()),
-        ("tilt/alpha", peaks.tilt() / body.alpha),
-        ("tilt/alpha_edge", peaks.tilt() / body.edge_angle()),
-        ("twist", peaks.twist()),
-        ("uplift", peaks.uplift),
-        ("N", peaks.normal),
-        ("slip", peaks.slip),
-        ("drift", peaks.drift()),
-    ]
+/// The greatest values of a run: names and units.
+pub const PEAKS: [(&str, &str); 8] = [
+    ("tilt", "rad"),
+    ("tilt/alpha", "1"),
+    ("tilt/alpha_edge", "1"),
+    ("twist", "rad"),
+    ("uplift", "m"),
+    ("N", "N"),
+    ("slip", "m"),
+    ("drift", "m"),
+];
+
+/// Returns the greatest values of a run, in the order of [`PEAKS`].
+pub fn peaks(body: &SpaceBody, peaks: &SpacePeaks) -> [f64; PEAKS.len()] {
+    let tilt = peaks.tilt();
+    let (over_alpha, over_edge) = (tilt / body.alpha, tilt / body.edge_angle());
+    [tilt, over_alpha, over_edge, peaks.twist(), peaks.uplift, peaks.normal, peaks.slip, peaks.drift()]
+}
+
+/// Returns the greatest values of a run by their names.
+pub fn of_peaks(body: &SpaceBody, of_run: &SpacePeaks) -> [(&'static str, f64); PEAKS.len()] {
+    let values = peaks(body, of_run);
+    std::array::from_fn(|place| (PEAKS[place].0, values[place]))
 }
 
 /// Returns the word of an event, and the number of its foot from 0.

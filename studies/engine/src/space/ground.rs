@@ -10,6 +10,8 @@ pub struct ComponentNames {
     pub names: [&'static str; 3],
     /// What gives all components one time step, for "…; resample".
     pub resample: &'static str,
+    /// What gives all components one length.
+    pub cut: &'static str,
 }
 
 impl ComponentNames {
@@ -34,7 +36,7 @@ pub fn of_components(
     azimuth: f64,
     known_as: ComponentNames,
 ) -> Result<SpaceGround, String> {
-    let ComponentNames { names, resample } = known_as;
+    let ComponentNames { names, resample, cut } = known_as;
     known_as.check_pair(records[0].is_some(), records[1].is_some())?;
     for (i, j) in [(0, 1), (0, 2), (1, 2)] {
         if let (Some(first), Some(second)) = (&records[i], &records[j])
@@ -47,8 +49,7 @@ pub fn of_components(
     SpaceGround { records, azimuth }.checked().map_err(|error| {
         let of_unit = ["record.x", "record.y", "record.z"];
         let named = of_unit.iter().zip(names).fold(error, |error, (unit, name)| error.replace(unit, name));
-        let advice =
-            if named.contains(" time step of ") { resample } else { "cut the components to the samples that all have" };
+        let advice = if named.contains(" time step of ") { resample } else { cut };
         format!("{named}; {advice}")
     })
 }

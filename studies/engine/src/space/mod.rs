@@ -3,12 +3,14 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`facts`] | a block or a history in space → the numbers that summaries state, by name |
+//! | [`outcome`] | a run in space → its end, its peaks and its counts |
 //! | [`ground`] | records of the components → the motion of the ground, or why they do not belong together |
 //! | `stopping_rule` | a block in space after the ground has come to rest → the end of its run |
 //! | [`table`] | a history in space → a CSV table |
 
 pub mod facts;
 pub mod ground;
+pub mod outcome;
 mod stopping_rule;
 pub mod table;
 
@@ -130,45 +132,72 @@ impl RunInSpace {
     /// # Errors
     /// The solver cannot go on.
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<HistoryInSpace, SimulationError> {
-        let start = self.start();
-        let mut run = SpaceRun::new(self.setup.clone(), &self.initial, start);
         let (mut rows, mut events) = (Vec::new(), Vec::new());
-        let mut rule = self.duration.is_none().then(|| self.stopping_rule());
-        let (mut inputs, mut sample) = self.ground.inputs_from(start);
-        rows.push(self.row(&run, &inputs));
-        loop {
-            if let Some(rule) = rule.as_mut().filter(|rule| rule.next_check() <= run.time()) {
-                rule.check(&run);
-            }
-            let end = match (&rule, self.duration) {
-                (Some(rule), _) => rule.end(),
-                (None, duration) => start + duration.unwrap_or_default(),
-            };
-            if run.time() >= end || self.is_over(&run) {
-                break;
-            }
-            let next_check = rule.as_ref().map_or(f64::INFINITY, SpaceStoppingRule::next_check);
-            let next_row = time_of_row(start..end, self.output_step, rows.len() as u64);
-            let stop = sample.min(next_row).min(next_check);
-            run.advance(stop, &inputs, &mut |event| events.push(*event))?;
-            let ended = self.is_over(&run);
-            if !ended && stop == sample {
-                (inputs, sample) = self.ground.inputs_from(stop);
-            }
-            if ended || stop == next_row {
-                rows.push(self.row(&run, &inputs));
-                progress(((run.time() - start) / (end - start)).min(1.0));
-            }
-        }
-        // The stopping rule may end a run between two rows.
-        if rows.last().is_some_and(|row| row.observation.time < run.time()) {
-            rows.push(self.row(&run, &inputs));
-        }
+        let mut run = self.begin();
+        self.drive(
+            &mut run,
+            |event| events.push(*event),
+            |done, run, inputs| {
+                rows.push(self.row(run, inputs));
+                progress(done);
+            },
+        )?;
         let end = self.end(&run);
         let is_at_rest = end == End::Completed && is_at_rest(&run);
         let state = run.state();
         let (peaks, counts, ending, separated) = (state.peaks, state.counts, state.ending, state.separated);
         Ok(HistoryInSpace { rows, events, peaks, counts, ending, end, is_at_rest, separated })
+    }
+
+    /// The run at its start.
+    fn begin(&self) -> SpaceRun {
+        SpaceRun::new(self.setup.clone(), &self.initial, self.start())
+    }
+
+    /// Makes the run; `event` receives its events.
+    ///
+    /// `row` receives the fraction done, the block and the inputs: at the start, at each row and at the end. An error leaves the run at the
+    /// last good step.
+    fn drive(
+        &self,
+        run: &mut SpaceRun,
+        mut event: impl FnMut(&SpaceEvent),
+        mut row: impl FnMut(f64, &SpaceRun, &SpaceInputs),
+    ) -> Result<(), SimulationError> {
+        let start = run.time();
+        let mut rule = self.duration.is_none().then(|| self.stopping_rule());
+        let (mut inputs, mut sample) = self.ground.inputs_from(start);
+        let (mut rows, mut shown) = (1, start);
+        row(0.0, run, &inputs);
+        loop {
+            if let Some(rule) = rule.as_mut().filter(|rule| rule.next_check() <= run.time()) {
+                rule.check(run);
+            }
+            let end = match (&rule, self.duration) {
+                (Some(rule), _) => rule.end(),
+                (None, duration) => start + duration.unwrap_or_default(),
+            };
+            if run.time() >= end || self.is_over(run) {
+                break;
+            }
+            let next_check = rule.as_ref().map_or(f64::INFINITY, SpaceStoppingRule::next_check);
+            let next_row = time_of_row(start..end, self.output_step, rows);
+            let stop = sample.min(next_row).min(next_check);
+            run.advance(stop, &inputs, &mut event)?;
+            let ended = self.is_over(run);
+            if !ended && stop == sample {
+                (inputs, sample) = self.ground.inputs_from(stop);
+            }
+            if ended || stop == next_row {
+                (rows, shown) = (rows + 1, run.time());
+                row(((run.time() - start) / (end - start)).min(1.0), run, &inputs);
+            }
+        }
+        // The stopping rule may end a run between two rows.
+        if shown < run.time() {
+            row(1.0, run, &inputs);
+        }
+        Ok(())
     }
 
     /// Whether the run has ended. A block that is held is shown for the given duration.

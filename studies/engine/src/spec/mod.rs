@@ -5,6 +5,7 @@
 //! | [`words`] | choices of a user ↔ their words, the same everywhere |
 //! | [`block`] | parameters, some of them given → a checked block |
 //! | [`space`] | parameters of a block in space beside those of the plane → its parameters |
+//! | [`numbers_in_space`] | the numbers of a block in space and of its beginning, by the names that studies give them |
 //! | [`pulse`] | parameters, some of them given → a checked pulse |
 //! | [`run`] | settings of the runs of a study, some of them given → the settings of the solver |
 //! | [`records`] | what is known of accelerogram files → the options of their reader |
@@ -25,6 +26,7 @@ pub mod block;
 pub mod command;
 pub mod fit;
 pub mod limits;
+pub mod numbers_in_space;
 pub mod pulse;
 pub mod records;
 pub mod run;

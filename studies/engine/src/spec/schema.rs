@@ -1,6 +1,9 @@
 //! The tables of study files → their JSON Schema, for editors.
 
-use crate::spec::words::friction;
+use crate::spec::numbers_in_space::{SpaceNumber, numbers};
+use crate::spec::space::BaseShape;
+use crate::spec::words::{Words, friction};
+use rocking_block::space::parameters::FEET;
 use rocking_block::unit::variables::{Causality, DESCRIPTIONS, Kind, Metadata, VARIABLES, Variable};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
@@ -10,35 +13,94 @@ use crate::input::parameters::Parameter;
 /// Parameters by name: a value, a list or a range of each.
 pub(super) fn parameters<Range: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let range = generator.subschema_for::<Range>().to_value();
-    by_name(generator, "values-of-", "", |parameter| {
-        let value = value(parameter);
+    let forms = |kind: Kind, value: Value| {
         let mut forms = vec![value.clone(), json!({ "type": "array", "items": value, "minItems": 1 })];
-        if parameter.metadata.kind == Kind::Real {
+        if kind == Kind::Real {
             forms.push(range.clone());
         }
-        Some(json!({ "anyOf": forms }))
-    })
+        json!({ "anyOf": forms })
+    };
+    let mut schema = by_name(generator, "values-of-", "", |metadata| Some(forms(metadata.kind, value(metadata))));
+    if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+        add_numbers_in_space(properties, |number| forms(Kind::Real, number));
+        properties.extend(shape_in_space());
+    }
+    schema
+}
+
+/// Adds the numbers that only a block in space has.
+fn add_numbers_in_space(properties: &mut Map<String, Value>, schema: impl Fn(Value) -> Value) {
+    let add = |properties: &mut Map<String, Value>, name: &str, number: &SpaceNumber| {
+        if properties.get(name).is_none() {
+            let help = number.schema["description"].as_str().unwrap_or_default();
+            let mut of_number = number.schema.clone();
+            if let Some(of_number) = of_number.as_object_mut() {
+                ["description", "title"].into_iter().for_each(|key| drop(of_number.remove(key)));
+            }
+            let mut of_number = schema(of_number);
+            of_number["description"] = format!("{help}; of a block in space").into();
+            properties.insert(name.into(), of_number);
+        }
+    };
+    for number in numbers() {
+        add(properties, number.name, number);
+        if let Some((group, name)) = number.name.split_once('.')
+            && let Some(group) = properties.get_mut(group).and_then(|group| group["properties"].as_object_mut())
+        {
+            add(group, name, number);
+        }
+    }
+}
+
+/// The parameters of a block in space that no study varies.
+fn shape_in_space() -> [(String, Value); 3] {
+    let words: Vec<&str> = BaseShape::WORDS.iter().map(|(word, _)| *word).collect();
+    let numbers =
+        |count: usize| json!({ "type": "array", "items": { "type": "number" }, "minItems": count, "maxItems": count });
+    [
+        ("base", json!({ "enum": words, "description": "Shape of the base of a block in space; by default rectangle" })),
+        (
+            "feet",
+            json!({
+                "anyOf": [{ "type": "integer", "minimum": FEET[0], "maximum": FEET[1] }, { "type": "string" }],
+                "description": "Number of feet of a circular base, or the file of a table of feet [m]; of a block in space",
+            }),
+        ),
+        (
+            "inertia_tensor",
+            json!({
+                "anyOf": [numbers(3), numbers(6)],
+                "description": "Ixx, Iyy, Izz and, if any, Ixy, Ixz, Iyz about the centre of mass [kg.m2]; of a block in space",
+            }),
+        ),
+    ]
+    .map(|(name, schema)| (name.into(), schema))
 }
 
 /// Parameters by name: one value of each.
 pub(super) fn values(generator: &mut SchemaGenerator) -> Schema {
-    by_name(generator, "", "", |parameter| Some(value(parameter)))
+    by_name(generator, "", "", |metadata| Some(value(metadata)))
 }
 
 /// The initial state.
 pub(super) fn initial(generator: &mut SchemaGenerator) -> Schema {
-    by_name(generator, "", "initial.", |parameter| Some(value(parameter)))
+    by_name(generator, "", "initial.", |metadata| Some(value(metadata)))
 }
 
 /// The pulse.
 pub(super) fn pulse(generator: &mut SchemaGenerator) -> Schema {
-    by_name(generator, "", "pulse.", |parameter| Some(value(parameter)))
+    by_name(generator, "", "pulse.", |metadata| Some(value(metadata)))
 }
 
 /// Spreads of parameters by name.
 pub(super) fn spreads<Spread: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let spread = generator.subschema_for::<Spread>().to_value();
-    by_name(generator, "spread-of-", "", |parameter| (parameter.metadata.kind == Kind::Real).then(|| spread.clone()))
+    let mut schema =
+        by_name(generator, "spread-of-", "", |metadata| (metadata.kind == Kind::Real).then(|| spread.clone()));
+    if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+        add_numbers_in_space(properties, |_| spread.clone());
+    }
+    schema
 }
 
 /// Two numbers of each parameter by name, which may have a group.
@@ -49,8 +111,9 @@ pub(super) fn pairs(_: &mut SchemaGenerator) -> Schema {
 }
 
 /// A value of a parameter within its limits.
-fn value(parameter: &Parameter) -> Value {
-    let Metadata { variable, kind, min, max, items, .. } = *parameter.metadata;
+fn value(metadata: &'static Metadata) -> Value {
+    let Metadata { variable, kind, min, max, items, .. } = *metadata;
+    let parameter = Parameter::from(metadata);
     let number = |kind: &str| {
         let mut schema = json!({ "type": kind });
         let limits = [("minimum", min), ("maximum", max)];
@@ -81,14 +144,14 @@ fn by_name(
     generator: &mut SchemaGenerator,
     kind: &str,
     prefix: &str,
-    schema: impl Fn(&Parameter) -> Option<Value>,
+    schema: impl Fn(&'static Metadata) -> Option<Value>,
 ) -> Schema {
     let mut properties = Map::new();
     let of_users =
         |metadata: &&Metadata| metadata.causality == Causality::Parameter && !metadata.name.starts_with("record.");
     for metadata in VARIABLES.iter().filter(of_users) {
-        let parameter = Parameter { metadata };
-        let Some(mut schema) = schema(&parameter) else { continue };
+        let parameter = Parameter::from(metadata);
+        let Some(mut schema) = schema(metadata) else { continue };
         let unit = metadata.unit.map(|unit| format!(" [{unit}]")).unwrap_or_default();
         let default = metadata.start.map(|start| match parameter.display(start) {
             unlimited if unlimited == "inf" => friction::NONE.into(),

@@ -286,30 +286,34 @@ impl SpaceSpec {
     }
 }
 
+/// What is expected instead of a rigid base.
+pub const INSTEAD_OF_RIGID: &str = "in space a block stands on feet; expected `eta` of 100 to 300 for a hard base";
+
 /// The error of a block in space on a rigid base.
-const ON_RIGID_BASE: SpecError = SpecError::OfPlane {
-    parameter: "foundation = rigid",
-    instead: "in space a block stands on feet; expected `eta` of 100 to 300 for a hard base",
-};
+const ON_RIGID_BASE: SpecError = SpecError::OfPlane { parameter: "foundation = rigid", instead: INSTEAD_OF_RIGID };
+
+/// The parameters of the plane that a block in space does not have, and what is expected instead.
+pub const OF_PLANE: [(&str, &str); 5] = [
+    ("restitution_factor", "in space feet land on their dashpots; expected `xi_v`"),
+    ("epsilon", "in space feet land on their dashpots; expected `xi_v`"),
+    ("inertia", "in space it has six numbers; expected `inertia_tensor`"),
+    ("ties", "expected it without `depth`, `base` and `feet`"),
+    ("dampers", "expected it without `depth`, `base` and `feet`"),
+];
 
 /// Refuses parameters that only a block in the plane has.
 fn refuse_of_plane(block: &BlockSpec) -> Result<(), SpecError> {
     if block.foundation == Some(Foundation::Rigid) {
         return Err(ON_RIGID_BASE);
     }
-    let plane: [(bool, &'static str, &'static str); 5] = [
-        (
-            block.restitution_factor.is_some(),
-            "restitution_factor",
-            "in space feet land on their dashpots; expected `xi_v`",
-        ),
-        (block.epsilon.is_some(), "epsilon", "in space feet land on their dashpots; expected `xi_v`"),
-        (block.inertia.is_some(), "inertia", "in space it has six numbers; expected `inertia_tensor`"),
-        (!block.hold.ties.is_empty(), "ties", "expected it without `depth`, `base` and `feet`"),
-        (!block.hold.dampers.is_empty(), "dampers", "expected it without `depth`, `base` and `feet`"),
-    ];
-    match plane.into_iter().find(|(is_given, ..)| *is_given) {
-        Some((_, parameter, instead)) => Err(SpecError::OfPlane { parameter, instead }),
+    let numbers = block.numbers();
+    let is_given = |name: &str| match name {
+        "ties" => !block.hold.ties.is_empty(),
+        "dampers" => !block.hold.dampers.is_empty(),
+        name => numbers.iter().any(|(known, value)| *known == name && value.is_some()),
+    };
+    match OF_PLANE.into_iter().find(|(name, _)| is_given(name)) {
+        Some((parameter, instead)) => Err(SpecError::OfPlane { parameter, instead }),
         None => Ok(()),
     }
 }

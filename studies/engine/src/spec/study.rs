@@ -5,11 +5,12 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units in brackets, for the help of editors")]
 
+use rocking_records::Choice;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::spec::assess::AssessTable;
-use crate::spec::records::RecordSpec;
+use crate::spec::records::{Column, RecordSpec};
 use crate::spec::run::RunSpec;
 use crate::spec::schema;
 use crate::spec::values::{Positive, Seed, Word};
@@ -65,6 +66,8 @@ pub struct StudyTable {
     pub half_cycles: Option<Positive>,
     /// Each row stands for samples around its values: a coefficient of variation for each parameter.
     pub ensemble: Option<EnsembleTable>,
+    /// Directions of the pairs of records of a block in space, and of the pulse, from +x towards +y [degrees]: a row each.
+    pub azimuths: Option<Azimuths>,
     /// Factors on the records, a row each.
     #[schemars(length(min = 1))]
     pub scales: Option<Vec<f64>>,
@@ -74,6 +77,29 @@ pub struct StudyTable {
     pub hunt: Option<HuntTable>,
     /// The least values of a measure that overturn the block, a row for each ground motion.
     pub least: Option<LeastTable>,
+}
+
+/// Directions, or how many of them are drawn.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(untagged)]
+pub enum Azimuths {
+    /// The directions [degrees].
+    List(#[schemars(length(min = 1))] Vec<f64>),
+    /// Random ones, other ones for each ground motion.
+    Random(RandomAzimuths),
+}
+
+/// Random directions: one in each of `count` equal parts of a turn.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(deny_unknown_fields)]
+pub struct RandomAzimuths {
+    /// Number of directions of each ground motion.
+    #[schemars(range(min = 1, max = 3600))]
+    pub count: u32,
+    /// Seed of the directions.
+    pub seed: Seed,
 }
 
 /// A range of a parameter.
@@ -218,6 +244,20 @@ pub struct RecordsTable {
     pub horizontal: Option<String>,
     /// File of the vertical motion, or a pattern for several files.
     pub vertical: Option<String>,
+    /// File of the first horizontal component for a block in space, or a pattern for several files.
+    pub x: Option<String>,
+    /// File of the second horizontal component, a quarter turn ahead of the first, or a pattern for several files.
+    pub y: Option<String>,
+    /// File of the vertical component for a block in space, or a pattern for several files.
+    pub z: Option<String>,
+    /// Cut the components of each motion for a block in space to the samples that all of them have.
+    pub cut: Option<bool>,
+    /// Channel of the files of y, by name or by number from 1, instead of channel.
+    #[schemars(with = "Option<Column<1000>>")]
+    pub y_channel: Option<Choice>,
+    /// Column of the accelerations in the tables of y, by name or by number from 1, instead of acceleration_column.
+    #[schemars(with = "Option<Column>")]
+    pub y_acceleration_column: Option<Choice>,
     /// Patterns of files to leave out.
     pub exclude: Option<Vec<String>>,
     /// Settings of their reading.

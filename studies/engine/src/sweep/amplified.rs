@@ -24,15 +24,16 @@ impl Sweep {
     /// Names the records that a strength scales by more than usual, or may. The block is that in the middle of the study. The levels of a hunt
     /// follow from its runs: [`Sweep::hunted_scales`].
     pub(super) fn amplified(&self) -> Vec<String> {
-        let Ok(block) = self.middle().block() else { return Vec::new() };
+        let middle: Vec<f64> = self.parameters.iter().map(|swept| swept.values.at(0.5)).collect();
+        let Ok(scales) = self.scales(&self.row_values(&middle)) else { return Vec::new() };
         let of = |motion: &GroundMotion| {
             let (largest, is) = match &self.strengths {
                 Strengths::Scales(_) | Strengths::Levels(..) => {
-                    let scale = |strength| self.strengths.scale(strength, motion, &block).abs();
+                    let scale = |strength| self.strengths.scale(strength, motion, scales).abs();
                     ((0..self.strengths.count()).map(scale).fold(0.0, f64::max), "is")
                 }
                 Strengths::Hunt(..) => return None,
-                Strengths::Least(measure, scan) => (motion.scale_to(*measure, scan.to, &block), "may be"),
+                Strengths::Least(measure, scan) => (motion.scale_to(*measure, scan.to, scales), "may be"),
             };
             strong_scale(&motion.name(), is, largest).filter(|_| motion.has_record())
         };
@@ -54,11 +55,11 @@ impl GreatestScales {
     /// Takes rows with the columns of a sweep.
     pub fn take(&mut self, rows: &Table) {
         let word = |column: Option<&Series>, row| column.and_then(|column| column.word(row).map(String::from));
-        let [record, vertical] = ["record", "vertical"].map(|name| rows.column(name));
+        let records = ["record", "record_y", "vertical"].map(|name| rows.column(name));
         let Some(scale) = rows.column("scale") else { return };
         for row in 0..rows.rows() {
-            let names = [record, vertical].map(|column| word(column, row).unwrap_or_default());
-            let known = self.0.entry(joined(&names)).or_default();
+            let names = records.map(|column| word(column, row).unwrap_or_default());
+            let known = self.0.entry(joined(names.each_ref().map(String::as_str))).or_default();
             *known = known.max(scale.number(row).unwrap_or_default().abs());
         }
     }

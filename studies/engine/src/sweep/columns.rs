@@ -4,18 +4,29 @@ use crate::input::motion::{self, MOTION, Motion};
 use crate::intensity::Measure;
 use crate::output::table::TableColumn;
 use crate::run::outcome::{self, End};
-use crate::run::{fatigue, sliding};
+use crate::run::{Run, fatigue, sliding};
 use crate::search::{OutcomeMap, Threshold};
-use crate::sweep::{RowInputs, SearchRow, Sweep, SweepRow};
+use crate::sweep::Sweep;
+use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::rows::{RowInputs, SearchRow, SweepRow, SweptRun};
 
 impl Sweep {
     /// The columns of a study of runs. They describe the block, the ground motion, and the run with its samples.
-    pub(super) fn columns_of_runs(&self) -> Vec<TableColumn<'_, SweepRow<'_>>> {
-        let mut columns = self.columns_of_inputs(|row: &SweepRow| &row.inputs);
-        columns.extend(outcome::columns(self.holds(), |row: &SweepRow| &row.outcome));
+    pub(super) fn columns_of_runs<'a, E: SweptRun + 'a>(&'a self) -> Vec<TableColumn<'a, SweepRow<'a, E>>> {
+        let mut columns = self.columns_of_inputs(|row: &SweepRow<'a, E>| &row.inputs);
+        columns.extend(E::columns(self));
+        fn samples<'r, E: SweptRun>(row: &'r SweepRow<E>) -> &'r [E::Outcome] {
+            &row.samples
+        }
+        columns.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.columns(samples::<E>)));
+        columns
+    }
+
+    /// The columns of the run of a block in the plane.
+    pub(super) fn columns_of_outcomes(&self) -> Vec<TableColumn<'_, SweepRow<'_, Run>>> {
+        let mut columns = outcome::columns(self.holds(), |row: &SweepRow<Run>| &row.outcome);
         columns.extend(self.friction_demand.map(sliding::column));
         columns.extend(self.half_cycles.map(fatigue::column));
-        columns.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.columns(|row: &SweepRow| &row.samples)));
         columns
     }
 
@@ -33,15 +44,21 @@ impl Sweep {
         columns.extend(
             parameters.map(|(number, swept)| swept.parameter.column(move |row: &R| of(row).combination[number])),
         );
-        let names = |component: usize| self.motions.iter().map(move |motion| motion.names[component].clone());
-        let records = ["record", "vertical"].into_iter().enumerate();
-        columns.extend(
-            records.map(|(component, name)| Of::choice(name, names(component), move |row| of(row).motion_number)),
-        );
+        let mut of_motion = |name: &str, word: fn(&GroundMotion) -> String| {
+            columns.push(Of::choice(name, self.motions.iter().map(word), move |row| of(row).motion_number));
+        };
+        of_motion("record", |motion| motion.names[0].clone());
+        if self.space.is_some() {
+            of_motion("record_y", |motion| motion.transverse.as_ref().map_or(String::new(), |y| y.name.clone()));
+        }
+        of_motion("vertical", |motion| motion.names[1].clone());
         let motions: Vec<Motion> = self.motions.iter().map(|motion| motion.motion.clone()).collect();
         let names = self.motions.iter().map(|motion| motion.names.each_ref().map(String::as_str));
         if let Some(words) = motion::column(&motions, names) {
             columns.push(Of::choice(MOTION, words, move |row| of(row).motion_number));
+        }
+        if self.space.is_some() {
+            columns.push(Of::real("azimuth", "deg", move |row| of(row).motion.azimuth));
         }
         if self.has_building() {
             columns.push(Of::count("floor", move |row| of(row).motion.floor.unwrap_or_default()));

@@ -3,17 +3,16 @@
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
 //! (docs/fragility.md). A probability over small unknown variations can be predicted.
 
-use crate::input::parameters::{Parameter, flatten};
+use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::output::table::TableColumn;
 use crate::run::limit::Limit;
-use crate::run::outcome::{End, Outcome};
+use crate::run::outcome::End;
+use crate::run::rows::RunOutcome;
 use crate::spec::study::{Distribution, EnsembleTable, SpreadTable, StudyFile};
 use crate::spec::values::Word;
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
-use rocking_block::simulation::peaks::Peaks;
-use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Kind;
 
 /// The samples of each row.
@@ -94,13 +93,13 @@ impl Ensemble {
         (0..self.samples as usize).map(|sample| strata.iter().map(|of| midpoint(of[sample])).collect()).collect()
     }
 
-    /// The columns of a row's samples: slenderness α (rad) and outcome of each.
+    /// The columns of a row's samples, by their outcomes.
     ///
     /// A fraction is that of the samples with a known verdict, and missing if there are none. The number of the others gives its range.
-    pub(super) fn columns<'c, R: 'c>(&self, samples: fn(&R) -> &[Outcome]) -> Vec<TableColumn<'c, R>> {
-        let ended = move |row: &R, end| samples(row).iter().filter(|outcome| outcome.end == end).count();
+    pub(super) fn columns<'c, R: 'c, O: RunOutcome + 'c>(&self, samples: fn(&R) -> &[O]) -> Vec<TableColumn<'c, R>> {
+        let ended = move |row: &R, end| samples(row).iter().filter(|outcome| outcome.end() == end).count();
         let verdicts = move |row: &R, limit: Limit, found: Option<bool>| {
-            samples(row).iter().filter(|sample| verdict(limit, sample) == found).count()
+            samples(row).iter().filter(|sample| limit.verdict(sample.end(), sample.response(limit)) == found).count()
         };
         let mut columns = vec![
             TableColumn::count("ensemble.samples", move |row| samples(row).len()),
@@ -126,30 +125,20 @@ impl Ensemble {
     }
 }
 
-/// Whether a sample exceeds a limit.
-fn verdict(limit: Limit, outcome: &Outcome) -> Option<bool> {
-    let Peaks { theta, slip, plastic, .. } = outcome.peaks;
-    let response = match limit {
-        // Half cycles are counted in the run of the row only.
-        Limit::Overturned | Limit::HalfCycles(_) => None,
-        Limit::Balance => Some(outcome.lean.over_balance),
-        Limit::Rotation(_) => Some(theta / outcome.alpha),
-        Limit::Slip(_) => Some(slip),
-        Limit::Plastic(_) => plastic.into_iter().reduce(f64::max),
-    };
-    limit.verdict(outcome.end, response)
-}
-
 /// Greatest number of spreads; each doubles the number of corners to check.
 const MAX_SPREADS: usize = 8;
 
 /// Reads the table `ensemble`.
-pub(super) fn read(file: &Section<StudyFile>, given: &EnsembleTable) -> Result<Ensemble, StudyFileError> {
+pub(super) fn read(
+    file: &Section<StudyFile>,
+    vocabulary: Vocabulary,
+    given: &EnsembleTable,
+) -> Result<Ensemble, StudyFileError> {
     let source = file.source;
     let refused = |message: String| file.refused("study.ensemble", message);
     let mut found = Vec::new();
     if let Some(table) = file.get("study.ensemble").and_then(|value| value.get_ref().as_table()) {
-        flatten(source, "", table, &["samples", "seed", "limits", "scale"], &mut found)?;
+        flatten(source, vocabulary, "", table, &["samples", "seed", "limits", "scale"], &mut found)?;
     }
     found.sort_by_key(|(_, value)| value.span().start);
     let mut spreads = Vec::new();
@@ -157,8 +146,8 @@ pub(super) fn read(file: &Section<StudyFile>, given: &EnsembleTable) -> Result<E
         spreads.push(spread(source, "scale", SpreadTarget::Scale, value)?);
     }
     for (name, value) in &found {
-        let parameter = Parameter::named(name).map_err(|message| source.wrong(&value.span(), message))?;
-        if parameter.metadata.kind != Kind::Real {
+        let parameter = vocabulary.parameter(name).map_err(|message| source.wrong(&value.span(), message))?;
+        if parameter.kind() != Kind::Real {
             return Err(source
                 .wrong(&value.span(), format!("{name} has no distribution; expected a parameter that is a number")));
         }
@@ -180,8 +169,22 @@ pub(super) fn read(file: &Section<StudyFile>, given: &EnsembleTable) -> Result<E
     }
     let limit = |(number, word): (usize, &Word)| {
         const EXPECTED: &str = "a number > 0 for |theta|/alpha, or a slip or plastic elongation in metres, as in \"slip:0.1\" or \"plastic:0.02\"";
-        let limit = word.limit().ok().filter(|limit| !matches!(limit, Limit::Overturned | Limit::HalfCycles(_)));
-        limit.ok_or_else(|| file.wrong(&format!("study.ensemble.limits.{number}"), EXPECTED))
+        const IN_SPACE: &str = "a number > 0 for the tilt over that of the balance, or \"twist:0.1\" in rad, \"slip:0.1\" or \"drift:0.1\" in metres";
+        let limit = word.limit().ok().map(|limit| match vocabulary {
+            Vocabulary::Plane => limit,
+            Vocabulary::Space => limit.in_space(),
+        });
+        let fits = |limit: &Limit| match limit {
+            Limit::Overturned | Limit::HalfCycles(_) => false,
+            Limit::Slip(_) => true,
+            Limit::Balance | Limit::Rotation(_) | Limit::Plastic(_) => vocabulary == Vocabulary::Plane,
+            Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) => vocabulary == Vocabulary::Space,
+        };
+        let expected = match vocabulary {
+            Vocabulary::Plane => EXPECTED,
+            Vocabulary::Space => IN_SPACE,
+        };
+        limit.filter(fits).ok_or_else(|| file.wrong(&format!("study.ensemble.limits.{number}"), expected))
     };
     let others: Vec<Limit> = given.limits.iter().flatten().enumerate().map(limit).collect::<Result<_, _>>()?;
     let limits = std::iter::once(Limit::Overturned).chain(others).collect();
@@ -215,42 +218,6 @@ fn spread<'a>(
         }
     };
     Ok(UncertainQuantity { target, distribution: table.distribution.unwrap_or(Distribution::Lognormal), width })
-}
-
-/// Checks that all samples of an ensemble make a block, which reads their values. Blocks that are valid at all corners of the spreads are
-/// valid between them.
-pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> {
-    let ends = [0.5 / f64::from(ensemble.samples), 1.0 - 0.5 / f64::from(ensemble.samples)];
-    for corner in 0..1_usize << ensemble.spreads.len() {
-        let mut values = values.clone();
-        for (number, spread) in ensemble.spreads.iter().enumerate() {
-            let SpreadTarget::Parameter(parameter) = &spread.target else { continue };
-            let (name, variable) = (parameter.name(), parameter.metadata.variable);
-            let nominal = values[variable];
-            if parameter.shown(nominal).is_infinite() {
-                return Err(format!("{name} = {} cannot vary; expected a number", parameter.display(nominal)));
-            }
-            if nominal == 0.0
-                && (matches!(spread.width, SpreadWidth::Relative(_)) || spread.distribution == Distribution::Lognormal)
-            {
-                let expected = "a deviation of a normal or uniform distribution";
-                return Err(format!("{name} = 0 has no coefficient of variation; expected {expected}"));
-            }
-            let sample = parameter.number(spread.value(nominal, ends[corner >> number & 1]));
-            values[variable] = sample.map_err(|message| format!("in a sample of the ensemble, {message}"))?;
-        }
-        values.block().map_err(|error| format!("in a sample of the ensemble, {error}"))?;
-        let unread = |(name, needed): (&str, &str)| {
-            let is = |spread: &UncertainQuantity| matches!(&spread.target, SpreadTarget::Parameter(p) if p.metadata.name == name);
-            let name = Parameter::named(name).ok()?.name();
-            let spread = ensemble.spreads.iter().find(|spread| is(spread));
-            spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
-        };
-        if let Some(message) = values.unread_by_motion().find_map(unread) {
-            return Err(message);
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -5,31 +5,20 @@ use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 use crate::building;
-use crate::input::parameters::{Parameter, flatten};
+use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
 use crate::intensity::Measure;
-use crate::output::parts::PartNumber;
 use crate::spec::study::{DesignWord, RangeTable, SpacingWord, StudyFile};
 use crate::spec::words::friction;
 use crate::statistics::sampling::LatinHypercube;
-use crate::sweep::ensemble::{Ensemble, SpreadTarget};
+pub use crate::sweep::check::Checks;
+use crate::sweep::check::GivenParameter;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
-use crate::sweep::strength::Strengths;
-use crate::sweep::{Sweep, ensemble, records, strength};
+use crate::sweep::{Sweep, check, ensemble, records, space, strength};
 use rocking_block::simulation::Settings;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::{Kind, Variable};
-
-/// Greatest number of rows of a sweep.
-const MAX_ROWS: u64 = 1_000_000_000;
-
-/// A parameter of the file and the place of its value in the text.
-struct GivenParameter<'a> {
-    value: SpannedValue<'a>,
-    parameter: Parameter,
-    values: ParameterValues,
-}
 
 /// Reads a study from the text of its file. Paths of records are relative to `folder`.
 ///
@@ -37,19 +26,6 @@ struct GivenParameter<'a> {
 /// The first fault of the file or of a record that it names, with its line.
 pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileError> {
     read_for(file, text, folder, Checks::All)
-}
-
-/// The combinations of parameters of a study that are checked before its runs.
-///
-/// A check takes some 15 µs, so a part checks its own combinations only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Checks<'a> {
-    /// All.
-    All,
-    /// Those of some parts. Whether any block reads a parameter is not asked.
-    Parts(&'a [PartNumber]),
-    /// None: they were checked before.
-    None,
 }
 
 /// As [`read`], with these checks.
@@ -62,36 +38,43 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let file = Section::<StudyFile>::read(source, THE_FILE, document.span(), document.get_ref())?;
     let study = &file.study;
     let samples = design(&file)?;
-    let given = parameters(&file, samples.is_some())?;
+    let vocabulary = space::vocabulary(&file);
+    let given = parameters(&file, vocabulary, samples.is_some())?;
+    let in_space = space::read(&file, folder)?;
     let design = match samples {
         Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
         None => Design::Grid,
     };
     let periods = study.periods.clone().unwrap_or_default();
     let strengths = strength::read(&file)?;
-    let mut of_record = Measure::of_record(&periods);
+    let (mut of_record, of_block) = match vocabulary {
+        Vocabulary::Plane => (Measure::of_record(&periods), Measure::OF_BLOCK.to_vec()),
+        Vocabulary::Space => (Measure::of_pair(&periods), Measure::of_pair_to_block()),
+    };
+    check::pairs(&file, vocabulary, &strengths)?;
     // Its period need not be one of `periods`.
-    let elsewhere = [&Measure::OF_FLOOR[..], &Measure::OF_BLOCK].concat();
+    let elsewhere = [&Measure::OF_FLOOR[..], &of_block].concat();
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let (mut motions, mut remarks) = records::read(&file, folder, &of_record, || gravity(&given, source))?;
+    let (mut motions, mut remarks) = records::read(&file, folder, vocabulary, &of_record, || gravity(&given, source))?;
+    motions = space::turned(&file, motions)?;
     let building = building::file::read(&file)?;
-    check_building(&file, &motions, &strengths)?;
+    check::building(&file, &motions, &strengths)?;
     if let Some((building, floors)) = &building {
         let records = motions.iter().filter_map(|motion| motion.ground.horizontal.as_ref());
         remarks.extend(records.filter_map(|record| building.undersampled(record)));
         motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
     }
-    let ensemble = study.ensemble.as_ref().map(|table| ensemble::read(&file, table)).transpose()?;
+    let ensemble = study.ensemble.as_ref().map(|table| ensemble::read(&file, vocabulary, table)).transpose()?;
     let without_records = motions.iter().all(|motion| !motion.has_record());
     for path in strength::KEYS.into_iter().chain(["periods"]).map(|key| format!("study.{key}")) {
         if without_records && file.get(&path).is_some() {
             return Err(file.wrong(&path, "[[records]]; it has no effect without them"));
         }
     }
-    check_ensemble(&file, ensemble.as_ref(), without_records, &strengths)?;
-    check_of_one_run(&file, &strengths)?;
+    check::ensemble(&file, ensemble.as_ref(), without_records, &strengths)?;
+    check::of_one_run(&file, &strengths)?;
     let parameters =
         given.iter().map(|g| SweptParameter { parameter: g.parameter, values: g.values.clone() }).collect();
     let Settings { tolerance, on_separation, .. } =
@@ -106,11 +89,12 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
             .collect(),
         parameters,
         design,
+        space: in_space,
         motions,
         building: building.map(|(building, _)| building),
         strengths,
         ensemble,
-        measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
+        measures: of_record.into_iter().chain(of_block).collect(),
         tolerance,
         on_separation,
         duration: study.run.duration,
@@ -120,7 +104,7 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
         changes: Vec::new(),
         remarks,
     };
-    check(&sweep, &given, &file, checks)?;
+    check::combinations(&sweep, &given, &file, checks)?;
     let remarks = sweep.amplified().into_iter().chain(sweep.doubts(checks)).collect::<Vec<_>>();
     sweep.remarks.extend(remarks);
     Ok(sweep)
@@ -144,52 +128,6 @@ fn without_comment(line: &str) -> &str {
         is_escaped = false;
     }
     line
-}
-
-/// Refuses the quantities of single runs beside a search.
-fn check_of_one_run(file: &Section<StudyFile>, strengths: &Strengths) -> Result<(), StudyFileError> {
-    for path in ["study.friction_demand", "study.half_cycles"] {
-        if matches!(strengths, Strengths::Least(..)) && file.get(path).is_some() {
-            return Err(file.wrong(path, "none beside least, which makes many runs per row"));
-        }
-    }
-    Ok(())
-}
-
-/// Checks that a building has records to shake it. A measure of floors needs a building.
-fn check_building(
-    file: &Section<StudyFile>,
-    motions: &[GroundMotion],
-    strengths: &Strengths,
-) -> Result<(), StudyFileError> {
-    let shaken = motions.iter().all(|motion| motion.ground.horizontal.is_some());
-    if file.building.is_some() && !shaken {
-        return Err(file.refused("building", "building has no effect without a horizontal record in each [[records]]"));
-    }
-    match strengths.measure() {
-        Some(measure) if file.building.is_none() && Measure::OF_FLOOR.contains(&measure) => {
-            Err(file.refused(&strength::path(file), format!("{measure} is that of a floor; expected a [building]")))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Checks that an ensemble spreads only quantities of the study. Each row must have the runs for it.
-fn check_ensemble(
-    file: &Section<StudyFile>,
-    ensemble: Option<&Ensemble>,
-    without_records: bool,
-    strengths: &Strengths,
-) -> Result<(), StudyFileError> {
-    let (Some(ensemble), path) = (ensemble, "study.ensemble") else { return Ok(()) };
-    if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
-        return Err(file.refused(path, "scale has no effect without [[records]]"));
-    }
-    match strengths {
-        Strengths::Least(..) => Err(file.wrong(path, "none beside least, which makes many runs per row")),
-        Strengths::Hunt(..) => Err(file.wrong(path, "none beside hunt, whose levels follow single runs")),
-        Strengths::Scales(_) | Strengths::Levels(..) => Ok(()),
-    }
 }
 
 /// The motions of these floors under a ground motion with a horizontal record.
@@ -219,15 +157,20 @@ fn design(file: &Section<StudyFile>) -> Result<Option<(u32, u64)>, StudyFileErro
 }
 
 /// Reads the parameters in the order of the file.
-fn parameters<'a>(file: &Section<'a, StudyFile>, sampled: bool) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+fn parameters<'a>(
+    file: &Section<'a, StudyFile>,
+    vocabulary: Vocabulary,
+    sampled: bool,
+) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
     let Some(table) = file.get("parameters").and_then(|value| value.get_ref().as_table()) else {
         return Ok(Vec::new());
     };
     let (source, mut found) = (file.source, Vec::new());
-    flatten(source, "", table, &[], &mut found)?;
+    let others: &[&str] = if vocabulary == Vocabulary::Space { &space::SHAPE } else { &[] };
+    flatten(source, vocabulary, "", table, others, &mut found)?;
     found.sort_by_key(|(_, value)| value.span().start);
     let given = found.into_iter().map(|(name, value)| {
-        let parameter = Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?;
+        let parameter = vocabulary.parameter(&name).map_err(|message| source.wrong(&value.span(), message))?;
         let values = values(source, &parameter, value, sampled)?;
         Ok(GivenParameter { value, parameter, values })
     });
@@ -244,11 +187,11 @@ pub(crate) fn values<'a>(
     let name = parameter.name();
     let of = |value: SpannedValue| -> Result<f64, StudyFileError> {
         let at = |message: String| source.wrong(&value.span(), message);
-        let found = match (parameter.metadata.kind, value.get_ref()) {
+        let found = match (parameter.kind(), value.get_ref()) {
             (Kind::Boolean, DeValue::Boolean(truth)) => f64::from(u8::from(*truth)),
             (Kind::Enumeration, DeValue::String(item)) => parameter.item(item).map_err(at)?,
             (Kind::Real, DeValue::String(none))
-                if parameter.metadata.variable == Variable::Friction && none.eq_ignore_ascii_case(friction::NONE) =>
+                if parameter.is_friction() && none.eq_ignore_ascii_case(friction::NONE) =>
             {
                 f64::INFINITY
             }
@@ -278,7 +221,7 @@ fn range<'a>(
     sampled: bool,
 ) -> Result<ParameterValues, StudyFileError> {
     let name = parameter.name();
-    if parameter.metadata.kind != Kind::Real {
+    if parameter.kind() != Kind::Real {
         return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
     }
     let table = Section::<RangeTable>::read(source, name, value.span(), table)?;
@@ -307,92 +250,13 @@ fn range<'a>(
 
 /// The gravity (m/s²) that converts records in g.
 fn gravity(given: &[GivenParameter], source: StudyText) -> Result<f64, StudyFileError> {
-    match given.iter().find(|given| given.parameter.metadata.variable == Variable::G) {
+    match given.iter().find(|given| given.parameter.name() == "g") {
         None => Ok(Values::default()[Variable::G]),
         Some(GivenParameter { values: ParameterValues::List(values), .. }) if values.len() == 1 => Ok(values[0]),
         Some(GivenParameter { value, .. }) => {
             let message = "g takes several values; expected one, which converts records in g";
             Err(source.wrong(&value.span(), message))
         }
-    }
-}
-
-/// Checks the whole study: the number of rows, unread parameters, and invalid blocks.
-fn check(
-    sweep: &Sweep,
-    given: &[GivenParameter],
-    file: &Section<StudyFile>,
-    checks: Checks,
-) -> Result<(), StudyFileError> {
-    let source = file.source;
-    let line = |name: &str| {
-        let named = |name: &str| {
-            given.iter().find(|GivenParameter { parameter, .. }| {
-                let full = parameter.metadata.name;
-                full == name || full.ends_with(&format!(".{name}")) || full.starts_with(&format!("{name}."))
-            })
-        };
-        // Such as "yield force of tie_1".
-        match name.rsplit_once(" of ") {
-            Some((number, link)) => named(&format!("{link}.{}", number.replace(' ', "_"))).or_else(|| named(link)),
-            None => named(name),
-        }
-    };
-    if sweep.half_cycles.is_some() && !sweep.holds().yields {
-        return Err(file.wrong("study.half_cycles", "none without a tie or damper with yield_force"));
-    }
-    let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
-    let combinations = sweep.combinations();
-    let rows = combinations.and_then(|count| count.checked_mul(per_combination)).filter(|rows| *rows <= MAX_ROWS);
-    if rows.is_none() {
-        let message = format!("combinations × records × strengths give too many rows; expected at most {MAX_ROWS}");
-        return Err(source.wrong(&(0..0), message));
-    }
-    // The condition under which a block reads each parameter; `None` once a combination has read it.
-    let mut needed: Vec<Option<&str>> = vec![Some("a combination"); given.len()];
-    for number in sweep.combinations_to_check(checks) {
-        let combination = sweep.combination(number);
-        let values = sweep.values(&combination);
-        let block = values.block().map_err(|error| {
-            let place = line(error.name()).map_or(0..0, |given| given.value.span());
-            source.wrong(&place, error.to_string())
-        })?;
-        let is_given = |variable: &&Variable| given.iter().any(|given| given.parameter.metadata.variable == **variable);
-        if let Some(missing) = values.sizes().iter().find(|variable| !is_given(variable)) {
-            let sizes: Vec<&str> = values.sizes().iter().map(|variable| variable.name()).collect();
-            let place = line("parameterization").map_or(0..0, |given| given.value.span());
-            let message =
-                format!("parameterization = \"Physical\" without {}; expected {}", missing.name(), sizes.join(", "));
-            return Err(source.wrong(&place, message));
-        }
-        if let Some(measure) = sweep.strengths.measure() {
-            let has_none =
-                |motion: &&GroundMotion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
-            if let Some(motion) = sweep.motions.iter().find(has_none) {
-                let message = format!("the horizontal record of {} has no {measure} above 0", motion.names.join(" "));
-                return Err(file.refused(&strength::path(file), message));
-            }
-        }
-        if let Some(ensemble) = &sweep.ensemble {
-            ensemble::check(ensemble, &values).map_err(|message| file.refused("study.ensemble", message))?;
-        }
-        if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
-            let message = "nothing moves the block; expected [[records]], a pulse.shape with a pulse.amplitude, \
-                           or an initial.theta or initial.theta_dot";
-            return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
-        }
-        for (given, needed) in given.iter().zip(&mut needed).filter(|(_, needed)| needed.is_some()) {
-            let unread = values.unread_by_motion().find(|(name, _)| *name == given.parameter.metadata.name);
-            *needed = unread.map(|(_, needed)| needed);
-        }
-    }
-    match given.iter().zip(&needed).find_map(|(given, needed)| needed.map(|needed| (given, needed))) {
-        Some((given, needed)) if checks == Checks::All => {
-            let name = given.parameter.name();
-            let message = format!("{name} is read by no block of the study; expected {needed}");
-            Err(source.wrong(&given.value.span(), message))
-        }
-        _ => Ok(()),
     }
 }
 

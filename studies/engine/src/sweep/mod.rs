@@ -9,12 +9,16 @@
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
 //! | [`amplified`] | factors on records → doubts about strong ones |
 //! | [`change`] | a block → the same block with another base, foundation, friction or ties |
+//! | `rows` | the number of a row → its run; rows → a table |
+//! | [`space`] | parameters of a study of blocks in space → blocks and their runs |
 //! | `columns` | a row → the columns of the table |
 //! | `records` | `[[records]]` of a study file → ground motions |
+//! | `check` | a study that is read → its faults |
 //! | [`mod@file`] | a study file → a sweep with valid values |
 
 pub mod amplified;
 pub mod change;
+mod check;
 mod columns;
 pub mod ensemble;
 pub mod file;
@@ -22,26 +26,28 @@ pub mod ground_motion;
 pub mod hunt;
 pub mod parameters;
 pub(crate) mod records;
+mod rows;
+pub mod space;
 pub mod strength;
 
 use crate::building::Building;
 use crate::doubts;
-use crate::intensity::Measure;
+use crate::intensity::{BlockScales, Measure};
 use crate::output::parts::{Part, PartNumber};
 use crate::output::resumable::TableHeader;
-use crate::output::runner::{MAX_RUNS, Study, StudyRows};
-use crate::output::table::{Table, headings};
-use crate::run::batch::outcomes;
-use crate::run::outcome::{End, Holds, Outcome};
-use crate::run::rows::RunRow;
+use crate::output::runner::{Study, StudyRows};
+use crate::run::outcome::Holds;
 use crate::run::{Run, is_moved};
-use crate::search::{self, OutcomeMap, Scan};
+use crate::space::RunInSpace;
+use crate::spec::SpecError;
+use crate::spec::numbers_in_space::BeginningSpec;
 use crate::sweep::change::{Change, holds_of_variables, tie_field};
-use crate::sweep::ensemble::{Ensemble, SpreadTarget};
-use crate::sweep::file::Checks;
+use crate::sweep::check::Checks;
+use crate::sweep::ensemble::Ensemble;
 use crate::sweep::ground_motion::GroundMotion;
-use crate::sweep::hunt::Hunt;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
+use crate::sweep::rows::RowValues;
+use crate::sweep::space::BlocksInSpace;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::restraints::{LinkKind, Tie};
 use rocking_block::block::{Block, BlockError};
@@ -60,7 +66,9 @@ pub struct Sweep {
     pub parameters: Vec<SweptParameter>,
     /// How they are combined.
     pub design: Design,
-    /// Ground motions, at least one; an empty motion is no shaking.
+    /// What blocks in space share; `None` for blocks in the plane.
+    pub space: Option<BlocksInSpace>,
+    /// Ground motions, at least one; an empty motion is no shaking. Those of blocks in space have a direction each.
     pub motions: Vec<GroundMotion>,
     /// The building on whose floors the blocks stand, if any.
     pub building: Option<Building>,
@@ -119,12 +127,15 @@ impl Sweep {
 
     /// The variables of the FMU in a combination.
     ///
-    /// Variables without a value in the study have the FMU's start value, except `on_separation`.
+    /// Variables without a value in the study have the FMU's start value, except `on_separation`. Numbers of a block in space are not
+    /// among them.
     pub fn values(&self, combination: &[f64]) -> Values {
         let mut values = Values::default();
         values[Variable::OnSeparation] = f64::from(self.on_separation as i32);
         for (swept, value) in self.parameters.iter().zip(combination) {
-            values[swept.parameter.metadata.variable] = *value;
+            if let Some(variable) = swept.parameter.variable() {
+                values[variable] = *value;
+            }
         }
         values
     }
@@ -132,7 +143,7 @@ impl Sweep {
     /// Friction and ties of the blocks of the sweep.
     pub fn holds(&self) -> Holds {
         let any = |variable: Variable| {
-            let swept = self.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
+            let swept = self.parameters.iter().find(|swept| swept.parameter.variable() == Some(variable));
             swept.is_some_and(|swept| match &swept.values {
                 ParameterValues::List(values) => values.iter().any(|&value| value > 0.0),
                 ParameterValues::Range { to, .. } => *to > 0.0,
@@ -146,73 +157,38 @@ impl Sweep {
         let values = || self.combinations_to_check(checks).map(|number| self.values(&self.combination(number)));
         // An empty motion is no shaking.
         let has_record = self.motions.iter().all(|motion| !motion.ground.is_empty());
-        let mut remarks = doubts::of_blocks(values().filter_map(|values| self.block(&values).ok()));
+        let in_plane = values().filter(|_| self.space.is_none());
+        let mut remarks = doubts::of_blocks(in_plane.filter_map(|values| self.block(&values).ok()));
         remarks.extend(doubts::of_pulses(values().map(|values| (values.pulse(), values[Variable::G])), has_record));
         remarks
     }
 
     /// Everything that affects the rows, line by line: the study without comments and `[assess]`.
     pub fn identity(&self) -> Vec<String> {
-        let Sweep { parameters, design, strengths, ensemble, measures, changes, .. } = self;
+        let Sweep { parameters, design, space, strengths, ensemble, measures, changes, .. } = self;
         let Sweep { on_separation, tolerance, duration, step, friction_demand, half_cycles, .. } = self;
         let names = parameters.iter().map(|SweptParameter { parameter, values }| (parameter.name(), values));
         let mut lines: Vec<String> = names.map(|swept| format!("{swept:?}")).collect();
         lines.push(format!("{:?}", (design, strengths, ensemble, measures, changes)));
         lines.push(format!("{:?}", (on_separation, tolerance, duration, step, friction_demand)));
         lines.extend(half_cycles.map(|amplitude| format!("half cycles above {amplitude:?}")));
+        lines.extend(space.iter().map(|blocks| format!("{blocks:?}")));
         lines.extend(self.described_motions());
         lines
     }
 
     /// The names and the contents of the ground motions.
     fn described_motions(&self) -> impl Iterator<Item = String> {
-        self.motions.iter().map(|GroundMotion { names, ground, floor, .. }| {
-            let floor = floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
-            format!("{}{floor}: {}", names.join(" + "), ground.fingerprint())
+        self.motions.iter().map(|motion| {
+            let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
+            let names = if self.space.is_some() { motion.name() } else { motion.names.join(" + ") };
+            format!("{names}{floor}: {}", motion.fingerprint())
         })
     }
 
     /// Whether the blocks stand on the floors of a building.
     pub fn has_building(&self) -> bool {
         self.motions.iter().any(|motion| motion.floor.is_some())
-    }
-
-    /// The inputs and the run of a row. The measure has a `hunted` level if other rows decide it.
-    fn row(&self, row: u64, hunted: Option<f64>) -> (RowInputs<'_>, Run) {
-        let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
-        let motion_number = (row / strengths % motions) as usize;
-        let motion = &self.motions[motion_number];
-        let combination = self.combination(row / strengths / motions);
-        let values = self.values(&combination);
-        let block = valid(values.block());
-        let changed = if self.changes.is_empty() { block } else { valid(self.block(&values)) };
-        let level = self.strengths.measure().zip(hunted).or(self.strengths.level(row % strengths));
-        let scale = match level {
-            Some((measure, value)) => motion.scale_to(measure, value, &block),
-            None => self.strengths.scale(row % strengths, motion, &block),
-        };
-        let run = self.run_of(changed, &values, motion, scale);
-        (RowInputs { row, combination, values, block, motion_number, motion, scale, level }, run)
-    }
-
-    /// The run of a row, without the spread of an ensemble.
-    pub fn run(&self, row: u64) -> Run {
-        let Strengths::Hunt(_, hunt) = &self.strengths else { return self.row(row, None).1 };
-        let (curve, before) = (row / hunt.runs, row % hunt.runs);
-        let found = self.hunted(hunt, &[curve], before, None);
-        self.row(row, found.first().map(|runs| next_level(hunt, runs))).1
-    }
-
-    /// Makes the first runs of these curves, each of a block under a ground motion.
-    fn hunted(&self, hunt: &Hunt, curves: &[u64], count: u64, width: Option<VectorWidth>) -> Vec<Vec<SweepRow<'_>>> {
-        let mut found: Vec<Vec<SweepRow>> = curves.iter().map(|_| Vec::new()).collect();
-        for run in 0..count {
-            let next = curves.iter().zip(&found);
-            let next = next.map(|(curve, rows)| self.row(curve * hunt.runs + run, Some(next_level(hunt, rows))));
-            let made = RunRow::all(width, next.collect(), |_| [], || ());
-            found.iter_mut().zip(made).for_each(|(rows, row)| rows.push(row));
-        }
-        found
     }
 
     /// The sweep with changed blocks under its ground motions.
@@ -265,7 +241,7 @@ impl Sweep {
     /// A ground motion at one of the strengths. It is scaled for a block if the strength is relative to it.
     pub fn ground(&self, motion: usize, strength: u64, block: &Block) -> Ground {
         let motion = &self.motions[motion];
-        motion.ground.clone().scaled(self.strengths.scale(strength, motion, block))
+        motion.ground.clone().scaled(self.strengths.scale(strength, motion, block.into()))
     }
 
     /// The block of these values with the changes of the sweep.
@@ -277,121 +253,45 @@ impl Sweep {
         self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block, &self.changes))
     }
 
-    /// The run of a changed block with the other values.
-    fn run_of(&self, block: Block, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
-        Run {
-            block,
-            settings: values.settings(Some(self.tolerance)),
-            initial: values.initial(),
-            pulse: values.pulse(),
-            duration: self.duration,
-            output_step: self.step.unwrap_or(f64::INFINITY),
-            ground: motion.ground.clone().scaled(scale),
+    /// Whether a record, a pulse or the initial state moves the block.
+    pub fn moves(&self, combination: &[f64], motion: &GroundMotion) -> bool {
+        let RowValues { variables, in_space } = self.row_values(combination);
+        match in_space {
+            Some(numbers) => {
+                motion.has_record() || !variables.pulse().is_none() || numbers.beginning != BeginningSpec::default()
+            }
+            None => is_moved(&motion.ground, &variables.pulse(), &variables.initial()),
         }
     }
 
-    /// The runs of a row's samples.
-    fn samples<'a>(&'a self, inputs: &RowInputs<'a>) -> impl Iterator<Item = Run> + use<'a> {
-        let RowInputs { row, motion, scale: nominal, .. } = *inputs;
-        let sampled = self.ensemble.as_ref().map(|ensemble| (ensemble, inputs.values.clone()));
-        sampled.into_iter().flat_map(move |(ensemble, nominal_values)| {
-            ensemble.probabilities(row).into_iter().map(move |probabilities| {
-                let (mut values, mut scale) = (nominal_values.clone(), nominal);
-                for (spread, probability) in ensemble.spreads.iter().zip(probabilities) {
-                    match &spread.target {
-                        SpreadTarget::Scale => scale = spread.value(scale, probability),
-                        SpreadTarget::Parameter(parameter) => {
-                            let variable = parameter.metadata.variable;
-                            values[variable] = spread.value(values[variable], probability);
-                        }
-                    }
-                }
-                self.run_of(valid(self.block(&values)), &values, motion, scale)
-            })
-        })
+    /// The scales of the block of a row, without the changes of the sweep.
+    fn scales(&self, values: &RowValues) -> Result<BlockScales, String> {
+        match self.space {
+            Some(_) => self.scales_in_space(values).map_err(|error| error.spelled(str::to_owned)),
+            None => values.variables.block().map(|block| (&block).into()).map_err(|error| error.to_string()),
+        }
     }
 
-    /// Searches, for each row, the values of a measure at which the block overturns.
-    fn least(
-        &self,
-        measure: Measure,
-        scan: &Scan,
-        rows: &[(RowInputs, Run)],
-        width: Option<VectorWidth>,
-    ) -> Vec<OutcomeMap<End>> {
-        let run = |&(row, value): &(usize, f64)| {
-            let (RowInputs { motion, block, .. }, run) = &rows[row];
-            let ground = motion.ground.clone().scaled(motion.scale_to(measure, value, block));
-            Run { ground, ..run.clone() }
-        };
-        let end = |outcome: Outcome| match outcome.end {
-            // The search looks for overturning only.
-            End::Separated => End::Completed,
-            end => end,
-        };
-        search::changes(scan, rows.len(), |values| {
-            // Chunks bound the number of outcomes in memory; only the ends are kept.
-            let chunks = values.chunks(MAX_RUNS as usize);
-            chunks.flat_map(|values| outcomes(width, values.iter().map(run), || ())).map(end).collect()
-        })
-    }
-
-    /// Whether a record, a pulse or the initial state moves the block.
-    pub fn moves(&self, combination: &[f64], motion: &GroundMotion) -> bool {
-        let values = self.values(combination);
-        is_moved(&motion.ground, &values.pulse(), &values.initial())
-    }
-}
-
-/// The block of values that reading the study has checked.
-fn valid(block: Result<Block, BlockError>) -> Block {
-    block.expect("all blocks of a study are valid")
-}
-
-/// Returns the level of the run after these.
-fn next_level(hunt: &Hunt, rows: &[SweepRow]) -> f64 {
-    let runs = rows.iter().filter_map(|row| Some((row.inputs.level?.1, row.outcome.end == End::Overturned)));
-    hunt.next(&runs.collect::<Vec<_>>())
-}
-
-/// A row with its run.
-type SweepRow<'a> = RunRow<RowInputs<'a>>;
-
-/// A row with the outcomes over the range of its search.
-type SearchRow<'a> = (RowInputs<'a>, OutcomeMap<End>);
-
-/// The inputs of a row.
-struct RowInputs<'a> {
-    row: u64,
-    combination: Vec<f64>,
-    values: Values,
-    /// The block without the changes of the sweep.
-    block: Block,
-    motion_number: usize,
-    motion: &'a GroundMotion,
-    scale: f64,
-    /// The measure prescribed instead of a factor, and its value.
-    level: Option<(Measure, f64)>,
-}
-
-impl RowInputs<'_> {
-    /// A measure of the scaled record.
-    fn intensity(&self, measure: Measure) -> Option<f64> {
-        let prescribed = self.level.filter(|(prescribed, _)| *prescribed == measure).map(|(_, value)| value);
-        prescribed.or_else(|| self.motion.intensity(measure, self.scale, &self.block))
+    /// The scales of the block in space of a row.
+    fn scales_in_space(&self, values: &RowValues) -> Result<BlockScales, SpecError> {
+        let both = self.space.as_ref().zip(values.in_space.as_ref());
+        let (blocks, numbers) = both.unwrap_or_else(|| unreachable!("a study of blocks in space"));
+        blocks.block(numbers).map(|(_, body, _)| (&body).into())
     }
 }
 
 impl Study for Sweep {
     fn header(&self) -> TableHeader {
         let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
+        study.extend(self.space.iter().map(|_| "block in space".to_string()));
         study.extend(self.text.iter().cloned());
+        study.extend(self.space.iter().filter_map(BlocksInSpace::fingerprint));
         study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
         study.extend(self.changes.iter().map(|change| format!("each block changed: {change:?}")));
         study.extend(self.described_motions());
-        let columns = match self.strengths {
-            Strengths::Scales(_) | Strengths::Levels(..) | Strengths::Hunt(..) => headings(&self.columns_of_runs()),
-            Strengths::Least(measure, _) => headings(&self.columns_of_searches(measure)),
+        let columns = match self.space {
+            Some(_) => self.headings_of::<RunInSpace>(),
+            None => self.headings_of::<Run>(),
         };
         TableHeader { study, columns }
     }
@@ -416,20 +316,14 @@ impl Study for Sweep {
         }
     }
 
+    fn uses_lanes(&self) -> bool {
+        self.space.is_none()
+    }
+
     fn make(&self, numbers: &[u64], width: Option<VectorWidth>) -> StudyRows {
-        if let Strengths::Hunt(_, hunt) = &self.strengths {
-            let mut curves: Vec<u64> = numbers.iter().map(|number| number / hunt.runs).collect();
-            curves.dedup();
-            let mut rows: Vec<_> = self.hunted(hunt, &curves, hunt.runs, width).into_iter().flatten().collect();
-            rows.retain(|row| numbers.binary_search(&row.inputs.row).is_ok());
-            return RunRow::table(&self.columns_of_runs(), &rows);
+        match self.space {
+            Some(_) => self.made::<RunInSpace>(numbers, width),
+            None => self.made::<Run>(numbers, width),
         }
-        let rows: Vec<_> = numbers.iter().map(|&number| self.row(number, None)).collect();
-        if let Strengths::Least(measure, scan) = &self.strengths {
-            let found = self.least(*measure, scan, &rows, width);
-            let rows: Vec<SearchRow> = rows.into_iter().map(|(inputs, _)| inputs).zip(found).collect();
-            return StudyRows { table: Table::of(&self.columns_of_searches(*measure), &rows), failure: None };
-        }
-        RunRow::table(&self.columns_of_runs(), &RunRow::all(width, rows, |inputs| self.samples(inputs), || ()))
     }
 }

@@ -4,10 +4,12 @@ use std::path::Path;
 
 use crate::input::ground_files::{RecordOption, RecordOptions};
 use crate::input::motion::Motion;
+use crate::input::parameters::Vocabulary;
 use crate::input::study_file::{Section, StudyFileError};
 use crate::intensity::Measure;
+use crate::space::ground::{ComponentNames, of_components};
 use crate::spec::study::{RecordsTable, StudyFile};
-use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::ground_motion::{GroundMotion, Transverse};
 use rocking_block::excitation::records::{Ground, checksum, fingerprint};
 use rocking_records::{ReadOptions, Record};
 
@@ -18,6 +20,7 @@ use rocking_records::{ReadOptions, Record};
 pub(super) fn read(
     file: &Section<StudyFile>,
     folder: &Path,
+    vocabulary: Vocabulary,
     measures: &[Measure],
     gravity: impl FnOnce() -> Result<f64, StudyFileError>,
 ) -> Result<(Vec<GroundMotion>, Vec<String>), StudyFileError> {
@@ -25,7 +28,8 @@ pub(super) fn read(
         return Ok((vec![GroundMotion::new(Default::default(), Ground::default(), &[], f64::NAN)], Vec::new()));
     };
     let gravity = gravity()?;
-    let of_table = |(number, table)| Files { file, path: format!("records.{number}"), table, folder }.read(gravity);
+    let of_table =
+        |(number, table)| Files { file, path: format!("records.{number}"), table, folder, vocabulary }.read(gravity);
     let found: Vec<RecordFiles> = all(tables.iter().enumerate().map(of_table))?.into_iter().flatten().collect();
     let mut remarks: Vec<String> = Vec::new();
     for doubt in found.iter().flat_map(|files| &files.doubts) {
@@ -35,35 +39,50 @@ pub(super) fn read(
     }
     remarks.extend(repeated(&found));
     let names = distinct_names(&found);
-    let of_events = Motion::of_grounds(found.iter().zip(&names).map(|(of, names)| (&of.ground, names, &of.files)));
+    let of_events = Motion::of_all(found.iter().zip(&names).map(|(of, names)| {
+        let component = |slot: usize| Some((of.records()[slot]?, &*names[slot], &*of.files[slot]));
+        [component(0), component(2), component(1)]
+    }));
     let motions = names.into_iter().zip(found).zip(of_events).map(|((names, of), of_event)| {
-        let mut motion = GroundMotion::new(names, of.ground, measures, gravity);
-        (motion.files, motion.motion) = (of.files, of_event);
+        let [horizontal, vertical, of_transverse] = names;
+        let [horizontal_file, vertical_file, file] = of.files;
+        let transverse = of.transverse.map(|record| Transverse { file, name: of_transverse, record });
+        let names = [horizontal, vertical];
+        let mut motion = GroundMotion::of_components(names, of.ground, transverse, measures, gravity);
+        (motion.files, motion.motion) = ([horizontal_file, vertical_file], of_event);
         motion
     });
     Ok((motions.collect(), remarks))
 }
 
-/// The files of a ground motion and their content.
+/// The files of a ground motion and their content. Slots are those of the horizontal file or x, of the vertical one or z, and of y.
 pub(crate) struct RecordFiles {
-    /// The horizontal and the vertical file, as written in the study.
-    pub files: [String; 2],
+    /// The files as written in the study, or empty.
+    pub files: [String; 3],
     /// The channel or column that the study chooses in each, if it does.
-    choices: [Option<String>; 2],
+    choices: [Option<String>; 3],
     pub ground: Ground,
+    /// The second horizontal component of a block in space.
+    transverse: Option<Record>,
     /// Reasons to doubt the records, with their files.
     doubts: Vec<String>,
 }
 
 impl RecordFiles {
-    fn records(&self) -> [Option<&Record>; 2] {
-        [self.ground.horizontal.as_ref(), self.ground.vertical.as_ref()]
+    fn records(&self) -> [Option<&Record>; 3] {
+        [self.ground.horizontal.as_ref(), self.ground.vertical.as_ref(), self.transverse.as_ref()]
+    }
+
+    /// Describes the content of all records.
+    fn fingerprint(&self) -> String {
+        let transverse = self.transverse.as_ref().map(|record| format!("; transverse {}", fingerprint(record)));
+        self.ground.fingerprint() + &transverse.unwrap_or_default()
     }
 }
 
 /// Returns the names of the records of each ground motion. A file that stands for several records in one direction has its channel, its
 /// processing or its checksum.
-fn distinct_names(motions: &[RecordFiles]) -> Vec<[String; 2]> {
+fn distinct_names(motions: &[RecordFiles]) -> Vec<[String; 3]> {
     type Describe = fn(&RecordFiles, usize) -> Option<String>;
     const DESCRIPTIONS: [Describe; 3] = [
         |files, slot| files.choices[slot].clone(),
@@ -84,7 +103,7 @@ fn distinct_names(motions: &[RecordFiles]) -> Vec<[String; 2]> {
         });
         told.map_or_else(|| file.clone(), |words| format!("{file} ({words})"))
     };
-    motions.iter().map(|files| [name(files, 0), name(files, 1)]).collect()
+    motions.iter().map(|files| [0, 1, 2].map(|slot| name(files, slot))).collect()
 }
 
 /// Says which ground motions have the samples of another one.
@@ -93,7 +112,7 @@ fn repeated(motions: &[RecordFiles]) -> Vec<String> {
     let mut remarks = Vec::new();
     for files in motions {
         let Some(record) = files.ground.horizontal.as_ref() else { continue };
-        let (content, file) = (files.ground.fingerprint(), files.files[0].as_str());
+        let (content, file) = (files.fingerprint(), files.files[0].as_str());
         match seen.iter().find(|(known, _)| *known == content) {
             Some((_, first)) if *first != file => remarks.push(format!(
                 "{first} and {file} hold the same samples ({}): intervals count them as one motion",
@@ -121,6 +140,15 @@ fn all<T>(results: impl Iterator<Item = Result<T, StudyFileError>>) -> Result<Ve
     failed.map_or(Ok(values), Err)
 }
 
+/// Cuts the components of a motion to the samples that all of them have.
+fn cut(records: &mut [Option<Record>]) {
+    let shortest = records.iter().flatten().map(|record| record.acceleration.len()).min();
+    for record in records.iter_mut().flatten() {
+        let samples = shortest.unwrap_or_default();
+        record.acceleration = record.acceleration[..samples].into();
+    }
+}
+
 /// A table of record files.
 pub(crate) struct Files<'r, 'a, T> {
     /// The file of the table.
@@ -131,7 +159,16 @@ pub(crate) struct Files<'r, 'a, T> {
     pub table: &'r RecordsTable,
     /// The folder to which its files are relative.
     pub folder: &'r Path,
+    /// The bodies that the motions shake, which decides the names of the components.
+    pub vocabulary: Vocabulary,
 }
+
+/// The components of a block in space by their keys.
+const COMPONENTS: ComponentNames = ComponentNames {
+    names: ["x", "y", "z"],
+    resample: "resample in [[records]] gives all components one step",
+    cut: "cut = true in [[records]] cuts the components to the samples that all have",
+};
 
 impl<T> Files<'_, '_, T> {
     /// Reads the ground motions with the names of their files. Values in g are multiplied by this gravity (m/s²).
@@ -142,7 +179,9 @@ impl<T> Files<'_, '_, T> {
             .options(gravity)
             .map_err(|error| self.refused(error.parameter().unwrap_or_default(), error.to_string()))?;
         let found = self.grounds(&options)?;
-        let grounds: Vec<Ground> = found.iter().map(|files| files.ground.clone()).collect();
+        let second = found.iter().filter_map(|files| files.transverse.clone());
+        let second = second.map(|record| Ground { horizontal: Some(record), vertical: None });
+        let grounds: Vec<Ground> = found.iter().map(|files| files.ground.clone()).chain(second).collect();
         match options.unread(&grounds) {
             Some((option, needed)) => {
                 let key = option.key();
@@ -160,45 +199,118 @@ impl<T> Files<'_, '_, T> {
         self.file.wrong(&format!("{}.{key}", self.path), expected)
     }
 
+    /// The keys of the slots.
+    fn keys(&self) -> [&'static str; 3] {
+        match self.vocabulary {
+            Vocabulary::Plane => ["horizontal", "vertical", "y"],
+            Vocabulary::Space => ["x", "z", "y"],
+        }
+    }
+
+    /// Refuses the components of the other body, and settings of a component that is missing.
+    fn refuse_without_effect(&self) -> Result<(), StudyFileError> {
+        const OF_SPACE: &str = "is for a block in space; expected horizontal or vertical, or depth, depth_ratio, base or feet in [parameters]";
+        let RecordsTable { horizontal, vertical, x, y, z, cut, y_channel, y_acceleration_column, .. } = self.table;
+        let in_space = self.vocabulary == Vocabulary::Space;
+        let of_y = y_channel.is_some() || y_acceleration_column.is_some();
+        let rules = [
+            ("x", !in_space && x.is_some(), OF_SPACE),
+            ("y", !in_space && y.is_some(), OF_SPACE),
+            ("z", !in_space && z.is_some(), OF_SPACE),
+            ("cut", cut.is_some() && y.is_none() && z.is_none(), "has no effect without y or z"),
+            (
+                "horizontal",
+                in_space && horizontal.is_some(),
+                "is for a block in the plane; expected x, and y beside it",
+            ),
+            ("vertical", in_space && vertical.is_some(), "is for a block in the plane; expected z"),
+            (
+                if y_channel.is_some() { "y_channel" } else { "y_acceleration_column" },
+                of_y && y.is_none(),
+                "has no effect without y",
+            ),
+        ];
+        match rules.into_iter().find(|(_, holds, _)| *holds) {
+            Some((key, _, why)) => Err(self.refused(key, format!("{key} {why}"))),
+            None => Ok(()),
+        }
+    }
+
     /// Reads the ground motions: one, or one per match of a pattern.
     fn grounds(&self, options: &RecordOptions) -> Result<Vec<RecordFiles>, StudyFileError> {
-        let horizontal = self.files("horizontal", self.table.horizontal.as_deref())?;
-        let vertical = self.files("vertical", self.table.vertical.as_deref())?;
-        let [horizontal, vertical] = self.without_excluded([horizontal, vertical])?;
-        if horizontal.is_empty() && vertical.is_empty() {
-            let message = "[[records]] has no horizontal; expected a file, horizontal or vertical or both";
+        self.refuse_without_effect()?;
+        let (keys, RecordsTable { horizontal, vertical, x, y, z, .. }) = (self.keys(), self.table);
+        let given = [horizontal.as_ref().or(x.as_ref()), vertical.as_ref().or(z.as_ref()), y.as_ref()];
+        let lists = all((0..3).map(|slot| self.files(keys[slot], given[slot].map(String::as_str))))?;
+        let lists = self.without_excluded([0, 1, 2].map(|slot: usize| lists[slot].clone()))?;
+        let [along, up, across] = lists.each_ref().map(Vec::len);
+        let missing = match self.vocabulary {
+            Vocabulary::Plane if along + up == 0 => {
+                Some("[[records]] has no horizontal; expected a file, horizontal or vertical or both")
+            }
+            Vocabulary::Space if along == 0 => {
+                Some("[[records]] has no x; expected a file, x alone or with y, and z for the vertical component")
+            }
+            Vocabulary::Plane | Vocabulary::Space => None,
+        };
+        if let Some(message) = missing {
             return Err(self.file.refused(&self.path, message));
         }
-        if !horizontal.is_empty() && !vertical.is_empty() && horizontal.len() != vertical.len() {
-            let (up, along) = (vertical.len(), horizontal.len());
-            let message = format!(
-                "found {up} vertical and {along} horizontal files; expected equal numbers, paired in sorted order"
-            );
-            return Err(self.refused("vertical", message));
+        for (slot, count) in [(1, up), (2, across)] {
+            if along > 0 && count > 0 && along != count {
+                let found = format!("found {count} {} and {along} {} files", keys[slot], keys[0]);
+                return Err(
+                    self.refused(keys[slot], format!("{found}; expected equal numbers, paired in sorted order"))
+                );
+            }
         }
-        let choices = [false, true].map(|vertical| options.of(vertical).choice());
-        let ground = |number: usize| {
-            let files = [&horizontal, &vertical].map(|files| files.get(number).cloned().unwrap_or_default());
-            let read = |(slot, key): (usize, &str)| {
-                let file = &files[slot];
-                let read = |options: &ReadOptions| rocking_records::read_with_doubt(&self.folder.join(file), options);
-                let record = (!file.is_empty()).then(|| options.read(slot == 1, RecordOption::key, read)).transpose();
-                record.map_err(|message| self.refused(key, message))
-            };
-            let (records, doubts): (Vec<_>, Vec<_>) =
-                all([(0, "horizontal"), (1, "vertical")].into_iter().map(read))?.into_iter().map(Option::unzip).unzip();
-            let doubt =
-                |(file, doubt): (&String, Option<Option<String>>)| doubt.flatten().map(|why| format!("{file}: {why}"));
-            let doubts = files.iter().zip(doubts).filter_map(doubt).collect();
-            let mut records = records.into_iter();
-            let ground = Ground { horizontal: records.next().flatten(), vertical: records.next().flatten() };
-            Ok(RecordFiles { files, choices: choices.clone(), ground, doubts })
+        all((0..along.max(up))
+            .map(|number| self.ground(options, lists.each_ref().map(|list| list.get(number).cloned()))))
+    }
+
+    /// Reads a ground motion from its files.
+    fn ground(&self, options: &RecordOptions, files: [Option<String>; 3]) -> Result<RecordFiles, StudyFileError> {
+        let RecordsTable { y_channel, y_acceleration_column, .. } = self.table;
+        let of_slot = |slot: usize, options: &ReadOptions| match slot {
+            2 => ReadOptions {
+                channel: y_channel.clone().or(options.channel.clone()),
+                acceleration_column: y_acceleration_column.clone().or(options.acceleration_column.clone()),
+                ..options.clone()
+            },
+            _ => options.clone(),
         };
-        all((0..horizontal.len().max(vertical.len())).map(ground))
+        let choices = [0, 1, 2].map(|slot| of_slot(slot, &options.of(slot == 1)).choice());
+        let read = |(slot, key): (usize, &str)| {
+            let Some(file) = &files[slot] else { return Ok(None) };
+            let read = |options: &ReadOptions| {
+                rocking_records::read_with_doubt(&self.folder.join(file), &of_slot(slot, options))
+            };
+            let record = options.read(slot == 1, RecordOption::key, read);
+            record.map(Some).map_err(|message| self.refused(key, message))
+        };
+        let found = all(self.keys().into_iter().enumerate().map(read))?;
+        let (records, doubts): (Vec<_>, Vec<_>) = found.into_iter().map(Option::unzip).unzip();
+        let doubt = |(file, doubt): (&Option<String>, Option<Option<String>>)| {
+            doubt.flatten().map(|why| format!("{}: {why}", file.as_deref().unwrap_or_default()))
+        };
+        let doubts = files.iter().zip(doubts).filter_map(doubt).collect();
+        let mut records = records;
+        if self.table.cut == Some(true) {
+            cut(&mut records);
+        }
+        let mut records = records.into_iter();
+        let ground = Ground { horizontal: records.next().flatten(), vertical: records.next().flatten() };
+        let transverse = records.next().flatten();
+        if self.vocabulary == Vocabulary::Space {
+            let components = [ground.horizontal.clone(), transverse.clone(), ground.vertical.clone()];
+            of_components(components, 0.0, COMPONENTS).map_err(|message| self.file.refused(&self.path, message))?;
+        }
+        let files = files.map(Option::unwrap_or_default);
+        Ok(RecordFiles { files, choices, ground, transverse, doubts })
     }
 
     /// Removes the files that match a pattern of `exclude`; each pattern must match one.
-    fn without_excluded(&self, mut lists: [Vec<String>; 2]) -> Result<[Vec<String>; 2], StudyFileError> {
+    fn without_excluded(&self, mut lists: [Vec<String>; 3]) -> Result<[Vec<String>; 3], StudyFileError> {
         // As in the patterns of files, `*` stays within a folder.
         const OPTIONS: glob::MatchOptions = glob::MatchOptions {
             case_sensitive: true,

@@ -1,12 +1,11 @@
 //! `scales`, `levels`, `hunt` or `least` of a study file → the strengths of each ground motion.
 
 use crate::input::study_file::{Section, StudyFileError};
-use crate::intensity::Measure;
+use crate::intensity::{BlockScales, Measure};
 use crate::search::Scan;
 use crate::spec::study::{HuntTable, LeastTable, LevelsTable, StudyFile, StudyTable};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::hunt::Hunt;
-use rocking_block::block::Block;
 
 /// The strengths of each ground motion of a sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,10 +48,10 @@ impl Strengths {
     }
 
     /// Factor on the records in a row of a ground motion. It is 1 for a row that searches a whole range, and where other runs decide it.
-    pub(crate) fn scale(&self, number: u64, motion: &GroundMotion, block: &Block) -> f64 {
+    pub(crate) fn scale(&self, number: u64, motion: &GroundMotion, of_block: BlockScales) -> f64 {
         match self {
             Strengths::Scales(scales) => scales[number as usize],
-            Strengths::Levels(measure, values) => motion.scale_to(*measure, values[number as usize], block),
+            Strengths::Levels(measure, values) => motion.scale_to(*measure, values[number as usize], of_block),
             Strengths::Hunt(..) | Strengths::Least(..) => 1.0,
         }
     }

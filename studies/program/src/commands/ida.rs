@@ -3,7 +3,7 @@
 use clap::Parser;
 use serde_json::json;
 
-use crate::commands::sweep::SweepOptions;
+use crate::commands::sweep::{SweepOptions, model};
 use crate::options::run::warn;
 use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::{PictureOptions, check_table};
@@ -67,16 +67,15 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
     let ida = Ida::read(&table, &measure.to_string())?;
     let found = scales.map(|scales| scales.doubts()).unwrap_or_default();
     warn(&found);
-    let remarks = [sweep.remarks, found].concat();
+    let remarks = [sweep.remarks.as_slice(), &found].concat();
     outputs
         .fill("plot", || Ok(format.encode(&charts::ida(&charts::Blocks::of(&table), &ida, &measure.heading())?)?))?;
     outputs.write()?;
-    options.study.report("ida", (csv, &summary), items(&ida, measure), &[("plot", plot)], &remarks)
+    options.study.report("ida", (csv, &summary), items(model(&sweep), &ida, measure), &[("plot", plot)], &remarks)
 }
 
-/// The curves of an analysis in numbers.
-fn items(ida: &Ida, measure: Measure) -> Summary {
-    let mut summary = Summary::default();
+/// The curves of an analysis in numbers, after the items of the study.
+fn items(mut summary: Summary, ida: &Ida, measure: Measure) -> Summary {
     let capacity = |curve: &IdaCurve| {
         // The least level that overturns, and the greatest below that does not.
         let found = curve.overturning();
@@ -116,7 +115,7 @@ fn add_fractiles(summary: &mut Summary, ida: &Ida, heading: &str) {
     let fractiles = FRACTILES.map(|fraction| ida.fractile(fraction));
     let peaks = |i: usize| fractiles.each_ref().map(|fractile| fractile[i]);
     let line = |first: &str, [a, b, c]: [&str; 3]| format!("{first:>12} {a:>14} {b:>14} {c:>14}");
-    summary.line("fractiles", "peak |θ|/α that 16, 50 and 84 % of the curves do not exceed");
+    summary.line("fractiles", format!("peak {} that 16, 50 and 84 % of the curves do not exceed", ida.rotation));
     summary.line("", line(heading, ["16 %", "50 %", "84 %"]));
     let step = ida.levels.len().div_ceil(SHOWN).max(1);
     for (i, level) in ida.levels.iter().enumerate().skip(step - 1).step_by(step) {

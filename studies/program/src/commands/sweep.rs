@@ -13,12 +13,13 @@ use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
 use rocking_studies::output::parts::{self, PartNumber, PartNumbers};
 use rocking_studies::output::resumable::{Failures, TableWriteError};
-use rocking_studies::output::runner::{Follower, StudySummary};
+use rocking_studies::output::runner::{Follower, Study, StudySummary};
 use rocking_studies::output::table::Table;
 use rocking_studies::spec::run::separations;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::amplified::GreatestScales;
 use rocking_studies::sweep::file::{self as study_file, Checks};
+use rocking_studies::sweep::ground_motion::GroundMotion;
 use rocking_studies::sweep::parameters::SweptParameter;
 
 /// Options of `rocking sweep`.
@@ -72,16 +73,30 @@ impl SweepOptions {
         let folder = file.parent().unwrap_or(Path::new(""));
         let mut sweep = study_file::read_for(&name, &text, folder, checks)?;
         if let Some(on_separation) = *on_separation {
-            let is_named = |swept: &SweptParameter| swept.parameter.metadata.variable == Variable::OnSeparation;
+            let is_named = |swept: &SweptParameter| swept.parameter.variable() == Some(Variable::OnSeparation);
             let named = sweep.parameters.iter().any(is_named);
             anyhow::ensure!(!named, "--on-separation: {name} names on_separation as well; expected one of the two");
             sweep.on_separation = on_separation;
         }
-        let records = sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty());
-        let records: Vec<_> = records.map(|name| NamedFile::new("the record", &folder.join(name))).collect();
-        check_distinct(&records, outputs)?;
+        let records = sweep.motions.iter().flat_map(GroundMotion::read_files);
+        let records = records.map(|name| NamedFile::new("the record", &folder.join(name)));
+        let feet = sweep.space.iter().filter_map(|blocks| blocks.feet.as_ref());
+        let feet = feet.map(|(name, _)| NamedFile::new("the feet", &folder.join(name)));
+        check_distinct(&records.chain(feet).collect::<Vec<_>>(), outputs)?;
+        if !sweep.uses_lanes() {
+            self.study.refuse_lanes("on blocks in space, which are stepped one by one; expected --threads alone")?;
+        }
         Ok(sweep)
     }
+}
+
+/// Begins the summary of a study, which says that its blocks are in space.
+pub fn model(sweep: &Sweep) -> Summary {
+    let mut summary = Summary::default();
+    if sweep.space.is_some() {
+        summary.item("model", "block in space", "model", "block in space");
+    }
+    summary
 }
 
 /// The parts to make, and the folder and format of their files.
@@ -130,7 +145,7 @@ impl Parts<'_> {
             whole.failures.count += made.failures.count;
             whole.reason = whole.reason.or(made.reason);
         }
-        let mut items = Summary::default();
+        let mut items = model(sweep);
         let remarks = with_doubts(sweep, scales);
         if let [part] = numbers {
             let complete = if before > 0 { ", complete before" } else { "" };
@@ -168,7 +183,7 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     let sweep = options.read(&outputs, checks)?;
     warn(&sweep.remarks);
     if dry_run {
-        return study.forecast(&sweep, parts.map_or(1, |parts| parts.numbers.count()));
+        return study.forecast(&sweep, model(&sweep), parts.map_or(1, |parts| parts.numbers.count()));
     }
     if let Some(parts) = parts {
         return parts.make(study, &sweep);
@@ -179,7 +194,7 @@ pub fn run(options: &SweepCommand) -> anyhow::Result<()> {
     // Rows that nothing follows are not read again where a table is resumed.
     let summary = study.run(&sweep, if is_hunt { Some(&mut take) } else { None }, false)?;
     let remarks = with_doubts(&sweep, scales);
-    study.report("sweep", (study.csv(), &summary), Summary::default(), &[], &remarks)
+    study.report("sweep", (study.csv(), &summary), model(&sweep), &[], &remarks)
 }
 
 /// Takes the factors on the records of a hunt.

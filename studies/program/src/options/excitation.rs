@@ -165,6 +165,7 @@ impl SecondComponentOptions {
 const OPTIONS: ComponentNames = ComponentNames {
     names: ["--record", "--record-y", "--vertical"],
     resample: "--resample gives all components one step",
+    cut: "cut the components to the samples that all have",
 };
 
 fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::options::checks::{check, checked};
 use crate::options::explicit::ExplicitOptions;
 use rocking_block::block::Common;
-use rocking_studies::intensity::{Measure, MeasureColumn};
+use rocking_studies::intensity::{self, Measure, MeasureColumn};
 
 /// The scales of a block, for measures relative to them.
 #[derive(Args)]
@@ -28,7 +28,7 @@ impl BlockScales {
     /// on it.
     pub fn behind(&self, column: &MeasureColumn, explicit: &ExplicitOptions) -> anyhow::Result<(MeasureColumn, f64)> {
         check("g", self.g, |x| x > 0.0, "an acceleration above 0")?;
-        let relative = column.measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
+        let relative = column.measure.filter(|measure| measure.relative_to() != [false; 2]);
         let of_record = match relative {
             Some(measure) => Some(self.of_record(measure, explicit)?),
             None => {
@@ -41,7 +41,7 @@ impl BlockScales {
 
     /// Returns the measure of records behind one relative to the block, and the factor of the latter on it.
     fn of_record(&self, measure: Measure, explicit: &ExplicitOptions) -> anyhow::Result<(Measure, f64)> {
-        let [with_alpha, with_p] = [measure != Measure::PeriodToBlock, measure != Measure::PgaToUplift];
+        let [with_alpha, with_p] = measure.relative_to();
         explicit.refuse_unless(with_alpha, &["alpha"], &format!("on {measure}"))?;
         explicit.refuse_unless(with_p, &["p"], &format!("on {measure}"))?;
         let need = |is_needed: bool, value: Option<f64>, option: &str| match is_needed {
@@ -50,6 +50,7 @@ impl BlockScales {
         };
         let alpha = checked("alpha", self.alpha, |x| x > 0.0 && x < 1.5, "an angle above 0 and below 1.5 rad")?;
         let p = checked("p", self.p, |x| x > 0.0, "a frequency above 0 rad/s")?;
-        Ok(measure.record_measure_at(need(with_alpha, alpha, "alpha")?, need(with_p, p, "p")?, self.g))
+        let (alpha, p) = (need(with_alpha, alpha, "alpha")?, need(with_p, p, "p")?);
+        Ok(measure.record_measure(intensity::BlockScales { alpha, p, gravity: self.g }))
     }
 }

@@ -114,6 +114,12 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
+    /// Refuses a number of lanes for a study whose runs are not stepped in lanes.
+    pub fn refuse_lanes(&self, why: &str) -> anyhow::Result<()> {
+        anyhow::ensure!(self.processor.lanes.is_none(), "--lanes has no effect {why}");
+        Ok(())
+    }
+
     /// The file of the table, which every study but one in parts has.
     pub fn csv(&self) -> &Path {
         self.csv.as_deref().unwrap_or_else(|| unreachable!("required by the command line"))
@@ -201,9 +207,9 @@ impl StudyOptions {
         Ok((path, StudySummary { failures, ..summary }))
     }
 
-    /// Prints the expected cost of a study, from a sample of its rows.
-    pub fn forecast(&self, study: &impl Study, parts: u64) -> anyhow::Result<()> {
-        let summary = forecast_summary(&Forecast::of(study, self.processor.width(), thread_time)?, parts);
+    /// Prints the expected cost of a study, from a sample of its rows, after its own items.
+    pub fn forecast(&self, study: &impl Study, items: Summary, parts: u64) -> anyhow::Result<()> {
+        let summary = forecast_summary(&Forecast::of(study, self.processor.width(), thread_time)?, items, parts);
         self.report.print("sweep", &WrittenFiles::new([]), &[], &summary.text, &summary.json)
     }
 
@@ -245,7 +251,7 @@ fn thread_time() -> Duration {
     BEGIN.elapsed()
 }
 
-fn forecast_summary(forecast: &Forecast, parts: u64) -> Summary {
+fn forecast_summary(forecast: &Forecast, mut summary: Summary, parts: u64) -> Summary {
     let Forecast { rows, seconds, uncertainty, bytes, tried } = *forecast;
     let time = match seconds {
         seconds if seconds < 120.0 => format!("{} s", significant(seconds, 2)),
@@ -258,7 +264,6 @@ fn forecast_summary(forecast: &Forecast, parts: u64) -> Summary {
         bytes => format!("{} GB", significant(bytes / 1e9, 2)),
     };
     let error = significant(100.0 * uncertainty, 1);
-    let mut summary = Summary::default();
     summary.item("rows", rows, "rows", rows);
     if parts > 1 {
         summary.line("parts", format!("{parts}, of some {} rows", rows.div_ceil(parts)));

@@ -81,6 +81,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         parameters,
         design: Design::Grid,
         motions: vec![motion],
+        space: None,
         building: None,
         strengths: Strengths::Scales(if is_pulse { vec![1.0] } else { strengths.clone() }),
         ensemble: Some(ensemble),
@@ -165,7 +166,7 @@ fn file(
     for SweptParameter { parameter, values } in parameters {
         let ParameterValues::List(values) = values else { unreachable!("all values are lists") };
         let value = match values.as_slice() {
-            [value] if parameter.metadata.items.is_empty() => decimal(*value),
+            [value] if !parameter.is_choice() => decimal(*value),
             [value] => format!("\"{}\"", parameter.display(*value)),
             values => format!("[{}]", list(values)),
         };

@@ -113,7 +113,7 @@ impl RawCurve {
 
 /// Returns the unit in which OpenQuake and the USGS state a measure.
 fn usual_unit(measure: &str) -> Option<String> {
-    let unit = match measure.parse().ok()? {
+    let unit = match measure.parse::<Measure>().ok()?.of_component().0 {
         Measure::Pga | Measure::Sa(_) => "g",
         Measure::Pgv => "cm/s",
         Measure::Pgd => "cm",

@@ -126,6 +126,7 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
 struct TableCases {
     name: String,
     blocks: String,
+    is_in_space: bool,
     /// Headings of the measures, of the columns beside them and of that of the surface.
     headings: Vec<String>,
     limit: Limit,
@@ -171,10 +172,11 @@ impl FragilityCommand {
         let collected = |limit| Collected::new(Some(limit), fit.cluster.clone(), vec![one(&im[0])]);
         let further = self.export_limit.iter().map(|&limit| (limit, collected(limit)));
         let mut further: Vec<(Limit, Collected)> = further.collect();
-        let (mut blocks, mut headings) = (charts::Blocks::default(), None);
+        let (mut blocks, mut headings, mut is_in_space) = (charts::Blocks::default(), None, false);
         let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();
         let name = fit.read_batches(&self.table, &named, &mut |batch, is_part| {
             blocks.take(batch);
+            is_in_space = batch.is_in_space();
             if headings.is_none() {
                 headings = Some(named.iter().map(|name| batch.heading(name)).collect::<Result<Vec<_>, _>>()?);
             }
@@ -184,6 +186,7 @@ impl FragilityCommand {
         Ok(TableCases {
             name,
             blocks: blocks.to_string(),
+            is_in_space,
             headings: headings.unwrap_or_default(),
             limit: found.limit.unwrap_or(Limit::Overturned),
             counts: found.counts,
@@ -266,7 +269,8 @@ impl FragilityCommand {
     ) -> anyhow::Result<Component> {
         let (behind, factor) = self.block.behind(&MeasureColumn::of_heading(heading), explicit)?;
         let measure = behind.name.parse().map_err(anyhow::Error::msg)?;
-        let fit = |(limit, Collected { stores, motions, .. }): (Limit, Collected)| {
+        let fit = |(limit, Collected { limit: of_table, stores, motions, .. }): (Limit, Collected)| {
+            let limit = of_table.unwrap_or(limit);
             let store = stores.into_iter().next().unwrap_or_default();
             let found = Assessment::of(store, &motions, self.fit.link, self.fit.ci, Uncertainty::Profile);
             Ok((limit, found.with_context(|| limit.to_string())?.fit))

@@ -151,6 +151,9 @@ pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) ->
     let (TableCases { name, limit, counts, .. }, link, intervals) = (table, fit.link, &curves[0].intervals);
     let mut summary = Summary::default();
     summary.item("table", name, "table", format!("{name}: {all} rows{left_out}"));
+    if table.is_in_space {
+        summary.item("model", "block in space", "model", "block in space");
+    }
     let limit = limit.to_string();
     summary.item("limit", &limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
     let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * fit.ci);

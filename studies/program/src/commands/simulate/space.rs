@@ -5,7 +5,6 @@ use clap::Args;
 
 use super::{SimulateCommand, summary};
 use crate::options::block::in_options;
-use crate::options::checks::check;
 use crate::options::excitation::SecondComponentOptions;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
@@ -20,6 +19,7 @@ use rocking_charts::picture::PictureFormat;
 use rocking_charts::plan::plan;
 use rocking_studies::run::outcome::End;
 use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
+use rocking_studies::spec::numbers_in_space::BeginningSpec;
 use rocking_studies::spec::space::{MAKES_SPACE, feet_of_table};
 use rocking_studies::spec::{SpaceSpec, option};
 
@@ -153,16 +153,12 @@ impl SimulateCommand {
     }
 
     fn initial_in_space(&self) -> anyhow::Result<SpaceInitial> {
-        let &SpaceOptions { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, .. } = &self.space;
-        let is_valid = tilt_x * tilt_x + tilt_y * tilt_y < 1.57 * 1.57;
-        check("tilt-x", tilt_x, |_| is_valid, "a tilt, with --tilt-y, within 1.57 rad")?;
-        check("tilt-y", tilt_y, |_| is_valid, "a tilt, with --tilt-x, within 1.57 rad")?;
-        check("twist", twist, |_| true, "a finite angle")?;
-        for (option, rate) in [("omega-x", omega_x), ("omega-y", omega_y), ("omega-z", omega_z)] {
-            check(option, rate, |_| true, "a finite rate")?;
-        }
-        let vertical = self.initial.vertical()?.map(|(v, v_dot)| [v, v_dot]);
-        Ok(SpaceInitial { tilt: [tilt_x, tilt_y], twist, omega: [omega_x, omega_y, omega_z], vertical })
+        let SpaceOptions { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, .. } = self.space;
+        let [tilt_x, tilt_y, twist] = [tilt_x, tilt_y, twist].map(Some);
+        let [omega_x, omega_y, omega_z] = [omega_x, omega_y, omega_z].map(Some);
+        let (v, v_dot) = self.initial.vertical()?.unzip();
+        let beginning = BeginningSpec { tilt_x, tilt_y, twist, omega_x, omega_y, omega_z, v, v_dot };
+        beginning.initial().map_err(in_options)
     }
 }
 

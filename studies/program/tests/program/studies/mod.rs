@@ -2,6 +2,7 @@
 
 mod fragility;
 mod friction;
+mod in_space;
 mod lanes;
 mod measures;
 mod merging;
