@@ -16,7 +16,9 @@ use crate::output::reading::ROW;
 #[cfg(feature = "parquet")]
 use crate::output::reading::is_parquet;
 use crate::output::resumable::TableHeader;
-use crate::output::table::{Heading, Table, Values};
+#[cfg(feature = "parquet")]
+use crate::output::table::Heading;
+use crate::output::table::{Table, Values};
 use crate::output::table_files::TableFiles;
 
 /// The reason why parts cannot be merged.

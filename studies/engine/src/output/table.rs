@@ -331,6 +331,7 @@ impl Table {
     }
 
     /// Takes the rows from this one on out of the table.
+    #[cfg(feature = "parquet")]
     pub(super) fn split_off(&mut self, row: usize) -> Table {
         let rows = self.rows - row;
         self.rows = row;
@@ -421,8 +422,6 @@ mod tests {
         all.append(table(&[1.0, -2.5]));
         all.append(table(&[3.0]));
         assert_eq!(all, table(&[1.0, -2.5, 3.0]));
-        let mut first = all.clone();
-        assert_eq!((first.split_off(1), first), (table(&[-2.5, 3.0]), table(&[1.0])));
         all.retain(&[false, true, true]);
         assert_eq!(all, table(&[-2.5, 3.0]));
         let sign = all.column("sign").unwrap();
