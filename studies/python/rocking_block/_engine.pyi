@@ -396,6 +396,7 @@ def outcomes_in_space(
     motions: Sequence[Sequence[Record | None]],
     scales: Sequence[float],
     azimuths: Sequence[float],
+    periods: Sequence[float],
     pulse: object | None,
     options: dict[str, Any],
     threads: int | None,

@@ -202,6 +202,7 @@ class BlockInSpace(_engine.BlockInSpace):
         vertical: Records | None = None,
         scale: npt.ArrayLike = 1.0,
         azimuth: npt.ArrayLike = 0.0,
+        periods: npt.ArrayLike = (),
         pulse: Pulse | None = None,
         tolerance: float = 1e-6,
         on_separation: OnSeparation = "fly",
@@ -217,6 +218,8 @@ class BlockInSpace(_engine.BlockInSpace):
             Components of one or several motions, in the same order.
         scale, azimuth : float or sequence of floats
             Factors on all components [1], and directions of `x` from +x towards +y [degrees].
+        periods : array_like
+            Periods of further measures, the spectral accelerations Sa and velocities Sv [s].
         pulse : Pulse, optional
             A horizontal pulse, alone or added to the records.
         tolerance, on_separation, duration, threads, progress
@@ -225,8 +228,8 @@ class BlockInSpace(_engine.BlockInSpace):
         Returns
         -------
         Table
-            A row for each motion, scale and azimuth, in this order, with the outcome, the peaks and the counts of events: the columns
-            of a sweep of blocks in space.
+            A row for each motion, scale and azimuth, in this order, with the measures of both components, the outcome, the peaks and
+            the counts of events: the columns of a sweep of blocks in space.
 
         Examples
         --------
@@ -252,9 +255,10 @@ class BlockInSpace(_engine.BlockInSpace):
         if not counts and scales != [1.0]:
             raise ValueError("scale has no effect without records")
         options = run_options(tolerance, on_separation, duration=duration)
+        spectral_periods = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
         with ticking(progress) as tick:
             of_runs, failure = _engine.outcomes_in_space(
-                self, motions, scales, azimuths, as_pulse(pulse), options, threads, tick
+                self, motions, scales, azimuths, spectral_periods, as_pulse(pulse), options, threads, tick
             )
         each = list(itertools.product(range(count), scales, azimuths))
         columns: dict[str, npt.ArrayLike] = {}

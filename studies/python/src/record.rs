@@ -139,10 +139,14 @@ impl Record {
 
 /// Returns the requested intensity measures of a record. Sa and Sv are at each of `periods` (s), the others have no period.
 pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
+    check_periods(periods).map(|()| Measure::of_record(periods))
+}
+
+/// Refuses periods out of range.
+pub fn check_periods(periods: &[f64]) -> PyResult<()> {
     periods
         .iter()
-        .try_for_each(|&period| finite("period", period, |x| PERIODS.contains(&x), "a time from 0.001 to 1000 s"))?;
-    Ok(Measure::of_record(periods))
+        .try_for_each(|&period| finite("period", period, |x| PERIODS.contains(&x), "a time from 0.001 to 1000 s"))
 }
 
 /// Returns the name and value of each intensity measure of a record.

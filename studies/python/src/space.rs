@@ -9,11 +9,14 @@ use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::excitation::PulseShape;
+use rocking_block::excitation::records::Ground;
 use rocking_block::space::{
     DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,
 };
 use rocking_studies::doubts;
+use rocking_studies::intensity::{BlockScales, Measure};
 use rocking_studies::output::runner::StudyRows;
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::MemoryError;
 use rocking_studies::run::rows::RunRow;
 use rocking_studies::space::ground::{ComponentNames, of_components};
@@ -22,10 +25,11 @@ use rocking_studies::spec::numbers_in_space::BeginningSpec;
 use rocking_studies::spec::space::{BaseShape, FeetSpec, feet_of_table};
 use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, SpaceSpec};
+use rocking_studies::sweep::ground_motion::{GroundMotion, Transverse};
 
 use crate::block::{number, refused, set};
 use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool, warn};
-use crate::record::Record;
+use crate::record::{Record, check_periods};
 use crate::studies::{Columns, batches, for_python};
 use crate::work::wait;
 
@@ -323,11 +327,11 @@ fn shown<'py>(py: Python<'py>, block: &BlockInSpace, history: &HistoryInSpace) -
     Ok(result)
 }
 
-/// A row of outcomes in space, with its number.
-type Row = RunRow<usize, RunInSpace>;
+/// A row of outcomes in space: the ground motion and the factor on it.
+type Row<'a> = RunRow<(&'a GroundMotion, f64), RunInSpace>;
 
-/// Returns the outcome of each motion at each scale and azimuth [degrees], motion by motion, then scale by scale: the columns of the sweep of
-/// a study, and the reason of the first failed run.
+/// Returns the outcome of each motion at each scale and azimuth [degrees], motion by motion, then scale by scale: the measures and the columns of
+/// runs of a sweep, and the reason of the first failed run.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes_in_space<'py>(
@@ -336,6 +340,7 @@ pub fn outcomes_in_space<'py>(
     motions: Vec<Components<'py>>,
     scales: Vec<f64>,
     azimuths: Vec<f64>,
+    periods: Vec<f64>,
     pulse: Option<PulseOptions>,
     options: RunOptions,
     threads: Option<i64>,
@@ -343,32 +348,53 @@ pub fn outcomes_in_space<'py>(
 ) -> PyResult<Columns<'py>> {
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let (pool, settings, duration) = (pool(threads)?, options.settings()?, options.duration);
+    check_periods(&periods)?;
+    scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let BlockInSpace { parameters, body, .. } = block.get();
-    let mut grounds = Vec::new();
+    let of_pair = Measure::of_pair(&periods);
+    let mut turned = Vec::new();
     for motion in &motions {
-        for &scale in &scales {
-            for &azimuth in &azimuths {
-                grounds.push((ground(motion, scale, azimuth)?, azimuth.to_radians()));
-            }
-        }
+        // Refuses components that do not belong together, and an azimuth without them.
+        azimuths.iter().try_for_each(|&azimuth| ground(motion, 1.0, azimuth).map(|_| ()))?;
+        let [horizontal, y, vertical] =
+            motion.each_ref().map(|record| record.as_ref().map(|record| record.get().record.clone()));
+        let transverse = y.map(|record| Transverse { file: String::new(), name: String::new(), record });
+        let records = Ground { horizontal, vertical };
+        let motion = GroundMotion::of_components(Default::default(), records, transverse, &of_pair, body.gravity);
+        turned.push(azimuths.iter().map(|&azimuth| motion.turned(azimuth)).collect::<Vec<_>>());
     }
-    let (parameters, body, count) = (parameters.clone(), body.clone(), grounds.len());
+    let has_pair = motions.iter().any(|[x, ..]| x.is_some());
+    let shown = if has_pair { [of_pair, Measure::of_pair_to_block()].concat() } else { Vec::new() };
+    let (parameters, body) = (parameters.clone(), body.clone());
+    let (of_block, count) = (BlockScales::from(&body), motions.len() * scales.len() * azimuths.len());
     let made = wait(py, tick, move |progress| {
-        let run = |number: usize| {
-            let (ground, azimuth) = &grounds[number];
-            let pulses = [DirectedPulse::horizontal(pulse, *azimuth), DirectedPulse::NONE, DirectedPulse::NONE];
+        let case = |number: usize| {
+            let (of_scale, azimuth) = (number / azimuths.len(), number % azimuths.len());
+            (&turned[of_scale / scales.len()][azimuth], scales[of_scale % scales.len()])
+        };
+        let run = |(motion, scale): (&GroundMotion, f64)| {
+            let first = DirectedPulse::horizontal(pulse, motion.azimuth.to_radians());
             RunInSpace {
                 parameters: parameters.clone(),
-                setup: SpaceSetup { body: body.clone(), settings, pulses },
+                setup: SpaceSetup {
+                    body: body.clone(),
+                    settings,
+                    pulses: [first, DirectedPulse::NONE, DirectedPulse::NONE],
+                },
                 initial: SpaceInitial::default(),
-                ground: ground.clone(),
+                ground: motion.in_space(scale),
                 duration,
                 output_step: f64::INFINITY,
             }
         };
-        let columns = outcome::columns(|row: &Row| &row.outcome);
+        let measures = shown.iter().map(|&measure| {
+            TableColumn::optional(measure.to_string(), measure.unit(), move |row: &Row| {
+                row.inputs.0.intensity(measure, row.inputs.1, of_block)
+            })
+        });
+        let columns: Vec<_> = measures.chain(outcome::columns(|row: &Row| &row.outcome)).collect();
         let make = |numbers: Range<u64>| {
-            let rows = numbers.map(|number| (number as usize, run(number as usize))).collect();
+            let rows = numbers.map(|number| case(number as usize)).map(|case| (case, run(case))).collect();
             RunRow::table(&columns, &RunRow::all(None, rows, |_| [], || progress.end_if_abandoned()))
         };
         let mut made = StudyRows::default();

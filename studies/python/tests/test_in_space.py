@@ -163,13 +163,13 @@ def pair(folder):
 
 
 def test_a_sweep_has_the_outcomes_of_the_block(tmp_path):
-    """Both have the columns of runs, with the same units, and the same bits."""
+    """Both have the columns of measures and of runs, with the same units, and the same bits."""
     table = rb.sweep(pair(tmp_path))
     block = rb.BlockInSpace(width=0.4, depth=0.6, height=1.8, eta=60.0, friction=0.5)
     x, y = (rb.read_record(tmp_path / f"{name}.csv") for name in "xy")
-    outcomes = block.outcomes(x, y=y, scale=[1.5, 3.0], azimuth=[0, 40])
-    of_runs = list(table)[list(table).index("outcome") :]
-    assert of_runs == list(outcomes)[list(outcomes).index("outcome") :] and len(of_runs) == 19
+    outcomes = block.outcomes(x, y=y, scale=[1.5, 3.0], azimuth=[0, 40], periods=[0.3, 1.0])
+    of_runs = list(table)[list(table).index("PGA.larger") :]
+    assert of_runs == list(outcomes)[list(outcomes).index("PGA.larger") :] and len(of_runs) == 32 + 19
     assert {"record", "record_y", "azimuth", "scale"} <= set(table) & set(outcomes)
     # A study changes its strength faster than its direction.
     order = [0, 2, 1, 3]
