@@ -322,3 +322,41 @@ fn incremental_dynamic_analysis_has_a_curve_for_each_direction() {
     let labels = labels(&svg);
     assert!(labels.contains(&"peak tilt over that of the balance".to_string()), "{labels:?}");
 }
+
+/// A circle, feet in a file beside the study, and a swept frequency have the runs of `simulate`, also under a pulse that turns.
+#[test]
+fn other_bases_are_those_of_simulate() {
+    let circle = "base = \"circle\"\nfeet = 12\nalpha = 0.2\np = 2\nomega_v = [60, 120]\n";
+    let feet =
+        "feet = \"feet.csv\"\ncenter_height = 1.2\nmass = 500\ninertia_tensor = [200, 200, 60]\nomega_v = [60, 120]\n";
+    for (parameters, options) in [
+        (circle, "--base circle --feet 12 --alpha 0.2 --p 2"),
+        (feet, "--feet feet.csv --center-height 1.2 --mass 500 --inertia-tensor 200,200,60"),
+    ] {
+        let study = format!(
+            "[study]\ndesign = \"grid\"\nazimuths = [0, 25]\n[parameters]\n{parameters}\
+             pulse = {{ shape = \"one-sine\", amplitude = 4, period = 0.6 }}\ninitial.twist = 0.1\n"
+        );
+        let folder = folder(&study);
+        std::fs::write(folder.path().join("feet.csv"), "x,y,gap\n-0.3,-0.3,0\n0.3,-0.3,0\n0,0.35,0\n").unwrap();
+        stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+        let table = Table::read(&folder.path().join("s.csv"));
+        assert_eq!(table.rows.len(), 4);
+        for row in 0..4 {
+            let of = |name: &str| table.number(row, name);
+            let line = format!(
+                "simulate {options} --omega-v {} --azimuth {} --pulse one-sine --amplitude 4 --period 0.6 --twist 0.1 \
+                 --tolerance 1e-6 --step 1e6 --on-separation fly --json --csv run.csv",
+                of("omega_v"),
+                of("azimuth")
+            );
+            let printed = stdout(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+            let run: Value = serde_json::from_str(&printed).unwrap();
+            for peak in ["tilt", "twist", "slip", "drift"] {
+                assert_eq!(number(&run["peak"][peak]), of(&format!("peak.{peak}")), "{peak} in row {row} of {options}");
+            }
+        }
+        let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+        assert_eq!(text.contains("\n# feet.csv: 3 feet, crc32 "), parameters == feet, "{text}");
+    }
+}
