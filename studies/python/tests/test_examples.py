@@ -19,7 +19,7 @@ sys.path.insert(0, str(EXAMPLES))
 def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(codes) == 5
+    assert len(codes) == 6
     names = {}
     # scripts/dev/check has what the last one imports.
     is_complete = all(importlib.util.find_spec(package) for package in ("duckdb", "polars"))
