@@ -30,11 +30,17 @@ pub const INK: RGBColor = RGBColor(25, 25, 25);
 pub const SHADE: RGBColor = grey(228);
 
 /// Draws an SVG picture of this height.
+///
+/// # Errors
+/// The drawing fails.
 pub fn drawing(height: u32, draw: impl FnOnce(&Area) -> Drawn) -> Result<String, PictureError> {
     drawing_of([WIDTH, height], draw)
 }
 
 /// Draws an SVG picture of this width and height.
+///
+/// # Errors
+/// The drawing fails.
 pub fn drawing_of([width, height]: [u32; 2], draw: impl FnOnce(&Area) -> Drawn) -> Result<String, PictureError> {
     let mut svg = String::new();
     let result = || -> Drawn {
@@ -69,16 +75,25 @@ pub const fn grey(level: u8) -> RGBColor {
 }
 
 /// Fills the rectangle between two corners.
+///
+/// # Errors
+/// The drawing fails.
 pub fn fill(area: &Area, corners: [Position; 2], colour: RGBColor) -> Drawn {
     Ok(area.draw(&Rectangle::new(corners, colour.filled()))?)
 }
 
 /// Draws a line through these points.
+///
+/// # Errors
+/// The drawing fails.
 pub fn line(area: &Area, points: impl Into<Vec<Position>>, width: u32) -> Drawn {
     Ok(area.draw(&PathElement::new(points, INK.stroke_width(width)))?)
 }
 
 /// Draws the outline of the rectangle between two corners.
+///
+/// # Errors
+/// The drawing fails.
 pub fn outline(area: &Area, [(x0, y0), (x1, y1)]: [Position; 2], width: u32) -> Drawn {
     line(area, [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)], width)
 }
@@ -103,6 +118,9 @@ pub enum Mark {
 
 impl Mark {
     /// Draws the mark.
+    ///
+    /// # Errors
+    /// The drawing fails.
     pub fn draw(self, area: &Area, (x, y): Position) -> Drawn {
         match self {
             Mark::Cross => area.draw(&Cross::new((x, y), 160, INK.stroke_width(70)))?,

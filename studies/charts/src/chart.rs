@@ -85,6 +85,9 @@ impl Fill {
     }
 
     /// Fills the rectangle between two corners.
+    ///
+    /// # Errors
+    /// The drawing fails.
     pub fn draw(self, area: &Area, corners: [Position; 2]) -> Drawn {
         let colour = match self {
             Fill::Separated => grey(165),
@@ -159,6 +162,9 @@ impl Chart<'_> {
     }
 
     /// Draws the chart into a part of the drawing.
+    ///
+    /// # Errors
+    /// The drawing fails.
     pub fn draw(&self, root: &Area, area: &Area) -> Drawn {
         let (head, body) = area.split_vertically(if self.title.is_empty() { 120 } else { 700 });
         let left_aligned = anchored(TEXT, HPos::Left, VPos::Center);

@@ -10,7 +10,7 @@
 //! | [`canvas`] | drawing functions → SVG |
 //! | [`line_style`] | points → lines that differ without colours |
 //! | [`chart`] | curves, areas and marks → charts with axes |
-//! | [`mod@page`] | heading, legend and charts → pages |
+//! | [`page`] | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |

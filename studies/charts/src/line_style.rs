@@ -76,6 +76,9 @@ impl LineStyle {
     }
 
     /// Draws a line through these points. A single point draws nothing.
+    ///
+    /// # Errors
+    /// The drawing fails.
     pub fn draw(&self, area: &Area, points: &[Position]) -> Drawn {
         let style = self.colour.stroke_width(self.width);
         let strokes = match self.dashes {

@@ -35,8 +35,11 @@ pub enum Symbol {
 
 /// Draws a page: a heading, a legend and an area of this height for the charts.
 ///
-/// The first line of the heading is larger; each is wrapped, and [`formula`] has marked its subscripts. `draw` gets the whole
+/// The first line of the heading is larger; each is wrapped, and [`formula`](fn@formula) has marked its subscripts. `draw` gets the whole
 /// page and the area.
+///
+/// # Errors
+/// The drawing fails.
 pub fn page(
     heading: &[String],
     legend: &[Key],
@@ -47,6 +50,9 @@ pub fn page(
 }
 
 /// Draws a [`page`] of another width.
+///
+/// # Errors
+/// The drawing fails.
 pub fn page_of(
     [width, height]: [u32; 2],
     heading: &[String],
@@ -131,6 +137,9 @@ pub fn titled(svg: &str, title: &str) -> Result<String, PictureError> {
 pub type StackedChart<'a> = (u32, Vec<Key>, Chart<'a>);
 
 /// Draws a page of charts, one under the other.
+///
+/// # Errors
+/// The drawing fails.
 pub fn stacked(heading: &[String], legend: &[Key], charts: &[StackedChart]) -> Result<String, PictureError> {
     page(heading, legend, charts.iter().map(|(height, ..)| height).sum(), |root, body| {
         let mut rest = body.clone();
@@ -180,6 +189,9 @@ fn key_positions(legend: &[Key]) -> Vec<(i32, u32)> {
 }
 
 /// Draws a legend at the top of an area and returns the rest of the area.
+///
+/// # Errors
+/// The drawing fails.
 pub fn with_legend<'a>(area: &Area<'a>, legend: &[Key]) -> Result<Area<'a>, Box<dyn std::error::Error>> {
     let (area, rest) = area.split_vertically(legend_height(legend));
     for ((symbol, name), (x, row)) in legend.iter().zip(key_positions(legend)) {
