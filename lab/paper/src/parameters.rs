@@ -95,7 +95,7 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Resolution of `rocking figures`.
+    /// Resolution of the published figures.
     pub const FULL: Detail = Detail { step: 0.005, slendernesses: 31, dampings: 101, sizes: 400 };
 }
 
