@@ -18,6 +18,7 @@
 //! | `limits` | contacts and tolerance → allowed errors and the longest step |
 //! | [`energies`], [`outputs`] | a state → energies; a block at an instant → the quantities that users see |
 //! | `peaks` | the ends of a step → the greatest values, also between them |
+//! | `samples` | an end of a step → the samples of the watched functions there |
 //! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
 
 pub(crate) mod beginning;
@@ -35,6 +36,7 @@ pub mod parameters;
 pub(crate) mod peaks;
 pub(crate) mod piece;
 pub mod run;
+mod samples;
 mod stepping;
 
 pub use beginning::SpaceInitial;

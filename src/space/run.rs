@@ -15,7 +15,7 @@ use crate::space::beginning::SpaceInitial;
 use crate::space::body::SpaceBody;
 use crate::space::energies::{SpaceEnergies, StoredEnergy, energy_rates, stored};
 use crate::space::equations::{SpaceEquations, with_rates};
-use crate::space::events::{Samples, SpaceEvent, SpaceEventKind, topples};
+use crate::space::events::{SpaceEvent, SpaceEventKind, topples};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
@@ -23,6 +23,7 @@ use crate::space::motion::{VELOCITY, WORKS, dimension};
 use crate::space::outputs::SpaceObservation;
 use crate::space::peaks::{SpacePeakRates, SpacePeaks};
 use crate::space::piece::{SpacePiece, indicator_count, place};
+use crate::space::samples::SpaceSamples;
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -106,7 +107,7 @@ pub(super) struct Memory {
     pub(super) inside: Vec<f64>,
     pub(super) inside_rates: Vec<f64>,
     /// Samples at both ends of a step.
-    pub(super) samples: [Samples; 2],
+    pub(super) samples: [SpaceSamples; 2],
     /// Which of them fall through zero at an event.
     pub(super) falls: Vec<bool>,
     /// The event indicators for a solver outside.
@@ -134,7 +135,7 @@ impl Memory {
             end_rates: numbers(),
             inside: numbers(),
             inside_rates: numbers(),
-            samples: [Samples::new(body.count()), Samples::new(body.count())],
+            samples: [SpaceSamples::new(body.count()), SpaceSamples::new(body.count())],
             falls: vec![false; functions],
             indicators: vec![0.0; functions],
         }

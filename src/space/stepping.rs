@@ -7,12 +7,13 @@ use crate::numerics::roots;
 use crate::numerics::stepper::{SliceEquations, Stepper};
 use crate::run::{Ending, SimulationError, spend_step};
 use crate::space::equations::SpaceEquations;
-use crate::space::events::{Poised, Samples, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
+use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::limits::{SpaceLimits, fastest_number};
 use crate::space::motion::{OMEGA, normalize, of_foot, three};
-use crate::space::peaks::{OF_MOTION, SpacePeaks};
+use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
 use crate::space::run::SpaceRun;
+use crate::space::samples::SpaceSamples;
 
 /// Largest rotation in a step (rad) whose ends alone show whether a foot landed inside, as in the plane.
 const SMALL_TURN: f64 = 0.1;
@@ -58,7 +59,8 @@ impl SpaceInterior<'_> {
 
     /// Returns the quantities of the body's motion with a peak.
     fn of_motion(&mut self, elapsed: f64) -> [Dual; OF_MOTION] {
-        self.go_to(elapsed).of_motion()
+        let now = self.go_to(elapsed);
+        of_motion(now.body, now.motion())
     }
 }
 
@@ -109,7 +111,7 @@ fn first_fall(
 
 /// Returns the first fall of a watched function in a step.
 fn first_crossing(
-    [starts, ends]: [&Samples; 2],
+    [starts, ends]: [&SpaceSamples; 2],
     searched: &Searched,
     inside: &mut SpaceInterior,
 ) -> Option<SpaceCrossing> {
@@ -127,7 +129,7 @@ fn first_crossing(
 /// Includes the values of a step of this duration (s), with the samples at its ends.
 pub(super) fn include_peaks(
     peaks: &mut SpacePeaks,
-    [starts, ends]: [&Samples; 2],
+    [starts, ends]: [&SpaceSamples; 2],
     duration: f64,
     inside: &mut SpaceInterior,
 ) {

@@ -15,8 +15,6 @@ use crate::space::body::SpaceBody;
 use crate::space::equations::SpaceEquations;
 use crate::space::forces::{FootContact, FootForces};
 use crate::space::motion::{BodyMotion, FEET_FROM, FootMotion, of_foot};
-use crate::space::peaks::{OF_MOTION, of_motion};
-use crate::space::piece::indicator_count;
 
 pub use toppling::topples;
 
@@ -149,9 +147,20 @@ impl<'a> Poised<'a> {
         (at, FootForces::of(self.body, &self.body.feet[foot], FootContact::Sticks, &at, stretch))
     }
 
-    /// Returns the quantities of the body's motion with a peak.
-    pub(super) fn of_motion(&self) -> [Dual; OF_MOTION] {
-        of_motion(self.body, &self.motion)
+    /// Returns the motion of the body with its rates.
+    pub fn motion(&self) -> &BodyMotion<Dual> {
+        &self.motion
+    }
+
+    /// Takes the samples of the functions that are watched. Those of a foot are next to each other, its lift-off first.
+    pub fn take_samples(&self, mut put: impl FnMut(SpaceSample)) {
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let foot = self.foot(i);
+            for function in watched(self.body, i, contact).into_iter().flatten() {
+                put(self.sample_of_foot(function, &foot));
+            }
+        }
+        put(self.overturning());
     }
 
     /// Returns the sample of a function.
@@ -188,46 +197,6 @@ impl<'a> Poised<'a> {
     fn overturning(&self) -> SpaceSample {
         let (value, rounding) = overturning::sample(&self.motion.turn);
         SpaceSample { function: SpaceFunction::Overturning, value, rounding }
-    }
-}
-
-/// What is known of a block at an end of a step.
-#[derive(Clone, Debug)]
-pub struct Samples {
-    /// Samples of the functions, of which the first `count` are watched.
-    functions: Vec<SpaceSample>,
-    count: usize,
-    /// The quantities of the body's motion with a peak.
-    pub(super) of_motion: [Dual; OF_MOTION],
-}
-
-impl Samples {
-    /// Returns memory for the samples of a block with n feet.
-    pub fn new(feet: usize) -> Samples {
-        let none = SpaceSample { function: SpaceFunction::Overturning, value: Dual::default(), rounding: 0.0 };
-        Samples { functions: vec![none; indicator_count(feet)], count: 0, of_motion: [Dual::default(); OF_MOTION] }
-    }
-
-    /// Takes the samples of a block. The functions of a foot are next to each other, its lift-off first.
-    pub fn take(&mut self, now: &Poised) {
-        self.count = 0;
-        let mut put = |sample| {
-            self.functions[self.count] = sample;
-            self.count += 1;
-        };
-        for (i, contact) in now.contacts.iter().enumerate() {
-            let foot = now.foot(i);
-            for function in watched(now.body, i, contact).into_iter().flatten() {
-                put(now.sample_of_foot(function, &foot));
-            }
-        }
-        put(now.overturning());
-        self.of_motion = now.of_motion();
-    }
-
-    /// Returns the samples of the functions that are watched.
-    pub fn watched(&self) -> &[SpaceSample] {
-        &self.functions[..self.count]
     }
 }
 
