@@ -8,7 +8,7 @@ use crate::space::piece::indicator_count;
 /// What is known of a block at an end of a step.
 #[derive(Clone, Debug)]
 pub(super) struct SpaceSamples {
-    /// Samples of the functions, of which the first `count` are watched.
+    /// Room for a sample of each function; the first `count` hold those of the functions watched now.
     functions: Vec<SpaceSample>,
     count: usize,
     /// The quantities of the body's motion with a peak.

@@ -34,7 +34,7 @@ pub fn percent(fraction: impl Borrow<f64>) -> String {
     format!("{text} %")
 }
 
-/// Writes the ends of a range, if it has any, with three digits or as many as tell them apart. Equal ends are one number.
+/// Writes a range with three digits, or with more if its ends would look the same; equal ends as one number. `None` without ends.
 fn ends(ends: [Option<f64>; 2], write: fn(f64, usize) -> String) -> Option<String> {
     match ends {
         [None, None] => None,
