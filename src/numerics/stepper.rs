@@ -1,7 +1,7 @@
 //! DOP853 for a state whose dimension is known at run time: rates of a slice → the state a step later, its error, and the motion inside.
 //!
-//! The numbers are stepped four at a time by the formulas of [`dop853`], so that sums over stages stay in registers. All memory
-//! is allocated at the beginning.
+//! The numbers are stepped four at a time by the formulas of [`dop853`], so that sums over stages stay in registers. Those on which
+//! no rate depends are summed at the end of a step alone. All memory is allocated at the beginning.
 
 use std::hint::black_box;
 
@@ -15,15 +15,15 @@ const WIDTH: usize = 4;
 
 /// A right-hand side of any dimension.
 pub trait SliceEquations {
-    /// Writes the rates of a state at a time (s).
+    /// Writes the rates of a state at a time (s). Numbers on which no rate depends may be those of another time.
     fn write_rates(&self, time: f64, state: &[f64], rates: &mut [f64]);
 }
 
-/// Four numbers in a step.
+/// Four numbers in a step, aligned so that instructions on two of them take them from memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
 struct Group {
     start: State,
-    end: State,
     stages: [State; DENSE_STAGES],
 }
 
@@ -31,11 +31,15 @@ struct Group {
 #[derive(Clone, Debug)]
 pub struct Stepper {
     dimension: usize,
+    /// Groups with numbers on which rates depend.
+    moving: usize,
     time: f64,
     size: f64,
     groups: Vec<Group>,
     dense: Vec<Polynomial<WIDTH>>,
     is_dense: bool,
+    /// The state at the end of the step.
+    end: Vec<[f64; WIDTH]>,
     /// The state of a stage and its rates. Numbers beyond the dimension are zero.
     state: Vec<[f64; WIDTH]>,
     rates: Vec<[f64; WIDTH]>,
@@ -43,16 +47,10 @@ pub struct Stepper {
 
 /// Returns numbers in groups of four. Those beyond the last are zero.
 fn grouped(numbers: &[f64]) -> impl Iterator<Item = State> {
-    let (whole, rest) = numbers.as_chunks();
-    let last = (!rest.is_empty()).then(|| std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0)));
-    whole.iter().copied().chain(last).map(State::from)
-}
-
-/// Writes groups of four as numbers.
-fn write(groups: impl Iterator<Item = State>, numbers: &mut [f64]) {
-    for (group, numbers) in groups.zip(numbers.chunks_mut(WIDTH)) {
-        numbers.copy_from_slice(&group.0[..numbers.len()]);
-    }
+    numbers.chunks(WIDTH).map(|chunk| match chunk.first_chunk() {
+        Some(four) => State::from(*four),
+        None => State::from(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))),
+    })
 }
 
 /// Evaluates stages in turn, each at the state that those before it give. The rates of the one before are in
@@ -61,29 +59,34 @@ fn write(groups: impl Iterator<Item = State>, numbers: &mut [f64]) {
 /// Compilers that vectorize over groups, rather than inside of them, take 1.6 times the instructions; `black_box` keeps them from it.
 macro_rules! stages {
     ($stepper:ident, $size:ident, $equations:ident; $($before:literal => $i:tt)*) => {$(
-        for ((group, state), rates) in $stepper.groups.iter_mut().zip(&mut $stepper.state).zip(&$stepper.rates) {
+        let groups = $stepper.groups.iter_mut().zip(&mut $stepper.state).zip(&$stepper.rates);
+        for (number, ((group, state), rates)) in groups.enumerate() {
             let group = black_box(group);
             if $before > 0 {
                 group.stages[$before] = State::from(*rates);
             }
-            *state = (group.start + increment!(group.stages, $i).times($size)).0;
+            if number < $stepper.moving {
+                *state = (group.start + increment!(group.stages, $i).times($size)).0;
+            }
         }
         $stepper.evaluate($i, $equations);
     )*};
 }
 
 impl Stepper {
-    /// Returns the memory for steps of a state of this dimension.
-    pub fn new(dimension: usize) -> Stepper {
+    /// Returns the memory for steps of a state of this dimension, whose rates depend on its first numbers, `moving`.
+    pub fn new(dimension: usize, moving: usize) -> Stepper {
         let groups = dimension.div_ceil(WIDTH);
         let zero = State::zeros();
         Stepper {
             dimension,
+            moving: moving.div_ceil(WIDTH),
             time: 0.0,
             size: 0.0,
-            groups: vec![Group { start: zero, end: zero, stages: [zero; DENSE_STAGES] }; groups],
+            groups: vec![Group { start: zero, stages: [zero; DENSE_STAGES] }; groups],
             dense: vec![[Numbers::zeros(); 8]; groups],
             is_dense: false,
+            end: vec![[0.0; WIDTH]; groups],
             state: vec![[0.0; WIDTH]; groups],
             rates: vec![[0.0; WIDTH]; groups],
         }
@@ -102,12 +105,12 @@ impl Stepper {
     pub fn attempt(&mut self, size: f64, equations: &impl SliceEquations, end: &mut [f64]) {
         (self.size, self.is_dense) = (size, false);
         stages!(self, size, equations; 0 => 1 1 => 2 2 => 3 3 => 4 4 => 5 5 => 6 6 => 7 7 => 8 8 => 9 9 => 10 10 => 11);
-        for (group, rates) in self.groups.iter_mut().zip(&self.rates) {
+        for ((group, rates), end) in self.groups.iter_mut().zip(&self.rates).zip(&mut self.end) {
             let group = black_box(group);
             group.stages[11] = State::from(*rates);
-            group.end = group.start + increment!(group.stages, 12).times(size);
+            *end = (group.start + increment!(group.stages, 12).times(size)).0;
         }
-        write(self.groups.iter().map(|group| group.end), end);
+        end.copy_from_slice(&self.end.as_flattened()[..self.dimension]);
     }
 
     /// Evaluates a stage at the state in memory.
@@ -119,7 +122,7 @@ impl Stepper {
 
     /// Returns the estimated error of the step, in units of the allowed error; see [`dop853::error`].
     ///
-    /// `weights` are the reciprocals of the errors allowed in each number.
+    /// `weights` are the reciprocals of the errors allowed in each number, as far as they count.
     pub fn error(&self, weights: &[f64]) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);
         for (group, weights) in self.groups.iter().zip(grouped(weights)) {
@@ -131,7 +134,7 @@ impl Stepper {
 
     /// Replaces the end of the step by one within its error, and gives its rates, for the dense output.
     pub fn set_end(&mut self, end: &[f64], rates: &[f64]) {
-        self.groups.iter_mut().zip(grouped(end)).for_each(|(group, end)| group.end = end);
+        self.end.as_flattened_mut()[..self.dimension].copy_from_slice(end);
         self.rates.as_flattened_mut()[..self.dimension].copy_from_slice(rates);
     }
 
@@ -143,16 +146,19 @@ impl Stepper {
             evaluations = dop853::EVALUATIONS_OF_DENSE_OUTPUT;
         }
         let place = elapsed / self.size;
-        write(self.dense.iter().map(|polynomial| dop853::evaluate(polynomial, place)), state);
+        for (polynomial, state) in self.dense.iter().zip(state.chunks_mut(WIDTH)) {
+            state.copy_from_slice(&dop853::evaluate(polynomial, place).0[..state.len()]);
+        }
         evaluations
     }
 
     fn form_dense_output(&mut self, equations: &impl SliceEquations) {
         let size = self.size;
         stages!(self, size, equations; 12 => 13 13 => 14 14 => 15);
-        for ((dense, group), rates) in self.dense.iter_mut().zip(&mut self.groups).zip(&self.rates) {
+        let groups = self.groups.iter_mut().zip(&self.end).zip(&self.rates);
+        for (dense, ((group, end), rates)) in self.dense.iter_mut().zip(groups) {
             group.stages[15] = State::from(*rates);
-            *dense = dop853::polynomial(group.start, group.end - group.start, size, &group.stages);
+            *dense = dop853::polynomial(group.start, State::from(*end) - group.start, size, &group.stages);
         }
         self.is_dense = true;
     }
@@ -191,7 +197,7 @@ mod tests {
         let end_rate = equations(1.1, &fixed.end);
         // Two copies, and some numbers that do not fill a group.
         let copies = |four: [f64; 4]| [&four[..], &four[..], &[0.0, 0.0]].concat();
-        let mut stepper = Stepper::new(10);
+        let mut stepper = Stepper::new(10, 10);
         let mut end = vec![0.0; 10];
         stepper.begin(0.4, &copies(start), &copies(first.state.0));
         stepper.attempt(0.7, &Oscillators, &mut end);
@@ -204,5 +210,39 @@ mod tests {
         let mut inside = vec![0.0; 10];
         assert_eq!(stepper.state_at(0.3, &Oscillators, &mut inside), 3);
         assert_eq!(inside, copies(fixed.dense(end_rate, &equations).state(0.3).0));
+    }
+
+    /// An oscillator, and the sums over time of its numbers and of their squares.
+    struct Summed;
+
+    impl SliceEquations for Summed {
+        fn write_rates(&self, time: f64, state: &[f64], rates: &mut [f64]) {
+            rates[..4].copy_from_slice(&rates_of(time, &state[..4]));
+            for i in 0..4 {
+                (rates[4 + i], rates[8 + i]) = (state[i], state[i] * state[i]);
+            }
+        }
+    }
+
+    #[test]
+    fn sums_over_time_have_the_bits_of_numbers_of_the_state() {
+        let start = [[0.3, -0.2, 0.1, 0.5], [0.0; 4], [7.0; 4]].concat();
+        let of = |moving: usize| {
+            let (mut stepper, mut end, mut inside) = (Stepper::new(12, moving), vec![0.0; 12], vec![0.0; 12]);
+            let (mut rates, mut state) = (vec![0.0; 12], start.clone());
+            for step in 0..3 {
+                let time = 0.7 * f64::from(step);
+                Summed.write_rates(time, &state, &mut rates);
+                stepper.begin(time, &state, &rates);
+                stepper.attempt(0.7, &Summed, &mut end);
+                Summed.write_rates(time + 0.7, &end, &mut rates);
+                stepper.set_end(&end, &rates);
+                stepper.state_at(0.3, &Summed, &mut inside);
+                state.copy_from_slice(&end);
+            }
+            (end, inside, stepper.error(&[1e3; 12]))
+        };
+        assert_eq!(of(4), of(12));
+        assert_eq!(of(5), of(12));
     }
 }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Cholesky, Const, Matrix3, Matrix3x6, Matrix6, Vector3};
 
 use crate::block::parameters::Valid;
+use crate::space::motion::Component;
 use crate::space::parameters::{Base, BaseSize, FEET, FootPlace, SpaceError, SpaceParameters, SpaceSupports, check};
 
 /// A rigid body on n feet.
@@ -18,6 +19,8 @@ pub struct SpaceBody {
     pub inertia: Matrix3<f64>,
     /// I⁻¹.
     pub inverse_inertia: Matrix3<f64>,
+    /// Whether the axes of the body are those of its inertia, which has no products then.
+    pub has_principal_axes: bool,
     /// The feet.
     pub feet: Vec<SpaceFoot>,
     /// Vertical stiffness K of a foot (N/m).
@@ -135,6 +138,7 @@ impl SpaceBody {
             gravity,
             inertia,
             inverse_inertia: root.inverse(),
+            has_principal_axes: inertia.lower_triangle() == inertia.upper_triangle(),
             feet,
             stiffness,
             damping,
@@ -158,6 +162,16 @@ impl SpaceBody {
     /// Number of feet.
     pub fn count(&self) -> usize {
         self.feet.len()
+    }
+
+    /// Returns the product of I or I⁻¹ and a vector in body axes.
+    #[inline(always)]
+    pub(super) fn times_inertia<T: Component>(&self, m: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
+        if self.has_principal_axes {
+            return Vector3::new(v.x * m.m11, v.y * m.m22, v.z * m.m33);
+        }
+        let row = |i: usize| v.x * m[(i, 0)] + v.y * m[(i, 1)] + v.z * m[(i, 2)];
+        Vector3::new(row(0), row(1), row(2))
     }
 
     /// Whether its feet are frictionless: no horizontal force acts on them, and their horizontal springs have no stretch.

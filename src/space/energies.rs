@@ -3,9 +3,8 @@
 use serde::Serialize;
 
 use crate::space::body::SpaceBody;
-use crate::space::equations::times;
 use crate::space::forces::FootContact;
-use crate::space::motion::{BodyMotion, Component, OMEGA, VELOCITY, WORKS, dot, of_foot, three};
+use crate::space::motion::{BodyMotion, Component, OMEGA, VELOCITY, dot, of_foot, three, works};
 
 /// Energy that a block has (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -46,8 +45,9 @@ pub struct SpaceEnergies {
 pub(super) fn stored<T: Component>(body: &SpaceBody, state: &[T], contacts: &[FootContact]) -> [T; 3] {
     let motion = BodyMotion::of(state);
     let turning = motion.turn.rotate_back(&motion.omega);
-    let kinetic =
-        (dot(&motion.velocity, &motion.velocity) * body.mass + dot(&turning, &times(&body.inertia, &turning))) * 0.5;
+    let kinetic = (dot(&motion.velocity, &motion.velocity) * body.mass
+        + dot(&turning, &body.times_inertia(&body.inertia, &turning)))
+        * 0.5;
     let mut supports = T::from(0.0);
     for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
         if foot.static_load > 0.0 {
@@ -83,7 +83,7 @@ pub(super) fn energy_rates(body: &SpaceBody, state: &[f64], rates: &[f64], conta
         supports += body.horizontal_stiffness * (stretches[0] + stretches[1]) - body.stiffness * depth * at.velocity.z;
     }
     let stored = StoredEnergy { kinetic, weight: body.mass * body.gravity * velocity.z, supports };
-    SpaceEnergies::changing(stored, [0, 1, 2].map(|i| rates[WORKS + i]))
+    SpaceEnergies::changing(stored, works(rates, body.count()))
 }
 
 impl SpaceEnergies {

@@ -4,7 +4,7 @@
 //! M V̇ = Σ (H_i, N_i) − M g e_z − M a_g + F,     J ω̇ = −ω × J ω + Σ r_i × (H_i, N_i) + M_load,     q̇ = ½ (0, ω) q
 //! ```
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::CombinesWith;
@@ -13,7 +13,7 @@ use crate::space::body::SpaceBody;
 use crate::space::excitation::{SpaceExcitation, SpaceForcing};
 use crate::space::forces::{FootContact, FootForces};
 use crate::space::motion::{
-    BodyMotion, Component, DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, WORKS, dot, three,
+    BodyMotion, Component, DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, WORKS, dot, moving, three,
 };
 
 /// The equations of motion under given contacts.
@@ -25,13 +25,6 @@ pub struct SpaceEquations<'a> {
     pub contacts: &'a [FootContact],
     /// The excitation.
     pub excitation: &'a SpaceExcitation,
-}
-
-/// Returns the product of a constant matrix and a vector.
-#[inline(always)]
-pub(super) fn times<T: Component>(m: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
-    let row = |i: usize| v.x * m[(i, 0)] + v.y * m[(i, 1)] + v.z * m[(i, 2)];
-    Vector3::new(row(0), row(1), row(2))
 }
 
 /// Writes three numbers of the state.
@@ -47,38 +40,40 @@ impl SpaceEquations<'_> {
     }
 
     /// Writes the rates of a state under this forcing.
-    #[inline]
+    #[inline(always)]
     pub fn rates_under<T: Component>(&self, forcing: &SpaceForcing<T>, state: &[T], rates: &mut [T]) {
         let body = self.body;
         let (state, stretches) = state.split_first_chunk::<FEET_FROM>().expect("the numbers of the body");
-        let (of_body, of_feet) = rates.split_first_chunk_mut::<FEET_FROM>().expect("the numbers of the body");
+        let (moving, sums) = rates.split_at_mut(moving(body.count()));
+        let (of_body, of_feet) = moving.split_first_chunk_mut::<FEET_FROM>().expect("the numbers of the body");
+        let (works, slips) = sums.split_first_chunk_mut::<WORKS>().expect("the works");
         let motion = BodyMotion::of(state);
         let BodyMotion { turn, velocity, omega, .. } = motion;
         let zero = T::from(0.0);
         let (mut force, mut moment) = (Vector3::repeat(zero), forcing.moment);
         let (mut dashpots, mut slip) = (zero, zero);
-        let feet = body.feet.iter().zip(self.contacts);
-        let numbers = stretches.as_chunks::<PER_FOOT>().0.iter().zip(of_feet.as_chunks_mut::<PER_FOOT>().0);
-        for ((foot, &contact), (numbers, rates)) in feet.zip(numbers) {
+        let feet = body.feet.iter().zip(self.contacts).zip(slips);
+        let stretches = stretches.as_chunks::<PER_FOOT>().0.iter().zip(of_feet.as_chunks_mut::<PER_FOOT>().0);
+        for (((foot, &contact), slip_rate), (&stretch, stretch_rate)) in feet.zip(stretches) {
             if !contact.touches() {
-                rates.fill(zero);
+                (*stretch_rate, *slip_rate) = ([zero; PER_FOOT], zero);
                 continue;
             }
             let at = motion.foot(&foot.place);
-            let forces = FootForces::of(body, foot, contact, &at, [numbers[0], numbers[1]]);
+            let forces = FootForces::of(body, foot, contact, &at, stretch);
             force += forces.force;
             moment += at.arm.cross(&forces.force);
-            dashpots += forces.dashpot_power(body, at.velocity.z);
-            slip += forces.slip_power(body);
-            [rates[0], rates[1]] = forces.stretch_rate;
-            rates[2] = forces.slip_rate;
+            let [x, y] = forces.stretch_rate;
+            dashpots += at.velocity.z * at.velocity.z * body.damping + (x * x + y * y) * body.horizontal_damping;
+            slip += forces.normal * forces.slip_rate * body.friction;
+            (*stretch_rate, *slip_rate) = (forces.stretch_rate, forces.slip_rate);
         }
         let acceleration = force * T::from(1.0 / body.mass) - forcing.acceleration;
         let acceleration = Vector3::new(acceleration.x, acceleration.y, acceleration.z - body.gravity);
         // In body axes the inertia is constant.
         let turning = turn.rotate_back(&omega);
-        let gyroscopic = turning.cross(&times(&body.inertia, &turning));
-        let turned = times(&body.inverse_inertia, &(turn.rotate_back(&moment) - gyroscopic));
+        let gyroscopic = turning.cross(&body.times_inertia(&body.inertia, &turning));
+        let turned = body.times_inertia(&body.inverse_inertia, &(turn.rotate_back(&moment) - gyroscopic));
         put(of_body, DISPLACEMENT, velocity);
         let (real, imaginary) = (state[QUATERNION], three(state, QUATERNION + 1));
         of_body[QUATERNION] = dot(&omega, &imaginary) * -0.5;
@@ -86,7 +81,7 @@ impl SpaceEquations<'_> {
         put(of_body, VELOCITY, acceleration);
         put(of_body, OMEGA, turn.rotate(&turned));
         let input = dot(&forcing.moment, &omega) - dot(&forcing.acceleration, &velocity) * body.mass;
-        (of_body[WORKS], of_body[WORKS + 1], of_body[WORKS + 2]) = (input, dashpots, slip);
+        *works = [input, dashpots, slip];
     }
 }
 

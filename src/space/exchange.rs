@@ -11,9 +11,9 @@ use crate::space::equations::SpaceEquations;
 use crate::space::events::{PER_CONTACT, Poised, SpaceEvent, SpaceFunction, SpaceSample};
 use crate::space::excitation::{SpaceInputs, next_kink};
 use crate::space::motion::{
-    DISPLACEMENT, FEET_FROM, OMEGA, QUATERNION, VELOCITY, WORKS, dimension, normalize, of_foot, three,
+    DISPLACEMENT, FEET_FROM, OMEGA, PER_FOOT, QUATERNION, VELOCITY, dimension, normalize, three,
 };
-use crate::space::piece::{SpacePiece, place};
+use crate::space::piece::{OF_FEET, SpacePiece, place};
 use crate::space::run::{SpaceRun, SpaceState};
 use crate::space::stepping::{SpaceInterior, include_peaks};
 
@@ -32,9 +32,9 @@ pub fn nominals(body: &SpaceBody) -> Vec<f64> {
     nominals[DISPLACEMENT..QUATERNION].copy_from_slice(&[across, across, deflection]);
     nominals[QUATERNION..VELOCITY].fill(0.5 * alpha);
     nominals[VELOCITY..OMEGA].copy_from_slice(&[across * p, across * p, deflection * omega_v]);
-    nominals[OMEGA..WORKS].fill(alpha * p);
-    nominals[WORKS..FEET_FROM].fill(body.energy_scale() * alpha * alpha);
-    let stretches = of_foot(0)..FEET_FROM + 2 * body.count();
+    nominals[OMEGA..FEET_FROM].fill(alpha * p);
+    nominals[FEET_FROM..OF_FEET].fill(body.energy_scale() * alpha * alpha);
+    let stretches = OF_FEET..OF_FEET + PER_FOOT * body.count();
     nominals[stretches.clone()].fill(deflection);
     nominals[stretches.end..].fill(across);
     nominals
@@ -96,7 +96,7 @@ impl SpaceRun {
         let (feet, numbers, states) = (self.setup.body.count(), &self.state.numbers, &mut self.memory.end);
         (0..numbers.len()).for_each(|i| states[place(i, feet)] = numbers[i]);
         if is_frozen {
-            states[VELOCITY..WORKS].fill(0.0);
+            states[VELOCITY..FEET_FROM].fill(0.0);
         }
         states
     }
@@ -108,7 +108,7 @@ impl SpaceRun {
     pub fn set_continuous_states(&mut self, states: &[f64]) {
         let (is_frozen, feet) = (self.is_frozen(), self.setup.body.count());
         for (i, number) in self.state.numbers.iter_mut().enumerate() {
-            if !(is_frozen && (VELOCITY..WORKS).contains(&i)) {
+            if !(is_frozen && (VELOCITY..FEET_FROM).contains(&i)) {
                 *number = states[place(i, feet)];
             }
         }

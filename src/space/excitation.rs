@@ -120,12 +120,30 @@ impl SpaceForcing<Dual> {
     }
 }
 
+/// A vector linear in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    value: Vector3<f64>,
+    rate: Vector3<f64>,
+}
+
+impl Line {
+    fn of(ramps: &[Ramp; 3]) -> Line {
+        Line { value: ramps.map(|ramp| ramp.value).into(), rate: ramps.map(|ramp| ramp.rate).into() }
+    }
+
+    #[inline(always)]
+    fn at<T: Component>(&self, elapsed: T) -> Vector3<T> {
+        self.value.zip_map(&self.rate, |value, rate| elapsed * rate + value)
+    }
+}
+
 /// The excitation over a smooth piece of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceExcitation {
     time: f64,
-    acceleration: [Ramp; 3],
-    moment: [Ramp; 3],
+    acceleration: Line,
+    moment: Line,
     waves: [(Option<Wave>, [f64; 3]); MAX_PULSES],
     frequency: f64,
 }
@@ -149,28 +167,28 @@ impl SpaceExcitation {
                 ramp.value += pulse.constant().unwrap_or(0.0) * component;
             }
         }
-        SpaceExcitation { time: inputs.time, acceleration, moment: inputs.moment, waves, frequency }
+        let [acceleration, moment] = [acceleration, inputs.moment].map(|ramps| Line::of(&ramps));
+        SpaceExcitation { time: inputs.time, acceleration, moment, waves, frequency }
     }
 
     /// Returns the forcing at `time` (s).
     #[inline(always)]
     pub fn at<T: Component + CombinesWith<f64>>(&self, time: T) -> SpaceForcing<T> {
         let elapsed = time - self.time;
-        let all = |ramps: &[Ramp; 3]| Vector3::from(ramps.map(|ramp| ramp.at(elapsed)));
-        let mut acceleration = all(&self.acceleration);
+        let mut acceleration = self.acceleration.at(elapsed);
         for (wave, direction) in &self.waves {
             if let Some(wave) = wave {
                 let wave = wave.acceleration(time);
                 acceleration += Vector3::from(direction.map(|component| wave * component));
             }
         }
-        SpaceForcing { acceleration, moment: all(&self.moment) }
+        SpaceForcing { acceleration, moment: self.moment.at(elapsed) }
     }
 
     /// Whether the excitation is constant.
     pub fn is_constant(&self) -> bool {
         let no_waves = self.waves.iter().all(|(wave, _)| wave.is_none());
-        no_waves && self.acceleration.iter().chain(&self.moment).all(|ramp| ramp.rate == 0.0)
+        no_waves && [self.acceleration, self.moment].iter().all(|line| line.rate == Vector3::zeros())
     }
 
     /// Returns the greatest circular frequency of the acting pulses (rad/s).

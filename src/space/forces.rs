@@ -1,4 +1,4 @@
-//! The motion of a foot and its contact → the force on it, the rate of its stretch, and the power that its dashpots and its slip take.
+//! The motion of a foot and its contact → the force on it, the rate of its stretch, and that of its slip.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -107,19 +107,6 @@ impl<T: Component> FootForces<T> {
             slip_rate,
             ..self
         }
-    }
-
-    /// Returns the power that the dashpots take (W).
-    #[inline(always)]
-    pub fn dashpot_power(&self, body: &SpaceBody, vertical_rate: T) -> T {
-        let [x, y] = self.stretch_rate;
-        vertical_rate * vertical_rate * body.damping + (x * x + y * y) * body.horizontal_damping
-    }
-
-    /// Returns the power that slip takes (W).
-    #[inline(always)]
-    pub fn slip_power(&self, body: &SpaceBody) -> T {
-        self.normal * self.slip_rate * body.friction
     }
 }
 

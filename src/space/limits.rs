@@ -3,12 +3,12 @@
 use crate::numerics::control::LONGEST;
 use crate::space::body::SpaceBody;
 use crate::space::forces::FootContact;
-use crate::space::motion::{DISPLACEMENT, OMEGA, QUATERNION, VELOCITY, WORKS, of_foot};
+use crate::space::motion::{DISPLACEMENT, FEET_FROM, OMEGA, QUATERNION, VELOCITY, moving, slip_of};
 
 /// Limits of a step.
 #[derive(Clone, Debug)]
 pub(super) struct SpaceLimits {
-    /// Reciprocals of the errors that a step may make in each number of the state.
+    /// Reciprocals of the errors that a step may make in each number of the state but the lengths of slips, which have no effect.
     pub(super) weights: Vec<f64>,
     /// The longest step of a block that does not turn (s).
     pub(super) longest: f64,
@@ -49,9 +49,9 @@ pub(super) fn fastest_number(body: &SpaceBody, contacts: &[FootContact]) -> Stri
 const MAX_TURN: f64 = 1.0;
 
 impl SpaceLimits {
-    /// Returns limits of a state of this dimension, to be set.
-    pub(super) fn new(dimension: usize) -> SpaceLimits {
-        SpaceLimits { weights: vec![0.0; dimension], longest: 0.0 }
+    /// Returns limits of a state of a block with n feet, to be set.
+    pub(super) fn new(feet: usize) -> SpaceLimits {
+        SpaceLimits { weights: vec![0.0; slip_of(0, feet)], longest: 0.0 }
     }
 
     /// Sets the limits under these contacts.
@@ -84,12 +84,10 @@ impl SpaceLimits {
         ]);
         weights[QUATERNION..VELOCITY].fill(2.0 * frequency * turning);
         weights[VELOCITY..OMEGA].copy_from_slice(&[across, across, upright]);
-        weights[OMEGA..WORKS].fill(turning);
-        weights[WORKS..of_foot(0)].fill(work);
-        for foot in 0..body.count() {
-            // The length of the slip has no effect.
-            weights[of_foot(foot)..of_foot(foot + 1)].copy_from_slice(&[frequency * across, frequency * across, 0.0]);
-        }
+        weights[OMEGA..FEET_FROM].fill(turning);
+        let moving = moving(body.count());
+        weights[FEET_FROM..moving].fill(frequency * across);
+        weights[moving..].fill(work);
     }
 
     /// Returns the longest step (s) of a block with an angular velocity (rad/s).

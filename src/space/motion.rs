@@ -20,21 +20,36 @@ pub const QUATERNION: usize = 3;
 pub const VELOCITY: usize = 7;
 /// Angular velocity (rad/s), along the axes of the ground.
 pub const OMEGA: usize = 10;
-/// Energies since the start (J): work of ground motion and loads, energy taken by the dashpots and by slip.
-pub const WORKS: usize = 13;
 /// The first foot.
-pub const FEET_FROM: usize = 16;
-/// Numbers of a foot: stretch of its horizontal spring (m) in x and y, length of its slip (m).
-pub const PER_FOOT: usize = 3;
+pub const FEET_FROM: usize = 13;
+/// Numbers of a foot: stretch of its horizontal spring (m) in x and y.
+pub const PER_FOOT: usize = 2;
+/// Number of energies since the start (J): work of ground motion and loads, energy taken by the dashpots and by slip.
+pub const WORKS: usize = 3;
+
+/// Returns the place of a foot's stretches in the state.
+pub const fn of_foot(foot: usize) -> usize {
+    FEET_FROM + PER_FOOT * foot
+}
+
+/// Returns how many numbers the rates depend on, the first ones. The others are sums over time: works, and the lengths of slips (m).
+pub const fn moving(feet: usize) -> usize {
+    of_foot(feet)
+}
+
+/// Returns the place of the length of a foot's slip in the state of a block with n feet.
+pub const fn slip_of(foot: usize, feet: usize) -> usize {
+    moving(feet) + WORKS + foot
+}
+
+/// Returns the works of a state of a block with n feet, or their rates.
+pub fn works<T: Copy>(numbers: &[T], feet: usize) -> [T; WORKS] {
+    std::array::from_fn(|i| numbers[moving(feet) + i])
+}
 
 /// Returns the dimension of the state of a block with n feet.
 pub const fn dimension(feet: usize) -> usize {
-    FEET_FROM + PER_FOOT * feet
-}
-
-/// Returns the place of a foot's numbers in the state.
-pub const fn of_foot(foot: usize) -> usize {
-    FEET_FROM + PER_FOOT * foot
+    slip_of(feet, feet)
 }
 
 /// Returns three numbers from a place of the state on.

@@ -5,7 +5,9 @@ use nalgebra::Vector3;
 use crate::numerics::scalar::{Elementary, greatest};
 use crate::space::body::SpaceBody;
 use crate::space::forces::{FootContact, FootForces, support_height};
-use crate::space::motion::{BodyMotion, Component, OMEGA, QUATERNION, Turn, VELOCITY, WORKS, constant, of_foot, three};
+use crate::space::motion::{
+    BodyMotion, Component, OMEGA, QUATERNION, Turn, VELOCITY, constant, of_foot, slip_of, three, works,
+};
 
 /// Tilt and twist of a rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -121,7 +123,7 @@ impl<T: Component + Elementary> SpaceObservation<T> {
         for (i, (foot, contact)) in body.feet.iter().zip(contacts).enumerate() {
             let at = motion.foot(&foot.place);
             let [stretch, stretch_rate] = [state, rates].map(|numbers| [numbers[of_foot(i)], numbers[of_foot(i) + 1]]);
-            let [slip, slip_rate] = [state, rates].map(|numbers| numbers[of_foot(i) + 2]);
+            let [slip, slip_rate] = [state, rates].map(|numbers| numbers[slip_of(i, body.count())]);
             let of_state = FootObservation { stretch, stretch_rate, slip, slip_rate, ..FootObservation::default() };
             if let FootContact::Lifted(creep) = contact {
                 let top = support_height(body, foot, creep, time.value());
@@ -161,7 +163,7 @@ impl<T: Component + Elementary> SpaceObservation<T> {
             drift: drift(body, &motion),
             force,
             moment,
-            powers: std::array::from_fn(|i| rates[WORKS + i]),
+            powers: works(rates, body.count()),
             feet,
         }
     }

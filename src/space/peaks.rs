@@ -7,7 +7,7 @@ use crate::numerics::roots::rate_of_peak;
 use crate::numerics::scalar::Elementary;
 use crate::space::body::SpaceBody;
 use crate::space::events::SpaceFunction;
-use crate::space::motion::{BodyMotion, of_foot};
+use crate::space::motion::{BodyMotion, FEET_FROM, slip_of};
 use crate::space::outputs::{Attitude, FootObservation, SpaceObservation, drift};
 
 /// The greatest values since the start.
@@ -58,7 +58,7 @@ pub(super) fn of_motion(body: &SpaceBody, motion: &BodyMotion<Dual>) -> [Dual; O
 impl SpacePeaks {
     /// The values at the start of a run.
     pub(super) fn at_start(body: &SpaceBody, state: &[f64]) -> SpacePeaks {
-        let still: [Dual; crate::space::motion::FEET_FROM] = std::array::from_fn(|i| Dual::from(state[i]));
+        let still: [Dual; FEET_FROM] = std::array::from_fn(|i| Dual::from(state[i]));
         let mut peaks = SpacePeaks::default();
         for (i, quantity) in of_motion(body, &BodyMotion::of(&still)).into_iter().enumerate() {
             let peak = peaks.of_motion_mut(i);
@@ -96,7 +96,7 @@ impl SpacePeaks {
     /// Includes the slips of all feet, which never become shorter.
     pub(super) fn include_slips(&mut self, state: &[f64], feet: usize) {
         for foot in 0..feet {
-            self.slip = self.slip.max(state[of_foot(foot) + 2]);
+            self.slip = self.slip.max(state[slip_of(foot, feet)]);
         }
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::events::PER_CONTACT;
-use crate::space::motion::{FEET_FROM, PER_FOOT};
+use crate::space::motion::{FEET_FROM, PER_FOOT, WORKS, moving};
 
 /// The smooth piece of the excitation in which an outside solver is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,11 +26,18 @@ pub const fn indicator_count(feet: usize) -> usize {
     PER_CONTACT * feet + 1
 }
 
-/// Returns the place among the continuous states of a number of the state. Outside, a quantity of all feet follows another.
+/// Place among the continuous states of the first quantity of the feet, which follows the works.
+pub const OF_FEET: usize = FEET_FROM + WORKS;
+
+/// Returns the place among the continuous states of a number of the state. Outside, works follow the body, and a quantity of all feet
+/// follows another.
 pub const fn place(number: usize, feet: usize) -> usize {
-    if number < FEET_FROM {
-        return number;
+    if number < FEET_FROM || number >= moving(feet) + WORKS {
+        number
+    } else if number < moving(feet) {
+        let of_feet = number - FEET_FROM;
+        OF_FEET + (of_feet % PER_FOOT) * feet + of_feet / PER_FOOT
+    } else {
+        number - moving(feet) + FEET_FROM
     }
-    let of_feet = number - FEET_FROM;
-    FEET_FROM + (of_feet % PER_FOOT) * feet + of_feet / PER_FOOT
 }

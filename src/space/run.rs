@@ -19,7 +19,7 @@ use crate::space::events::{SpaceEvent, SpaceEventKind, topples};
 use crate::space::excitation::{DirectedPulses, SpaceExcitation, SpaceInputs, next_kink};
 use crate::space::forces::FootContact;
 use crate::space::limits::SpaceLimits;
-use crate::space::motion::{VELOCITY, WORKS, dimension};
+use crate::space::motion::{FEET_FROM, VELOCITY, dimension, moving, works};
 use crate::space::outputs::SpaceObservation;
 use crate::space::peaks::{SpacePeakRates, SpacePeaks};
 use crate::space::piece::{SpacePiece, indicator_count, place};
@@ -128,8 +128,8 @@ impl Memory {
         let numbers = || vec![0.0; n];
         let functions = indicator_count(body.count());
         Memory {
-            stepper: Stepper::new(n),
-            limits: SpaceLimits::new(n),
+            stepper: Stepper::new(n, moving(body.count())),
+            limits: SpaceLimits::new(body.count()),
             rates: numbers(),
             end: numbers(),
             end_rates: numbers(),
@@ -302,7 +302,7 @@ impl SpaceRun {
     pub fn energies(&self) -> SpaceEnergies {
         let SpaceState { numbers, contacts, initial_energy, lift_off_energy, .. } = &self.state;
         let stored = StoredEnergy::from(stored(&self.setup.body, numbers, contacts));
-        let [input, dashpots, slip] = [0, 1, 2].map(|i| numbers[WORKS + i]);
+        let [input, dashpots, slip] = works(numbers, self.setup.body.count());
         let lift_off = *lift_off_energy;
         let residual = stored.total() - initial_energy - input + dashpots + slip + lift_off;
         SpaceEnergies { stored, input, dashpots, slip, lift_off, residual }
@@ -349,7 +349,7 @@ impl SpaceRun {
         let excitation = self.excitation(at);
         let SpaceState { time: now, numbers: values, contacts, ending, .. } = &self.state;
         let (body, is_frozen) = (&self.setup.body, self.is_frozen());
-        let moves = |i: usize| !is_frozen || !(VELOCITY..WORKS).contains(&i);
+        let moves = |i: usize| !is_frozen || !(VELOCITY..FEET_FROM).contains(&i);
         let direction = |i: usize| if moves(i) { states[place(i, body.count())] } else { 0.0 };
         let state: Vec<Dual> = values.iter().enumerate().map(|(i, &value)| Dual::new(value, direction(i))).collect();
         let time = Dual::new(*now, if ending.is_some() { 0.0 } else { time });
@@ -361,7 +361,7 @@ impl SpaceRun {
         let stored = StoredEnergy::from(stored(body, &state, contacts).map(|energy| energy.eps));
         SpaceRates {
             observed: if is_frozen { observed.held() } else { observed },
-            energies: SpaceEnergies::changing(stored, [0, 1, 2].map(|i| states[WORKS + i])),
+            energies: SpaceEnergies::changing(stored, std::array::from_fn(|i| states[FEET_FROM + i])),
             peaks: SpacePeakRates::default(),
         }
     }

@@ -3,7 +3,7 @@
 use rocking_block::numerics::dual::Dual;
 use rocking_block::space::equations::SpaceEquations;
 use rocking_block::space::excitation::SpaceExcitation;
-use rocking_block::space::motion::{Turn, WORKS, dimension};
+use rocking_block::space::motion::{Turn, dimension, moving as moving_numbers, works};
 use rocking_block::space::{SpaceBody, SpaceInitial, SpaceInputs, SpaceRun};
 
 use crate::{STILL, advance, held, run, two_axis};
@@ -71,6 +71,17 @@ fn the_norm_of_the_quaternion_has_no_effect() {
     assert_eq!(Turn::of(&longer).half_tilt_square(), Turn::of(state).half_tilt_square());
 }
 
+/// Works and slips are sums over time, on which no rate depends: steps leave them out of their stages.
+#[test]
+fn sums_over_time_have_no_effect() {
+    let (run, inputs) = moving();
+    let state = &run.state().numbers;
+    let mut other = state.clone();
+    other[moving_numbers(4)..].iter_mut().for_each(|sum| *sum += 7.0);
+    assert_eq!(other[moving_numbers(4)..].len(), 3 + 4);
+    assert_eq!(rates(&run, &inputs, &other), rates(&run, &inputs, state));
+}
+
 /// The block that stands on its supports has no rates.
 #[test]
 fn the_standing_block_is_in_equilibrium() {
@@ -96,9 +107,11 @@ fn energy_changes_by_the_works() {
     next.advance(run.time() + 1e-4, &SpaceInputs { time: run.time(), ..inputs }, &mut |event| panic!("{event:?}"))
         .unwrap();
     let after = next.energies();
-    let works =
-        |run: &SpaceRun| run.state().numbers[WORKS] - run.state().numbers[WORKS + 1] - run.state().numbers[WORKS + 2];
-    let (change, expected) = (after.stored.total() - before.stored.total(), works(&next) - works(&run));
+    let balance = |run: &SpaceRun| {
+        let [input, dashpots, slip] = works(&run.state().numbers, 4);
+        input - dashpots - slip
+    };
+    let (change, expected) = (after.stored.total() - before.stored.total(), balance(&next) - balance(&run));
     assert!((change - expected).abs() < 1e-10, "{change:e}, not {expected:e}");
     assert!(change.abs() > 1e-8);
 }

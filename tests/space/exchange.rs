@@ -34,7 +34,7 @@ impl Solver {
     fn begin(mut run: SpaceRun, inputs: SpaceInputs) -> Solver {
         run.begin_exchange();
         let (time, dimension) = (run.time(), dimension(run.body().count()));
-        let stepper = Stepper::new(dimension);
+        let stepper = Stepper::new(dimension, dimension);
         let mut solver = Solver { run: run.into(), inputs, stepper, time, states: Vec::new(), events: Vec::new() };
         solver.pass_events();
         solver
@@ -48,7 +48,7 @@ impl Solver {
 
     /// Tries a step, and returns whether an event is due at its end.
     fn attempt(&mut self, size: f64) -> bool {
-        let mut stepper = std::mem::replace(&mut self.stepper, Stepper::new(0));
+        let mut stepper = std::mem::replace(&mut self.stepper, Stepper::new(0, 0));
         let mut end = self.states.clone();
         let mut rates = end.clone();
         self.write_rates(self.time, &self.states, &mut rates);

@@ -6,15 +6,17 @@ use crate::numerics::dual::Dual;
 use crate::space::body::SpaceBody;
 use crate::space::events::{FootChange, Poised, SpaceEventKind};
 use crate::space::forces::{FootContact, FootForces, support_height};
-use crate::space::motion::{BodyMotion, FootMotion};
+use crate::space::motion::BodyMotion;
 
 /// Returns the gap (m) and its round-off.
-pub(super) fn sample(at: &Poised, foot: usize, motion: &FootMotion<Dual>) -> (Dual, f64) {
+#[inline]
+pub(super) fn sample(at: &Poised, foot: usize) -> (Dual, f64) {
+    let height = at.motion.foot(&at.body.feet[foot].place).displacement.z;
     let top = match &at.contacts[foot] {
         FootContact::Lifted(creep) => support_height(at.body, &at.body.feet[foot], creep, at.time),
-        FootContact::Sticks | FootContact::Slides => motion.displacement.z,
+        FootContact::Sticks | FootContact::Slides => height,
     };
-    (motion.displacement.z - top, at.round_off.height)
+    (height - top, at.round_off.height)
 }
 
 /// Lets a foot touch. One that its support would pull at once is not taken in: its gap opens.

@@ -8,13 +8,15 @@ mod overturning;
 mod sliding;
 mod toppling;
 
+use std::borrow::Borrow;
+
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::dual::Dual;
 use crate::space::body::SpaceBody;
 use crate::space::equations::SpaceEquations;
 use crate::space::forces::{FootContact, FootForces};
-use crate::space::motion::{BodyMotion, FEET_FROM, FootMotion, of_foot};
+use crate::space::motion::{BodyMotion, FEET_FROM, of_foot};
 
 pub use toppling::topples;
 
@@ -139,12 +141,12 @@ impl<'a> Poised<'a> {
         Poised { body, time, state, rates, contacts, motion, round_off }
     }
 
-    /// Returns motion and forces of a foot, with their rates.
+    /// Returns the forces of a foot, with their rates.
     #[inline]
-    fn foot(&self, foot: usize) -> (FootMotion<Dual>, FootForces<Dual>) {
+    fn forces(&self, foot: usize) -> FootForces<Dual> {
         let at = self.motion.foot(&self.body.feet[foot].place);
         let stretch = [0, 1].map(|i| of_foot(foot) + i).map(|i| Dual::new(self.state[i], self.rates[i]));
-        (at, FootForces::of(self.body, &self.body.feet[foot], FootContact::Sticks, &at, stretch))
+        FootForces::of(self.body, &self.body.feet[foot], FootContact::Sticks, &at, stretch)
     }
 
     /// Returns the motion of the body with its rates.
@@ -155,48 +157,40 @@ impl<'a> Poised<'a> {
     /// Takes the samples of the functions that are watched. Those of a foot are next to each other, its lift-off first.
     pub fn take_samples(&self, mut put: impl FnMut(SpaceSample)) {
         for (i, contact) in self.contacts.iter().enumerate() {
-            let foot = self.foot(i);
-            for function in watched(self.body, i, contact).into_iter().flatten() {
-                put(self.sample_of_foot(function, &foot));
+            let functions = watched(self.body, i, contact).into_iter().flatten();
+            if contact.touches() {
+                let forces = self.forces(i);
+                functions.for_each(|function| put(self.sample_with(function, |_| &forces)));
+            } else {
+                functions.for_each(|function| put(self.sample(function)));
             }
         }
-        put(self.overturning());
+        put(self.sample(SpaceFunction::Overturning));
     }
 
     /// Returns the sample of a function.
     pub fn sample(&self, function: SpaceFunction) -> SpaceSample {
-        match function {
-            SpaceFunction::LiftOff(foot)
-            | SpaceFunction::Landing(foot)
-            | SpaceFunction::Slides(foot)
-            | SpaceFunction::Sticks(foot) => self.sample_of_foot(function, &self.foot(foot)),
-            SpaceFunction::Overturning => self.overturning(),
-        }
+        self.sample_with(function, |foot| self.forces(foot))
     }
 
-    /// Returns the sample of a function of a foot.
+    /// Returns the sample of a function, with the forces of its foot if it needs them.
     #[inline]
-    fn sample_of_foot(
+    fn sample_with<F: Borrow<FootForces<Dual>>>(
         &self,
         function: SpaceFunction,
-        (motion, forces): &(FootMotion<Dual>, FootForces<Dual>),
+        forces: impl FnOnce(usize) -> F,
     ) -> SpaceSample {
         let (value, rounding) = match function {
-            SpaceFunction::LiftOff(_) => lift_off::sample(self.body, forces, self.round_off),
-            SpaceFunction::Landing(foot) => landing::sample(self, foot, motion),
-            SpaceFunction::Slides(foot) => sliding::room(self, foot, forces),
+            SpaceFunction::LiftOff(foot) => lift_off::sample(self.body, forces(foot).borrow(), self.round_off),
+            SpaceFunction::Landing(foot) => landing::sample(self, foot),
+            SpaceFunction::Slides(foot) => sliding::room(self, foot, forces(foot).borrow()),
             SpaceFunction::Sticks(foot) => {
-                let (room, rounding) = sliding::room(self, foot, forces);
+                let (room, rounding) = sliding::room(self, foot, forces(foot).borrow());
                 (-room, rounding)
             }
-            SpaceFunction::Overturning => return self.overturning(),
+            SpaceFunction::Overturning => overturning::sample(&self.motion.turn),
         };
         SpaceSample { function, value, rounding }
-    }
-
-    fn overturning(&self) -> SpaceSample {
-        let (value, rounding) = overturning::sample(&self.motion.turn);
-        SpaceSample { function: SpaceFunction::Overturning, value, rounding }
     }
 }
 

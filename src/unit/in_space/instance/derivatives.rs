@@ -1,7 +1,8 @@
 //! Exact derivatives: of outputs in time, and of outputs in a direction of inputs, continuous states and time.
 
 use crate::space::SpaceInputs;
-use crate::space::motion::{PER_FOOT, of_foot};
+use crate::space::motion::PER_FOOT;
+use crate::space::piece::OF_FEET;
 use crate::space::run::SpaceRates;
 use crate::unit::attributes::{Kind, find};
 use crate::unit::fault::Fault;
@@ -118,9 +119,9 @@ impl SpaceUnit {
         }
         let count = self.values.fmi3.foot_count();
         match fmi3_variable(reference) {
-            Some(Fmi3Variable::StretchX) => Some(of_foot(0)),
-            Some(Fmi3Variable::StretchY) => Some(of_foot(0) + count),
-            Some(Fmi3Variable::Slip) => Some(of_foot(0) + (PER_FOOT - 1) * count),
+            Some(Fmi3Variable::StretchX) => Some(OF_FEET),
+            Some(Fmi3Variable::StretchY) => Some(OF_FEET + count),
+            Some(Fmi3Variable::Slip) => Some(OF_FEET + PER_FOOT * count),
             Some(_) => None,
             None => self.state_place(output(reference, "a state").ok()?),
         }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use crate::space::exchange::nominals;
-use crate::space::motion::{FEET_FROM, dimension};
+use crate::space::motion::dimension;
+use crate::space::piece::OF_FEET;
 use crate::space::piece::indicator_count;
 use crate::space::{SpaceBody, SpaceEvent, SpaceInputs};
 use crate::unit::fault::Fault;
@@ -168,7 +169,7 @@ impl SpaceUnit {
     /// Returns the place of an output among the continuous states, if it is one. Those of feet are in arrays, except of four feet.
     pub(super) fn state_place(&self, output: Output) -> Option<usize> {
         let place = STATES.into_iter().position(|state| state == output)?;
-        (place < FEET_FROM || self.values.fmi3.foot_count() == NAMED_FEET).then_some(place)
+        (place < OF_FEET || self.values.fmi3.foot_count() == NAMED_FEET).then_some(place)
     }
 
     /// Whether an output can be set now: a continuous state in Continuous-Time Mode.
