@@ -77,6 +77,7 @@ fn run() -> Result<(), String> {
     for source in SOURCES.into_iter().filter(|source| Path::new(source).exists()) {
         println!("cargo::rerun-if-changed={source}");
     }
+    println!("cargo::rerun-if-env-changed={GUARD}");
     // Cargo sets this when it compiles this script for the requested package, but not for a dependency.
     let asked_for = option_env!("CARGO_PRIMARY_PACKAGE").is_some();
     // A package from a registry has the library alone.

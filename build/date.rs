@@ -9,7 +9,7 @@ const UNKNOWN: i64 = 315_532_800;
 
 /// Returns the date of generation: SOURCE_DATE_EPOCH, the author's date of the sources' last commit, or a fixed date.
 ///
-/// The same commit therefore gives the same bytes.
+/// The same commit therefore gives the same bytes in a clone that has its history; in a shallow one git reports the oldest commit it has.
 pub fn generation() -> Result<String, String> {
     println!("cargo::rerun-if-env-changed=SOURCE_DATE_EPOCH");
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {

@@ -238,12 +238,16 @@ pub fn only_checking() -> bool {
     {
         let parent = std::os::unix::process::parent_id();
         let Ok(line) = std::fs::read(format!("/proc/{parent}/cmdline")) else { return false };
-        let command = line
-            .split(|&byte| byte == 0)
-            .skip(1)
-            .map(String::from_utf8_lossy)
-            .find(|argument| !argument.starts_with(['-', '+']));
-        matches!(command.as_deref(), Some("check" | "c" | "clippy" | "doc" | "d" | "rustdoc" | "fix"))
+        let mut arguments = line.split(|&byte| byte == 0).skip(1).map(String::from_utf8_lossy);
+        while let Some(argument) = arguments.next() {
+            match &*argument {
+                // Options of cargo itself, each with a value that is no command.
+                "--config" | "--color" | "-C" | "-Z" => drop(arguments.next()),
+                argument if argument.starts_with(['-', '+']) => (),
+                command => return matches!(command, "check" | "c" | "clippy" | "doc" | "d" | "rustdoc" | "fix"),
+            }
+        }
+        false
     }
     #[cfg(not(target_os = "linux"))]
     {

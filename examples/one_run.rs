@@ -133,7 +133,7 @@ fn main() {
     let (inputs, _) = ground.inputs_from(0.0);
     let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
     let ended = if case == "through-fmu" {
-        // The FMU does not tell its evaluations, which are those of the core.
+        // The FMU does not report its evaluations, which are those of the core.
         run_through_fmu(&ground, end, tolerance);
         run(&mut simulation, &ground, end)
     } else {

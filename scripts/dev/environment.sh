@@ -25,7 +25,7 @@ cargo_test=(cargo test --release --locked --workspace ${ROCKING_BLOCK_FEATURES:+
   --exclude importer-tests --exclude packaging --exclude rocking-benches --exclude rocking-block-fmu3-wasm --exclude rocking-block-python)
 # The program and the FMUs.
 cargo_release=(build --release --locked ${ROCKING_BLOCK_FEATURES:+--features "$ROCKING_BLOCK_FEATURES"})
-made=$PWD/${CARGO_TARGET_DIR:-target}/release
+made=$(realpath --canonicalize-missing "${CARGO_TARGET_DIR:-target}")/release
 
 # Runs a command under a heading, and prints its duration and its CPU time.
 TIMEFORMAT=$'== %0R s, %0U s of CPU'

@@ -58,7 +58,7 @@ impl SpaceLimits {
     ///
     /// As in the plane, an error counts as an equivalent velocity: a displacement times the greatest circular frequency of the body on the
     /// feet that touch. The allowed error is the tolerance times the velocity of rocking, R0 α p, vertically at most that which changes the
-    /// forces by 5 tolerances times the weight.
+    /// forces together by 10 tolerances times the weight.
     pub(super) fn set(&mut self, body: &SpaceBody, contacts: &[FootContact], tolerance: f64, pulse_frequency: f64) {
         const OF_WEIGHT: f64 = 10.0;
         let [(_, frequency), rates @ ..] = rates(body, contacts);

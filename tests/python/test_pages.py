@@ -162,6 +162,7 @@ def test_all_files_have_the_version_of_cargo_toml():
     for name, expected in {
         "Cargo.toml": f'version = "={version}"',
         "modelDescription.xml": f'\n  version="{version}"',
+        "modelDescriptionInSpace.xml": f'\n  version="{version}"',
         "CITATION.cff": f"\nversion: {version}\n",
         "codemeta.json": f'"version": "{version}"',
         "lab/conda/recipe/recipe.yaml": f"\n  version: {version.replace('-rc.', 'rc')}\n",

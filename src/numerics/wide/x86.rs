@@ -1,8 +1,8 @@
 //! The vectors of x86-64: four numbers with AVX2, eight with AVX-512. Pairs, which processors without AVX2 have, gain too little for a
 //! third copy of the code.
 //!
-//! The vector types are private. Only a task run by [`Vectors::run`] makes values of them, and [`Vectors::at_most`] makes a [`Vectors`]
-//! only if the processor has its instructions.
+//! The vector types are private. Only tasks run by [`Vectors::run`] or [`with_directions`] make values of them: [`Vectors::at_most`] makes a
+//! [`Vectors`], and `with_directions` runs its task, only if the processor has the instructions.
 
 use std::arch::x86_64::*;
 

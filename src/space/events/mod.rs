@@ -1,6 +1,6 @@
 //! The motion of a block and its rates → the functions that are watched, their round-off, and the change of the block at their zeros.
 //!
-//! All states are continuous at all events, so that events in one instant have no order.
+//! No event changes places and velocities of the body, and each concerns one foot, so that events in one instant have no order.
 
 mod landing;
 mod lift_off;

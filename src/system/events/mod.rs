@@ -13,8 +13,8 @@
 //! | `restraint` | an event function of a restraint → its state changes |
 //! | `quarter_turn` | the remaining angle → the run ends |
 //!
-//! [`watched`] is the table of the watched functions in each regime, for the driver, Model Exchange's indicators and the lanes. After
-//! each event `settle` decides the regime again, in a `change` of the pose.
+//! [`watched`] is the table of the watched functions in each regime, for the driver and Model Exchange's indicators; lanes write those of
+//! their modes out, and a test compares them. After each event `settle` decides the regime again, in a `change` of the pose.
 
 pub(in crate::system) mod change;
 mod event;

@@ -365,7 +365,7 @@ impl Fmu for SpaceUnit {
         })
     }
 
-    /// All states are continuous at an event, which has happened when the step is left.
+    /// An event has happened when the step is left: it changes no place and no velocity.
     fn apply_pending_event(&mut self, _: &mut dyn FnMut(&SpaceEvent)) -> Result<(), Fault> {
         Ok(())
     }
