@@ -35,7 +35,7 @@ pub fn directions(title: &str, found: &[Direction], limit: Limit) -> Result<Stri
         format!("azimuth of the first component from x towards y, seen from above; {rows} rows{unknown}"),
     ];
     let legend = [
-        (Symbol::Band, formula(&format!("fraction of the rows beyond the limit: {limit}"))),
+        (Symbol::Band, formula(&format!("fraction of the rows beyond the limit: {limit}").replace("alpha", "α"))),
         (
             Symbol::Mark(Mark::Circle),
             formula("median of the peak tilt/α_edge; outside the circle: overturned, or above 1"),

@@ -135,12 +135,18 @@ impl SketchInSpace<'_> {
     }
 
     fn draw(&self, area: &Area, projection: &Projection) -> Drawn {
-        let (outline, top) = (self.outline(), self.top());
+        let (mut outline, top) = (self.outline(), self.top());
         let at = |[x, y]: [f64; 2], z: f64| projection.at([x, y, z]);
-        let sides = || outline.iter().zip(outline.iter().cycle().skip(1)).map(|(a, b)| (*a, *b));
         let is_round = matches!(self.parameters.base, Base::Circle { .. });
         // The viewer is towards −y and +x: a side is seen if its outer normal points there.
         let is_seen = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| (by - ay) * 0.5 + (bx - ax) * 0.866 > 0.0;
+        // The sides that are seen follow one another from the first corner on.
+        let before = |i: usize| outline[(i + outline.len() - 1) % outline.len()];
+        let after = |i: usize| outline[(i + 1) % outline.len()];
+        let is_first = |i: &usize| is_seen((outline[*i], after(*i))) && !is_seen((before(*i), outline[*i]));
+        let first = (0..outline.len()).find(is_first).unwrap_or(0);
+        outline.rotate_left(first);
+        let sides = || outline.iter().zip(outline.iter().cycle().skip(1)).map(|(a, b)| (*a, *b));
         let seen: Vec<_> = sides().filter(|side| is_seen(*side)).collect();
         if is_round {
             // One surface, without seams.
