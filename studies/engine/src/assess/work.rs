@@ -10,10 +10,11 @@ use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Cache, Step, Work};
 use crate::assess::{pulses, spectrum};
-use crate::fragility::{Assessment, Component, Limit, SweepTable};
+use crate::fragility::{Assessment, Component, Direction, Limit, SweepTable};
 use crate::input::parameters::Vocabulary;
 use crate::output::runner::Study;
 use crate::spec::words::Words;
+use crate::spectrum::CheckedSpectrum;
 use crate::spectrum::statistics::{BlockOutcome, Statistics};
 use crate::sweep::change::Change;
 use rocking_block::block::restraints::LinkKind;
@@ -95,18 +96,7 @@ pub fn assess(
         let ends = [changed(&mut work, name, &changes[..1])?, changed(&mut work, name, &changes[1..])?];
         sensitivity.push(Sensitivity { assumption: assumption.clone(), ends });
     }
-    let mut sizes = None;
-    if let Some((spectrum, strength)) = of_sizes {
-        let table = work.table("other sizes", &spectrum, &spectrum.header().study)?;
-        let mut statistics = Statistics::new(&spectrum);
-        statistics.add(&spectrum, &BlockOutcome::all(&table)?);
-        sizes = Some(SizeSpectrum { spectrum, table, statistics, strength });
-    }
-    // A single direction is no comparison.
-    let directions = match plan.object.in_space() {
-        Some(_) => table.directions(states[compared].limit)?,
-        None => Vec::new(),
-    };
+    let sizes = of_sizes.map(|of_sizes| other_sizes(&mut work, of_sizes)).transpose()?;
     let pulses = work.search("pulses", |ran| pulses::least(plan, width, ran));
     let results: Vec<_> =
         states.iter().zip(&curves).map(|(state, curve)| curve.result(state, hazard, *years)).collect();
@@ -127,7 +117,7 @@ pub fn assess(
         pulses,
         sizes: sizes.as_ref().map(SizeSpectrum::results).unwrap_or_default(),
         sizes_strength: sizes.as_ref().map(|sizes| sizes.strength.clone()).unwrap_or_default(),
-        directions: if directions.len() > 1 { directions } else { Vec::new() },
+        directions: directions(plan, &table, states[compared].limit)?,
         states: results,
         confidence: CONFIDENCE,
         intervals: intervals.map(Assessment::intervals),
@@ -142,6 +132,21 @@ pub fn assess(
     };
     report.remarks = remarks(plan, &report, &curves);
     Ok(Results { report, table, states: curves, sizes, steps: work.steps })
+}
+
+/// Makes the spectrum of blocks in other sizes, under ground motions of a strength in words.
+fn other_sizes(work: &mut Work, of: (CheckedSpectrum, String)) -> Result<SizeSpectrum, AssessError> {
+    let (spectrum, strength) = of;
+    let table = work.table("other sizes", &spectrum, &spectrum.header().study)?;
+    let mut statistics = Statistics::new(&spectrum);
+    statistics.add(&spectrum, &BlockOutcome::all(&table)?);
+    Ok(SizeSpectrum { spectrum, table, statistics, strength })
+}
+
+/// Returns the runs by direction, of an object in space under several.
+fn directions(plan: &Plan, table: &SweepTable, limit: Limit) -> Result<Vec<Direction>, AssessError> {
+    let found = plan.object.in_space().map(|_| table.directions(limit)).transpose()?.unwrap_or_default();
+    Ok(if found.len() > 1 { found } else { Vec::new() })
 }
 
 /// Whether the study limits the friction of its blocks.

@@ -5,7 +5,6 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
 use rocking_studies::run::Run;
-use rocking_studies::run::Run;
 use rocking_studies::search::{Scan, Threshold, overturning};
 
 /// Allowed relative error of a derivative.
