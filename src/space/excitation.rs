@@ -216,16 +216,18 @@ impl SpaceGround {
         let given = || self.records.iter().zip(NAMES).filter_map(|(record, name)| Some((record.as_ref()?, name)));
         let Some((first, first_name)) = given().next() else { return Ok(self) };
         for (record, name) in given() {
-            for (what, expected, found) in [
-                ("time step", first.time_step, record.time_step),
-                ("start", first.start_time, record.start_time),
-                ("duration", first.duration(), record.duration()),
-            ] {
+            for (what, expected, found) in
+                [("time step", first.time_step, record.time_step), ("start", first.start_time, record.start_time)]
+            {
                 if found != expected {
                     return Err(format!(
                         "{name} has a {what} of {found} s; expected that of {first_name}, {expected} s"
                     ));
                 }
+            }
+            let [expected, found] = [first, record].map(|record| record.acceleration.len());
+            if found != expected {
+                return Err(format!("{name} has {found} samples; expected the {expected} samples of {first_name}"));
             }
         }
         if !self.azimuth.is_finite() {

@@ -11,9 +11,10 @@
 //! | [`line_style`] | points → lines that differ without colours |
 //! | [`chart`] | curves, areas and marks → charts with axes |
 //! | [`page`] | heading, legend and charts → pages |
-//! | [`sketch`] | a block with its ties → a sketch with dimensions |
+//! | [`sketch`] | a block with its ties, or one in space → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |
+//! | [`directions`](mod@directions) | outcomes in space by the direction of the ground motion → a polar chart |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
 //! | [`rate`] | annual rates → pages |
@@ -52,6 +53,8 @@ pub mod loops;
 pub mod pushover;
 
 pub mod fragility;
+
+pub mod directions;
 
 pub mod rate;
 

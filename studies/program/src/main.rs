@@ -155,7 +155,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
     let explicit = ExplicitOptions::of(matches);
     match Arguments::from_arg_matches(matches)?.command {
         Some(Command::Simulate(options)) => simulate::run(&options, &explicit),
-        Some(Command::Sketch(options)) => sketch::run(&options),
+        Some(Command::Sketch(options)) => sketch::run(&options, &explicit),
         Some(Command::Pushover(options)) => pushover::run(&options, &explicit),
         Some(Command::Frame(options)) => frame::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),

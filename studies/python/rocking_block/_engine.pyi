@@ -455,10 +455,10 @@ def read_batches(
 def table_files(path: str | PathLike[str], partial: bool) -> tuple[list[tuple[str, list[tuple[str, str]], str | None]], bool]: ...
 def read_table(path: str | PathLike[str], partial: bool) -> list[_Column]: ...
 def search_overturning(
-    block: Block,
+    block: Block | BlockInSpace,
     pulse: object | None,
-    horizontal: Record | None,
-    vertical: Record | None,
+    components: Sequence[Record | None],
+    azimuth: float,
     scan: dict[str, Any],
     options: dict[str, Any],
     tick: _Tick,

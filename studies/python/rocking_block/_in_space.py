@@ -161,7 +161,7 @@ class BlockInSpace(_engine.BlockInSpace):
         scale : float
             Factor on all components [1].
         azimuth : float
-            Direction of `x` and of the pulse from +x towards +y, which turns both horizontal components together [degrees].
+            Direction of `x` and of the pulse from +x towards +y, which turns `y`, if any, with them [degrees].
         pulse : Pulse, optional
             A horizontal pulse, alone or added to the records.
         tilt_x, tilt_y, twist : float

@@ -9,7 +9,7 @@ from typing import Any
 from rocking_block import _engine
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
-from rocking_block._words import OnSeparation, run_options, ticking
+from rocking_block._words import OnSeparation, number, run_options, ticking
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,13 @@ class Search:
 
 
 def search_overturning(
-    block: _engine.Block,
+    block: _engine.Block | _engine.BlockInSpace,
     *,
     pulse: Pulse | None = None,
     record: Record | str | os.PathLike[str] | None = None,
+    record_y: Record | str | os.PathLike[str] | None = None,
     vertical: Record | str | os.PathLike[str] | None = None,
+    azimuth: float = 0.0,
     from_: float | None = None,
     to: float | None = None,
     points: int = 201,
@@ -66,15 +68,19 @@ def search_overturning(
 
     Parameters
     ----------
-    block : Block
-        The block.
+    block : Block or BlockInSpace
+        The block, in the plane or in space.
     pulse : Pulse
         Shape, period and start of a pulse. Its own amplitude is ignored; the search is over the amplitude [m/s²].
     record, vertical : Record or path
         Records instead of a pulse; the search is over the factor on them [1].
+    record_y : Record or path
+        Second horizontal component of a block in space, a quarter turn ahead of `record`.
+    azimuth : float
+        Direction of `record` or of the pulse for a block in space, from +x towards +y [degrees].
     from_, to : float, optional
-        Range of the amplitude or factor. By default it ends at ten times a PGA of g tan α. It begins at 0 or, on a
-        rigid base without a vertical record, at g tan α, below which no block rocks there.
+        Range of the amplitude or factor. By default it ends at ten times a PGA of g tan α, in space over the nearest edge. It begins at 0
+        or, on a rigid base without a vertical record, at g tan α, below which no block rocks there.
     points : int
         Number of scanned values, evenly spaced.
     resolution : float
@@ -100,16 +106,22 @@ def search_overturning(
     >>> found = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.2566), points=41)
     >>> f"{found.least:.4f} m/s²"
     '7.2226 m/s²'
+    >>> pillar = rb.BlockInSpace(width=0.4, depth=0.8, height=2.0, eta=60, xi_v=0.2)
+    >>> sine = rb.Pulse("one-sine", period=0.5)
+    >>> found = [rb.search_overturning(pillar, pulse=sine, azimuth=azimuth, points=21, resolution=1e-2) for azimuth in (0, 90)]
+    >>> [f"{search.least:.1f} m/s²" for search in found]
+    ['4.5 m/s²', '14.4 m/s²']
     """
     scan = _scan(from_, to, points, resolution, threads)
     options = run_options(tolerance, on_separation)
-    if not isinstance(block, _engine.Block):
-        raise TypeError(f"block = {block!r}; expected a Block")
+    if not isinstance(block, _engine.Block | _engine.BlockInSpace):
+        raise TypeError(f"block = {block!r}; expected a Block or a BlockInSpace")
     pulse = as_pulse(pulse)
-    horizontal = None if record is None else as_record("record", record, block.g)
-    vertical_record = None if vertical is None else as_record("vertical", vertical, block.g)
+    given = {"record": record, "record_y": record_y, "vertical": vertical}
+    components = [None if found is None else as_record(name, found, block.g) for name, found in given.items()]
+    direction = number("azimuth", azimuth)
     with ticking(progress) as tick:
-        found = _engine.search_overturning(block, pulse, horizontal, vertical_record, scan, options, tick)
+        found = _engine.search_overturning(block, pulse, components, direction, scan, options, tick)
     least, bound, stretches, spacing = found
     parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
     return Search(parameter, least, bound, tuple(stretches), spacing, resolution)

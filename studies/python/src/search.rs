@@ -1,16 +1,21 @@
 //! A range → the values at which the outcome changes.
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::block::Foundation;
+use rocking_block::excitation::Pulse;
 use rocking_block::numerics::wide::VectorWidth;
+use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
+use rocking_studies::search::{self, OutcomeMap, Scan, Shaken, Threshold};
+use rocking_studies::space::RunInSpace;
+use rocking_studies::space::ground::ComponentNames;
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, invalid, pool, whole};
-use crate::record::{Record, ground};
+use crate::record::ground;
+use crate::space::{self, BlockInSpace, Components};
 use crate::work::wait;
 
 /// Range and resolution of a scan: a dictionary with these keys.
@@ -53,31 +58,56 @@ fn searched<T: Send + 'static>(
     wait(py, tick, move |progress| pool.install(|| search(&|done, total| progress.advance(done, total))))
 }
 
+/// The components by the names of the search.
+const COMPONENTS: ComponentNames = ComponentNames { names: ["record", "record_y", "vertical"], ..space::COMPONENTS };
+
 /// Finds intervals of equal outcome over the amplitude of a pulse or the factor on records.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn search_overturning<'py>(
     py: Python<'py>,
-    block: &Bound<'py, Block>,
+    block: &Bound<'py, PyAny>,
     pulse: Option<PulseOptions>,
-    horizontal: Option<&Bound<'py, Record>>,
-    vertical: Option<&Bound<'py, Record>>,
+    components: Components<'py>,
+    azimuth: f64,
     scan: ScanOptions,
     options: RunOptions,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Answer> {
-    let block = block.get().block;
-    let shaking = match (&pulse, horizontal) {
-        (Some(pulse), None) => Shaking::Pulse(pulse.without_amplitude()?),
-        (None, Some(record)) => Shaking::Records(ground(Some(record), vertical, 1.0)?),
+    let settings = options.settings()?;
+    let has_pulse = match (&pulse, &components) {
+        (Some(_), [None, _, None]) | (None, [Some(_), ..]) => pulse.is_some(),
         _ => return Err(PyValueError::new_err("expected either a pulse or a record, whose strength is searched for")),
     };
-    let (settings, pool) = (options.settings()?, pool(scan.threads)?);
-    let scan = scan.scan(search::usual_strengths(&block, &shaking))?;
+    let pulse = pulse.as_ref().map_or(Ok(Pulse::NONE), PulseOptions::without_amplitude)?;
+    if let Ok(block) = block.cast::<BlockInSpace>() {
+        let BlockInSpace { parameters, body, .. } = block.get();
+        let ground = space::ground(&components, 1.0, azimuth, has_pulse, COMPONENTS)?;
+        let at_rest = RunInSpace::at_rest(parameters.clone(), body.clone(), settings);
+        return overturning(py, RunInSpace { ground, ..at_rest.with_pulse(pulse, azimuth) }, scan, tick);
+    }
+    let Ok(block) = block.cast::<Block>() else {
+        return Err(PyTypeError::new_err(format!("block = {block:?}; expected a Block or a BlockInSpace")));
+    };
+    let [horizontal, y, vertical] = &components;
+    if y.is_some() || azimuth != 0.0 {
+        let name = if y.is_some() { "record_y" } else { "azimuth" };
+        return Err(PyValueError::new_err(format!("{name} is for a block in space; expected a BlockInSpace")));
+    }
+    let ground = ground(horizontal.as_ref(), vertical.as_ref(), 1.0)?;
+    overturning(py, Run { ground, pulse, ..Run::at_rest(block.get().block, settings) }, scan, tick)
+}
+
+fn overturning<E: Shaken + Send + 'static>(
+    py: Python,
+    run: E,
+    scan: ScanOptions,
+    tick: &Bound<PyAny>,
+) -> PyResult<Answer> {
+    let pool = pool(scan.threads)?;
+    let scan = scan.scan(run.usual_strengths())?;
     let width = VectorWidth::widest();
-    let found = searched(py, tick, pool, move |progress| {
-        search::overturning(&block, &shaking, settings, &scan, width, progress)
-    })?;
+    let found = searched(py, tick, pool, move |progress| search::overturning(&run, &scan, width, progress))?;
     Ok(answer(&found, found.overturning()))
 }
 

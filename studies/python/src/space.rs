@@ -10,16 +10,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
-use rocking_block::space::{
-    DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,
-};
+use rocking_block::space::{FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters};
 use rocking_studies::doubts;
 use rocking_studies::intensity::{BlockScales, Measure};
 use rocking_studies::output::runner::StudyRows;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::MemoryError;
 use rocking_studies::run::rows::RunRow;
-use rocking_studies::space::ground::{ComponentNames, of_components};
+use rocking_studies::space::ground::{ComponentNames, check_azimuth, of_components};
 use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, outcome, table};
 use rocking_studies::spec::numbers_in_space::BeginningSpec;
 use rocking_studies::spec::space::{BaseShape, FeetSpec, feet_of_table};
@@ -34,7 +32,7 @@ use crate::studies::{Columns, batches, for_python};
 use crate::work::wait;
 
 /// The components by the names of Python.
-const COMPONENTS: ComponentNames = ComponentNames {
+pub const COMPONENTS: ComponentNames = ComponentNames {
     names: ["x", "y", "vertical"],
     resample: "Record.processed(resample=...) gives all components one step",
     cut: "cut the components to the samples that all have",
@@ -45,8 +43,8 @@ const COMPONENTS: ComponentNames = ComponentNames {
 pub struct BlockInSpace {
     /// The parameters as given.
     given: Py<PyDict>,
-    parameters: SpaceParameters,
-    body: SpaceBody,
+    pub parameters: SpaceParameters,
+    pub body: SpaceBody,
 }
 
 impl PartialEq for BlockInSpace {
@@ -95,6 +93,7 @@ impl BlockInSpace {
         };
         let parameters = own.parameters(&shared, read).map_err(refused)?;
         let body = SpaceBody::new(&parameters).map_err(invalid)?;
+        warn(py, doubts::of_blocks_in_space([(parameters.clone(), body.clone(), shared.mass.is_some())]), 2)?;
         let numbers = NumbersInSpace::of(&parameters, &body);
         Ok(PyClassInitializer::from(numbers).add_subclass(BlockInSpace { given: given.unbind(), parameters, body }))
     }
@@ -239,18 +238,20 @@ impl InitialInSpace {
 /// The components of a ground motion.
 pub type Components<'py> = [Option<Bound<'py, Record>>; 3];
 
-fn ground(components: &Components, scale: f64, azimuth: f64) -> PyResult<SpaceGround> {
+/// Returns the motion of the ground, turned by the azimuth, which needs a component x or a pulse.
+pub fn ground(
+    components: &Components,
+    scale: f64,
+    azimuth: f64,
+    has_pulse: bool,
+    known_as: ComponentNames,
+) -> PyResult<SpaceGround> {
     finite("scale", scale, |_| true, "a finite factor")?;
     finite("azimuth", azimuth, |_| true, "a finite angle")?;
-    let [x, y, _] = components;
-    if azimuth != 0.0 && x.is_some() && y.is_none() {
-        return Err(PyValueError::new_err(
-            "azimuth without y; expected both horizontal components of the motion that it turns, or a pulse alone",
-        ));
-    }
+    check_azimuth("azimuth", azimuth != 0.0, components[0].is_some(), has_pulse).map_err(PyValueError::new_err)?;
     let records = components.each_ref().map(|record| record.as_ref().map(|record| record.get().record.clone()));
     let scaled = records.map(|record| record.map(|record| record.scaled(scale)));
-    of_components(scaled, azimuth.to_radians(), COMPONENTS).map_err(PyValueError::new_err)
+    of_components(scaled, azimuth.to_radians(), known_as).map_err(PyValueError::new_err)
 }
 
 /// Returns the history of a block in space: a dictionary with `columns`, `events`, `peak`, `counts` and the outcome.
@@ -271,8 +272,8 @@ pub fn history_in_space<'py>(
     if !has_record && scale != 1.0 {
         return Err(PyValueError::new_err("scale has no effect without a record"));
     }
-    let ground = ground(&components, scale, azimuth)?;
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
+    let ground = ground(&components, scale, azimuth, pulse.shape != PulseShape::None, COMPONENTS)?;
     let initial = beginning.initial()?;
     if !has_record && pulse.shape == PulseShape::None && initial == SpaceInitial::default() {
         return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or an initial state"));
@@ -280,14 +281,12 @@ pub fn history_in_space<'py>(
     warn(py, doubts::of_end(&pulse, has_record), 2)?;
     let time_step = ground.records.iter().flatten().map(|record| record.time_step).reduce(f64::min);
     let (BlockInSpace { parameters, body, .. }, settings) = (block.get(), options.settings()?);
-    let first = DirectedPulse::horizontal(pulse, azimuth.to_radians());
     let run = RunInSpace {
-        parameters: parameters.clone(),
-        setup: SpaceSetup { body: body.clone(), settings, pulses: [first, DirectedPulse::NONE, DirectedPulse::NONE] },
         initial,
         ground,
         duration: options.duration,
         output_step: options.step.or(time_step).unwrap_or(0.01),
+        ..RunInSpace::at_rest(parameters.clone(), body.clone(), settings).with_pulse(pulse, azimuth)
     };
     run.check_memory().map_err(|error| match error {
         MemoryError::TooManyRows(_) => invalid(error),
@@ -355,7 +354,8 @@ pub fn outcomes_in_space<'py>(
     let mut turned = Vec::new();
     for motion in &motions {
         // Refuses components that do not belong together, and an azimuth without them.
-        azimuths.iter().try_for_each(|&azimuth| ground(motion, 1.0, azimuth).map(|_| ()))?;
+        let has_pulse = pulse.shape != PulseShape::None;
+        azimuths.iter().try_for_each(|&azimuth| ground(motion, 1.0, azimuth, has_pulse, COMPONENTS).map(|_| ()))?;
         let [horizontal, y, vertical] =
             motion.each_ref().map(|record| record.as_ref().map(|record| record.get().record.clone()));
         let transverse = y.map(|record| Transverse { file: String::new(), name: String::new(), record });
@@ -372,20 +372,11 @@ pub fn outcomes_in_space<'py>(
             let (of_scale, azimuth) = (number / azimuths.len(), number % azimuths.len());
             (&turned[of_scale / scales.len()][azimuth], scales[of_scale % scales.len()])
         };
-        let run = |(motion, scale): (&GroundMotion, f64)| {
-            let first = DirectedPulse::horizontal(pulse, motion.azimuth.to_radians());
-            RunInSpace {
-                parameters: parameters.clone(),
-                setup: SpaceSetup {
-                    body: body.clone(),
-                    settings,
-                    pulses: [first, DirectedPulse::NONE, DirectedPulse::NONE],
-                },
-                initial: SpaceInitial::default(),
-                ground: motion.in_space(scale),
-                duration,
-                output_step: f64::INFINITY,
-            }
+        let at_rest = RunInSpace::at_rest(parameters, body, settings);
+        let run = |(motion, scale): (&GroundMotion, f64)| RunInSpace {
+            ground: motion.in_space(scale),
+            duration,
+            ..at_rest.clone().with_pulse(pulse, motion.azimuth)
         };
         let measures = shown.iter().map(|&measure| {
             TableColumn::optional(measure.to_string(), measure.unit(), move |row: &Row| {

@@ -139,7 +139,8 @@ def test_components_that_do_not_belong_together_are_refused():
         ({"x": x, "y": x}, "y has the samples of x; expected each component once"),
         ({"y": y}, "y without x; expected both horizontal components"),
         ({"x": x, "y": slow}, "y has a time step of 0.01 s; expected that of x, 0.005 s; Record.processed"),
-        ({"x": x, "azimuth": 30.0}, "azimuth without y; expected both horizontal components"),
+        ({"vertical": x, "azimuth": 30.0}, "azimuth has no effect without a horizontal record or a pulse, which it turns"),
+        ({"x": x, "y": rb.Record(y.acceleration[:-10], y.dt)}, f"y has {len(y.acceleration) - 10} samples; expected the {len(x.acceleration)}"),
         ({}, "nothing moves the block"),
         ({"x": x, "tilt_x": 2.0}, "tilt_x = 2; expected a tilt, with tilt_y, within 1.57 rad"),
     ]:
@@ -148,6 +149,70 @@ def test_components_that_do_not_belong_together_are_refused():
         assert message in str(error.value)
     with pytest.raises(ValueError, match="found 2 of x, 1 of y; expected equal numbers"):
         block.outcomes([x, y], y=[x])
+
+
+def test_a_component_alone_is_turned():
+    """A motion along one line is one along y at an azimuth of 90°, in a run, in outcomes and in a sweep."""
+    square = rb.BlockInSpace(width=0.4, depth=0.4, height=1.8, eta=60.0, xi_v=0.2)
+    x, _ = crossed()
+    along_x, along_y = (square.run(x, scale=2, azimuth=azimuth) for azimuth in (0, 90))
+    np.testing.assert_allclose(along_y["tilt_y"], along_x["tilt_x"], atol=1e-9)
+    assert np.abs(along_x["tilt_x"]).max() > 1e-3 and np.abs(along_y["tilt_x"]).max() < 1e-9
+    found = square.outcomes(x, scale=2, azimuth=[0, 90], tolerance=1e-8)
+    assert found["peak.tilt"].tolist() == [along_x.peak.tilt, along_y.peak.tilt]
+
+
+def test_a_search_in_space_brackets_a_change(tmp_path):
+    """The outcomes on both sides are those of runs, along x and along y, under a pulse and under a pair."""
+    block = rb.BlockInSpace(width=0.4, depth=0.8, height=2.0, eta=60.0, xi_v=0.2)
+    for azimuth in (0, 90):
+        found = rb.search_overturning(block, pulse=SINE, azimuth=azimuth, points=15, resolution=1e-3)
+        (_, below, first), (above, _, second) = found.stretches[:2]
+        assert (first, second, found.least) == ("completed", "overturned", above) and above - below <= 1e-3
+        outcomes = [
+            block.outcomes(pulse=rb.Pulse("one-sine", amplitude, SINE.period), azimuth=azimuth)["outcome"][0] for amplitude in (below, above)
+        ]
+        assert outcomes == ["completed", "overturned"]
+    x, y = crossed()
+    found = rb.search_overturning(block, record=x, record_y=y, azimuth=20, points=15, resolution=1e-2)
+    assert found.parameter == "scale [1]" and found.stretches[0][0] == 0
+    for given, message in [
+        ({"record": x, "pulse": SINE}, "expected either a pulse or a record"),
+        ({"record_y": y, "pulse": SINE}, "record_y without record; expected both horizontal components"),
+        ({"record": x, "record_y": x}, "record_y has the samples of record; expected each component once"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            rb.search_overturning(block, **given)
+    with pytest.raises(ValueError, match="azimuth is for a block in space; expected a BlockInSpace"):
+        rb.search_overturning(rb.Block(alpha=0.2, p=2.0), pulse=SINE, azimuth=30)
+    with pytest.raises(TypeError, match="expected a Block or a BlockInSpace"):
+        rb.search_overturning("block", pulse=SINE)
+
+
+def test_lengths_in_millimetres_are_doubted():
+    with pytest.warns(UserWarning, match="the block is 600 m wide, 900 m deep and 2400 m high"):
+        rb.BlockInSpace(width=600, depth=900, height=2400, eta=60)
+    with pytest.warns(UserWarning, match="density of 0.002315 kg/m3"):
+        rb.BlockInSpace(width=0.6, depth=0.9, height=2.4, eta=60, mass=0.003)
+
+
+def test_an_object_in_space_is_assessed(tmp_path):
+    """The numbers are those of a sweep and its curve."""
+    study = pair(tmp_path)
+    study["study"]["scales"] = [0.5, 1.0, 1.5, 2.0, 3.0]
+    table = rb.sweep(study)
+    lines = [
+        "[study]\ndesign = 'grid'\nazimuths = [0, 40]\nscales = [0.5, 1.0, 1.5, 2.0, 3.0]\n[parameters]",
+        *(f"{name} = {value}" for name, value in study["parameters"].items()),
+        "[[records]]\nx = 'x.csv'\ny = 'y.csv'\n[assess]\ntitle = 'Stone'\npulse_periods = [0.5]",
+        "states = [{ name = 'rocks', limit = 0.3 }]",
+    ]
+    (tmp_path / "study.toml").write_text("\n".join(lines))
+    report = rb.assess(tmp_path / "study.toml")
+    exceeded = (table["outcome"] == "overturned") | (table["peak.tilt/alpha_edge"] > 0.3)
+    assert report.numbers["states"][0]["runs"]["exceeded"] == exceeded.sum() > 0
+    assert [direction["azimuth"] for direction in report.numbers["directions"]] == [0, 40]
+    assert "directions.png" in report.files and "rolls over corners" in report.html
 
 
 def pair(folder):

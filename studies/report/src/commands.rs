@@ -67,12 +67,18 @@ fn folded(command: &str) -> String {
 /// Returns the search of the first pulse, if α, p and the foundation describe the block.
 fn pulses(plan: &Plan) -> Option<String> {
     // No command passes a pulse through a building.
-    if plan.block.tracks_foot() || plan.sweep.has_building() {
+    let is_described = plan.object.in_plane().is_none_or(|block| !block.tracks_foot());
+    if !is_described || plan.sweep.has_building() {
         return None;
     }
     let mut line = CommandLine::new("search overturning");
     line.option("pulse", plan.pulse.word()).option("period", plan.pulse_periods[0]);
-    Some(line.block(&BlockSpec::of(&plan.block)).option("tolerance", plan.sweep.tolerance).text())
+    match (plan.object.in_plane(), &plan.values.in_space) {
+        (Some(block), _) => line.block(&BlockSpec::of(block)),
+        (None, Some(numbers)) => line.block_in_space(&numbers.block, &numbers.space),
+        (None, None) => return None,
+    };
+    Some(line.option("tolerance", plan.sweep.tolerance).text())
 }
 
 /// Quotes a word of a command line if a shell requires it.

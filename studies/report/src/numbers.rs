@@ -3,11 +3,12 @@
 //! The template of the page passes the fields of results by reference and computed numbers by value.
 
 use std::borrow::Borrow;
+use std::collections::BTreeSet;
 
 use rocking_charts::numerals::{self, significant};
-use rocking_studies::assess::Counts;
+use rocking_studies::assess::{Counts, MotionResult};
 use rocking_studies::fragility::{Limit, split_heading};
-use rocking_studies::spec::{BlockSpec, limits};
+use rocking_studies::spec::{BlockSpec, SpaceSpec, limits};
 
 /// Writes a number with three significant digits.
 pub fn short(value: impl Borrow<f64>) -> String {
@@ -82,9 +83,11 @@ pub fn heading(heading: &str) -> (String, String) {
 /// Returns the name of a quantity such as `eta [1]` and the suffix of its numbers. A parameter of a block has its title.
 pub fn named_quantity(of: &str) -> (String, String) {
     let (name, unit) = heading(of);
-    let parameters = limits::properties::<BlockSpec>();
-    let title = parameters[split_heading(of).0]["title"].as_str();
-    (title.map(String::from).unwrap_or(name), unit)
+    let key = split_heading(of).0;
+    let title = [limits::properties::<BlockSpec>(), limits::properties::<SpaceSpec>()]
+        .into_iter()
+        .find_map(|parameters| parameters[key]["title"].as_str().map(String::from));
+    (title.unwrap_or(name), unit)
 }
 
 /// Writes a quantity by its name and unit.
@@ -123,6 +126,22 @@ pub fn exceed(limit: Limit) -> String {
     }
 }
 
+/// [`ground_motions`] in fewer words.
+pub fn motions(motions: &[MotionResult]) -> String {
+    ground_motions(motions).replace("ground motion", "motion")
+}
+
+/// Writes the number of ground motions, each once whatever the number of its directions.
+pub fn ground_motions(motions: &[MotionResult]) -> String {
+    let names: BTreeSet<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
+    let counted = counted(names.len() as u64, "ground motion");
+    // Each has as many directions as all others.
+    match motions.len() / names.len().max(1) {
+        0 | 1 => counted,
+        directions => format!("{counted} in {directions} directions"),
+    }
+}
+
 /// Writes a count with its noun.
 pub fn counted(count: impl Borrow<u64>, noun: &str) -> String {
     let count = *count.borrow();
@@ -147,11 +166,20 @@ pub fn exceeds_in_words(limit: Limit) -> String {
 }
 
 /// Meaning of the measures and symbols of a page.
-pub const WORDS: [(&str, &str); 11] = [
+pub const WORDS: [(&str, &str); 20] = [
     ("PGA", "peak ground acceleration: the greatest acceleration of the ground"),
     ("PGV", "peak ground velocity: the greatest velocity of the ground"),
     ("PFA", "peak floor acceleration: the greatest acceleration of the floor on which the object stands"),
     ("PFV", "peak floor velocity: the greatest velocity of that floor"),
+    ("larger", "the larger value of a measure of both horizontal components"),
+    ("geomean", "the geometric mean of a measure of both horizontal components"),
+    ("RotD50", "the median of a measure over all horizontal directions"),
+    ("RotD100", "the greatest value of a measure over all horizontal directions"),
+    ("azimuth", "direction of the first component, from x towards y, seen from above"),
+    ("tilt", "angle between the axis of the object and the vertical, in whatever direction"),
+    ("α_edge", "the tilt at which the centre of mass stands over the nearest edge of the base"),
+    ("twist", "rotation of the object about the vertical"),
+    ("drift", "distance of the base from its place at the start"),
     ("θ", "rotation of the object about a corner of its base"),
     (
         "α",
@@ -169,14 +197,15 @@ pub const WORDS: [(&str, &str); 11] = [
 
 /// Returns the name of a measure, spelled out if the page has its meaning.
 pub fn spelled(measure: &str) -> String {
-    let word = WORDS.iter().find(|(word, _)| *word == measure).and_then(|(_, meaning)| meaning.split(':').next());
+    // `PGV.RotD50` is that of both components.
+    let of_component = measure.split('.').next().unwrap_or(measure);
+    let word = WORDS.iter().find(|(word, _)| *word == of_component).and_then(|(_, meaning)| meaning.split(':').next());
     word.map_or(measure.into(), |meaning| format!("{meaning} ({measure})"))
 }
 
 /// Writes where runs without a curve lie: the measure up to which none exceeds the limit, and the one from which on all do. `heading` has
 /// the name and the suffix of the measure.
-pub fn separate([none, all]: [Option<f64>; 2], motions: usize, (measure, unit): (&str, &str)) -> Option<String> {
-    let motions = counted(motions as u64, "motion");
+pub fn separate([none, all]: [Option<f64>; 2], motions: &str, (measure, unit): (&str, &str)) -> Option<String> {
     match (none, all) {
         (Some(none), Some(all)) => Some(format!(
             "no exceedance among {motions} up to a {measure} of {}{unit}, only exceedances from {}{unit} on",
@@ -251,7 +280,7 @@ mod tests {
     /// Two motions without an exceedance bound no rate.
     #[test]
     fn runs_without_a_curve_are_stated_as_they_are() {
-        let of = |at| separate(at, 2, ("PGV", " m/s"));
+        let of = |at| separate(at, "2 motions", ("PGV", " m/s"));
         assert_eq!(of([Some(1.3), None]).as_deref(), Some("no exceedance among 2 motions up to a PGV of 1.3 m/s"));
         assert_eq!(
             of([Some(0.4), Some(0.6)]).as_deref(),

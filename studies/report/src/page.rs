@@ -8,7 +8,11 @@ use crate::pictures::Picture;
 use crate::sentences::{summary, verdict};
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
-use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, RateResult, Report, Results};
+use rocking_studies::assess::{
+    BodyResult, Comparison, Counts, CurveResult, LeastPulse, Plan, RateResult, Report, Results,
+};
+use rocking_studies::fragility::Direction;
+use rocking_studies::intensity::OverDirections;
 use rocking_studies::spec::words::Words;
 
 /// Fills the template.
@@ -27,6 +31,10 @@ pub fn page(plan: &Plan, results: &Results, pictures: &[Picture]) -> Result<Stri
         by: by(report),
         words: words(report),
         summary: summary(report, range(results)),
+        over: match is_in_space(report) {
+            true => format!(".{}", plan.measure.of_component().1.unwrap_or(OverDirections::RotD50).word()),
+            false => String::new(),
+        },
         range: range(results),
         commands: commands(plan, results),
         version: env!("CARGO_PKG_VERSION"),
@@ -49,10 +57,17 @@ fn by(report: &Report) -> String {
 fn words(report: &Report) -> Vec<(&'static str, &'static str)> {
     let has = |word: &str| match word {
         "PFA" | "PFV" => report.building.is_some(),
+        "θ" | "α" => !is_in_space(report),
+        "tilt" | "α_edge" | "twist" | "drift" | "azimuth" => is_in_space(report),
+        "RotD50" | "RotD100" | "larger" | "geomean" => report.im.contains(word),
         "μ" => !report.sliding.is_empty() || report.object.friction.is_finite(),
         _ => true,
     };
     numbers::WORDS.into_iter().filter(|(word, _)| has(word)).collect()
+}
+
+fn is_in_space(report: &Report) -> bool {
+    matches!(report.object.body, BodyResult::Space(_))
 }
 
 #[derive(Template)]
@@ -77,6 +92,8 @@ struct Page<'a> {
     /// Symbols and their meaning.
     words: Vec<(&'static str, &'static str)>,
     summary: Vec<String>,
+    /// How the measures of both components in space become one, after the name of a measure.
+    over: String,
     commands: Vec<String>,
     version: &'static str,
     /// The study, line by line.
@@ -142,8 +159,39 @@ impl Page<'_> {
     /// Writes where the runs of a state without an annual rate lie.
     fn without_rate(&self, separate_at: &[Option<f64>; 2]) -> String {
         let (measure, unit) = heading(&self.report.im);
-        let runs = numbers::separate(*separate_at, self.report.motions.len(), (&measure, &unit));
+        let runs = numbers::separate(*separate_at, &numbers::motions(&self.report.motions), (&measure, &unit));
         runs.unwrap_or_else(|| "—".into())
+    }
+
+    fn is_in_space(&self) -> bool {
+        is_in_space(self.report)
+    }
+
+    /// Writes the moments of inertia about x, y and z.
+    fn moments(&self, [xx, yy, zz, ..]: &[f64; 6]) -> String {
+        [xx, yy, zz].map(|moment| long(*moment)).join(", ")
+    }
+
+    /// Writes the direction of a pulse.
+    fn azimuth(&self, azimuth: &Option<f64>) -> String {
+        azimuth.map_or("—".into(), |azimuth| format!("{}°", long(azimuth)))
+    }
+
+    /// Writes the azimuth of a direction, or its sector.
+    fn sector(&self, direction: &Direction) -> String {
+        let Direction { azimuth, width, .. } = *direction;
+        match width {
+            0.0 => format!("{}°", short(azimuth)),
+            width => format!("{}° to {}°", azimuth - 0.5 * width, azimuth + 0.5 * width),
+        }
+    }
+
+    /// Writes a median tilt, where it is known.
+    fn tilt(&self, median: &Option<f64>) -> String {
+        match median {
+            Some(tilt) if tilt.is_infinite() => "overturned".into(),
+            median => self.optional(median),
+        }
     }
 
     fn floor(&self, floor: &Option<usize>) -> String {

@@ -2,13 +2,14 @@
 
 use crate::numbers::{limit, quantity};
 use crate::{ReportError, range};
+use rocking_charts::directions::directions;
 use rocking_charts::fragility::{curve, ida, probability_of, states};
 use rocking_charts::picture::PictureError;
 use rocking_charts::record_spectra;
-use rocking_charts::sketch::Sketch;
+use rocking_charts::sketch::{Sketch, SketchInSpace};
 use rocking_charts::spectrum::{Abscissa, Curves, spectrum};
 use rocking_charts::tornado::{Bar, tornado};
-use rocking_studies::assess::{CurveResult, Plan, Results};
+use rocking_studies::assess::{CurveResult, ObjectInSpace, Plan, Results};
 use rocking_studies::fragility::{Ida, Limit};
 use rocking_studies::spectrum::statistics::BlockOutcome;
 use rocking_studies::sweep::strength::Strengths;
@@ -26,18 +27,29 @@ pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<Picture>, ReportEr
     let blocks = rocking_charts::fragility::Blocks::of(&results.table);
     let mut pictures = Vec::new();
     let mut add = |name: &'static str, svg: String| pictures.push(Picture { name, svg });
-    add("sketch", Sketch { block: plan.block, height: plan.height }.svg()?);
-    let sizes = &results.sizes;
-    let title = format!("Blocks of this shape in other sizes, ground motions scaled to {}", sizes.strength);
-    let mut curves = Curves::new(&sizes.spectrum, Abscissa::TwoPiOverP);
-    curves.add(&sizes.spectrum, &BlockOutcome::all(&sizes.table).map_err(PictureError::Drawing)?);
-    add(
-        "spectrum",
-        match sizes.statistics.groups.is_empty() {
-            true => spectrum(&sizes.spectrum, &curves, &title)?,
-            false => record_spectra::spectrum(&sizes.spectrum, &sizes.statistics, &curves, &title)?,
-        },
-    );
+    match (plan.object.in_plane(), plan.object.in_space()) {
+        (Some(block), _) => add("sketch", Sketch { block: *block, height: plan.height }.svg()?),
+        (None, Some(ObjectInSpace { parameters, body })) => {
+            add("sketch", SketchInSpace { parameters, body, height: plan.height }.svg()?);
+        }
+        (None, None) => (),
+    }
+    if let Some(sizes) = &results.sizes {
+        let title = format!("Blocks of this shape in other sizes, ground motions scaled to {}", sizes.strength);
+        let mut curves = Curves::new(&sizes.spectrum, Abscissa::TwoPiOverP);
+        curves.add(&sizes.spectrum, &BlockOutcome::all(&sizes.table).map_err(PictureError::Drawing)?);
+        add(
+            "spectrum",
+            match sizes.statistics.groups.is_empty() {
+                true => spectrum(&sizes.spectrum, &curves, &title)?,
+                false => record_spectra::spectrum(&sizes.spectrum, &sizes.statistics, &curves, &title)?,
+            },
+        );
+    }
+    if !report.directions.is_empty() {
+        let state = plan.states[report.compared_state].limit;
+        add("directions", directions("Outcomes by the direction of the ground motion", &report.directions, state)?);
+    }
     if let Strengths::Levels(measure, _) = &plan.sweep.strengths {
         let levels = measure.to_string();
         add("ida", ida(&blocks, &Ida::read(&results.table, &levels)?, &measure.heading())?);

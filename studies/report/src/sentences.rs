@@ -1,10 +1,10 @@
 //! Results → plain English.
 
 use crate::numbers::{
-    self, counted, exceed, exceeds_in_words, heading, interval, limit, long, named_quantity, no_curve, percent, rate,
-    short, spelled, years,
+    self, counted, exceed, exceeds_in_words, ground_motions, heading, interval, limit, long, named_quantity, no_curve,
+    percent, rate, short, spelled, years,
 };
-use rocking_studies::assess::{BuildingResult, Comparison, ObjectResult, Report, StateResult};
+use rocking_studies::assess::{BodyResult, BuildingResult, Comparison, ObjectResult, Report, SpaceResult, StateResult};
 use rocking_studies::fragility::Limit;
 
 /// Writes the verdict in two lines without symbols: what the object withstands, then how often it does not and what helps.
@@ -36,7 +36,7 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
         "The object {happens} in {} of {} computed runs under {} with a {} from {} to {}{unit}{half}{stands}.",
         numbers::exceeded(&state.runs),
         state.runs.all(),
-        counted(report.motions.len() as u64, "ground motion"),
+        ground_motions(&report.motions),
         spelled(&measure),
         short(least),
         short(greatest)
@@ -80,7 +80,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         "In {} ({} × {} × {}) {}.",
         counted(report.runs, "run"),
         counted(report.blocks, "block"),
-        counted(report.motions.len() as u64, "ground motion"),
+        ground_motions(&report.motions),
         counted(report.strengths.len() as u64, "strength"),
         join(&counts)
     ));
@@ -96,7 +96,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
                 [None, None] => format!(
                     "; the {} interval is unbounded: {} carry too little information",
                     percent(report.confidence),
-                    counted(report.motions.len() as u64, "ground motion")
+                    ground_motions(&report.motions)
                 ),
                 ends => format!(" ({} interval: {}{unit})", percent(report.confidence), interval(ends)),
             };
@@ -124,7 +124,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
             percent(found.probability)
         ));
     } else if let (Some(_), Some(runs)) =
-        (&report.hazard, numbers::separate(state.separate_at, report.motions.len(), (&measure, &unit)))
+        (&report.hazard, numbers::separate(state.separate_at, &numbers::motions(&report.motions), (&measure, &unit)))
     {
         sentences.push(format!("There is no annual rate of {}: {runs}.", limit(state.limit)));
     }
@@ -135,6 +135,9 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
 }
 
 fn object(object: &ObjectResult, building: Option<&BuildingResult>) -> String {
+    if let BodyResult::Space(body) = &object.body {
+        return in_space(object, body);
+    }
     let ObjectResult { width, center_height, alpha, p, foundation, static_threshold, g, friction, .. } = object;
     let is_rigid = *foundation == "rigid";
     let base = if is_rigid { "It stands on a rigid base" } else { "It stands on viscoelastic supports" };
@@ -170,6 +173,32 @@ fn object(object: &ObjectResult, building: Option<&BuildingResult>) -> String {
     )
 }
 
+fn in_space(object: &ObjectResult, body: &SpaceResult) -> String {
+    let ObjectResult { width, center_height, alpha, p, static_threshold, g, friction, .. } = object;
+    let base = match body.base {
+        "rectangle" => format!("A base of {} m × {} m", long(*width), long(body.depth)),
+        "circle" => format!("A circular base with a diameter of {} m", long(*width)),
+        _ => format!("A base of {} feet whose nearest edge is {} m away", body.feet, long(0.5 * width)),
+    };
+    let start = match static_threshold {
+        Some(threshold) if friction * g < *threshold => {
+            format!("would slide beyond {} g, before it rocks", long(*friction))
+        }
+        threshold => {
+            let threshold = long(threshold.unwrap_or_default() / g);
+            format!("would begin to rock over its nearest edge at a horizontal acceleration of {threshold} g")
+        }
+    };
+    format!(
+        "{base} and a centre of mass {} m up give a balance over the nearest edge at {}° and a frequency parameter p of {} rad/s. It stands \
+         on {} viscoelastic feet and can rock, roll over corners, twist and slide; on rigid feet it {start}.",
+        long(*center_height),
+        short(alpha.to_degrees()),
+        long(*p),
+        body.feet
+    )
+}
+
 fn building(building: &BuildingResult) -> String {
     let BuildingResult { floors, stands_on, periods, damping, .. } = building;
     let floor = |&floor: &usize| if floor == 0 { "the ground".into() } else { format!("floor {floor}") };
@@ -188,8 +217,10 @@ fn building(building: &BuildingResult) -> String {
 fn ties(report: &Report) -> Option<String> {
     let plain = report.variants.first()?;
     let broken = plain.runs_with_broken_ties?;
-    let ties =
-        if report.object.ties == 1 { "its tie".into() } else { format!("one of its {} ties", report.object.ties) };
+    let ties = match &report.object.body {
+        BodyResult::Plane(body) if body.ties != 1 => format!("one of its {} ties", body.ties),
+        BodyResult::Plane(_) | BodyResult::Space(_) => "its tie".into(),
+    };
     Some(format!("In {broken} of {} runs {ties} breaks.", plain.runs.all()))
 }
 
@@ -232,7 +263,7 @@ fn without_exceedance(report: &Report) -> Option<String> {
         return None;
     }
     let (measure, unit) = heading(&report.im);
-    let runs = numbers::separate(best[0].separate_at, report.motions.len(), (&measure, &unit))?;
+    let runs = numbers::separate(best[0].separate_at, &numbers::motions(&report.motions), (&measure, &unit))?;
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
     let helps = if best.len() == 1 { "helps" } else { "help" };
     let mut text = format!("Of the variants, {} {} most: {runs}.", join(&names), helps);

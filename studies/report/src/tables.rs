@@ -3,20 +3,22 @@
 use std::io;
 
 use rocking_studies::assess::{Comparison, CurveResult, Plan, RateResult, Results, StateResult};
-use rocking_studies::fragility::split_heading;
+use rocking_studies::fragility::{Direction, split_heading};
 use rocking_studies::output::csv::{lines, with_headings};
 use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::{Table, TableColumn};
 
 /// Makes the tables, with the names of their files.
 pub fn tables(plan: &Plan, results: &Results) -> io::Result<Vec<(&'static str, String)>> {
-    let sizes = &results.sizes;
-    Ok(vec![
-        ("runs.csv", plan.sweep.header().text()? + &lines(&results.table.table)?),
-        ("spectrum.csv", sizes.spectrum.header().text()? + &lines(&sizes.table)?),
-        ("states.csv", states(results)?),
-        ("variants.csv", comparisons(results)?),
-    ])
+    let mut tables = vec![("runs.csv", plan.sweep.header().text()? + &lines(&results.table.table)?)];
+    if let Some(sizes) = &results.sizes {
+        tables.push(("spectrum.csv", sizes.spectrum.header().text()? + &lines(&sizes.table)?));
+    }
+    if !results.report.directions.is_empty() {
+        tables.push(("directions.csv", directions(results)?));
+    }
+    tables.extend([("states.csv", states(results)?), ("variants.csv", comparisons(results)?)]);
+    Ok(tables)
 }
 
 /// Returns a table of these columns below the name of the study.
@@ -24,6 +26,21 @@ fn table<R>(results: &Results, name: &str, columns: &[TableColumn<R>], rows: &[R
     let head =
         format!("# rocking-block {} assess, {name}\n# study {}\n", env!("CARGO_PKG_VERSION"), results.report.study);
     Ok(head + &with_headings(&Table::of(columns, rows))?)
+}
+
+fn directions(results: &Results) -> io::Result<String> {
+    type Row<'a> = &'a Direction;
+    let columns = [
+        TableColumn::real("azimuth", "deg", |direction: &Row| direction.azimuth),
+        TableColumn::real("width", "deg", |direction: &Row| direction.width),
+        TableColumn::count("runs", |direction: &Row| direction.known),
+        TableColumn::real("exceeded", "1", |direction: &Row| direction.exceeded),
+        TableColumn::count("unknown", |direction: &Row| direction.rows - direction.known),
+        TableColumn::optional("median.tilt/alpha_edge", "1", |direction: &Row| direction.median),
+    ];
+    let limit = &results.report.states[results.report.compared_state].limit;
+    let rows: Vec<Row> = results.report.directions.iter().collect();
+    table(results, &format!("directions for {limit}"), &columns, &rows)
 }
 
 fn states(results: &Results) -> io::Result<String> {

@@ -4,7 +4,9 @@
 //! | --- | --- |
 //! | `symbols` | points → springs, dashpots, ground, anchors, dimensions |
 //! | `layout` | block and ties → a scale and the positions of the dimensions |
+//! | `in_space` | a block in space → its sketch in axonometry |
 
+mod in_space;
 mod layout;
 mod symbols;
 
@@ -17,6 +19,7 @@ use crate::labels;
 use crate::numerals::significant;
 use crate::page::{MARGIN, page_of, wrapped};
 use crate::picture::PictureError;
+pub use in_space::SketchInSpace;
 use layout::{Layout, RECESS, SUPPORT};
 use rocking_block::block::restraints::Tie;
 use rocking_block::block::restraints::tie::{LinkNumber, Quantity};
@@ -57,20 +60,8 @@ impl Sketch {
         };
         let height = self.height.map(|height| format!(", {} m high", significant(height, 4))).unwrap_or_default();
         let title = format!("Block {} m wide{height}, on {base}", significant(2.0 * self.block.b, 4));
-        let (layout, values) = (Layout::new(self), self.values());
-        let [left, lower] = layout.ends;
-        let column = values.iter().map(|(_, y)| *y).fold(0.0, f64::max) + LINES[1];
-        let widest = values.iter().map(|(line, _)| marked_width(line, TEXT)).fold(0.0, f64::max);
-        let title = formula(&title);
-        let width = (left + widest).max(marked_width(&title, 1.15 * TEXT) + f64::from(MARGIN)) + f64::from(MARGIN);
-        let size = [width, lower.max(column)].map(|length| (length / f64::from(PIXEL)).ceil() as u32 * PIXEL);
-        page_of(size, &[title], &[], |_, body| {
-            self.draw(body, &layout)?;
-            let style = anchored(TEXT, HPos::Left, VPos::Center);
-            values.iter().try_for_each(|(line, y)| {
-                Ok(body.draw_text(&line.replace('\u{A0}', " "), &style, symbols::unit((left, *y)))?)
-            })
-        })
+        let layout = Layout::new(self);
+        beside_values(&title, self.paragraphs(), layout.ends, |area| self.draw(area, &layout))
     }
 
     fn draw(&self, area: &Area, layout: &Layout) -> Drawn {
@@ -190,20 +181,6 @@ impl Sketch {
         horizontal_dimension(area, ends, above, &metres("e_x", self.block.eccentricity))
     }
 
-    /// Returns the lines of the column of values, with their ordinates.
-    fn values(&self) -> Vec<(String, f64)> {
-        let mut y = 700.0;
-        let mut lines = Vec::new();
-        for paragraph in self.paragraphs() {
-            for line in paragraph.iter().flat_map(|line| wrapped(&formula(line), TEXT, COLUMN)) {
-                lines.push((line, y));
-                y += LINES[0];
-            }
-            y += LINES[1] - LINES[0];
-        }
-        lines
-    }
-
     /// Returns the values in words: body, foundation, ties.
     fn paragraphs(&self) -> Vec<Vec<String>> {
         let Block { gamma, epsilon, stiffness, damping, body: Body { p, r0, mass, .. }, .. } = self.block;
@@ -238,6 +215,39 @@ impl Sketch {
         let ties = link_names(&self.block).into_iter().zip(self.block.ties()).map(|(name, tie)| tie_values(tie, &name));
         [body, base].into_iter().chain(ties).collect()
     }
+}
+
+/// Draws a sketch that ends at these coordinates, with paragraphs of values at its right.
+///
+/// # Errors
+/// [`PictureError::Drawing`].
+fn beside_values(
+    title: &str,
+    paragraphs: Vec<Vec<String>>,
+    [left, lower]: [f64; 2],
+    draw: impl FnOnce(&Area) -> Drawn,
+) -> Result<String, PictureError> {
+    let mut y = 700.0;
+    let mut lines = Vec::new();
+    for paragraph in paragraphs {
+        for line in paragraph.iter().flat_map(|line| wrapped(&formula(line), TEXT, COLUMN)) {
+            lines.push((line, y));
+            y += LINES[0];
+        }
+        y += LINES[1] - LINES[0];
+    }
+    let column = lines.iter().map(|(_, y)| *y).fold(0.0, f64::max) + LINES[1];
+    let widest = lines.iter().map(|(line, _)| marked_width(line, TEXT)).fold(0.0, f64::max);
+    let title = formula(title);
+    let width = (left + widest).max(marked_width(&title, 1.15 * TEXT) + f64::from(MARGIN)) + f64::from(MARGIN);
+    let size = [width, lower.max(column)].map(|length| (length / f64::from(PIXEL)).ceil() as u32 * PIXEL);
+    page_of(size, &[title], &[], |_, body| {
+        draw(body)?;
+        let style = anchored(TEXT, HPos::Left, VPos::Center);
+        lines.iter().try_for_each(|(line, y)| {
+            Ok(body.draw_text(&line.replace('\u{A0}', " "), &style, symbols::unit((left, *y)))?)
+        })
+    })
 }
 
 /// Returns the values of a tie in words.

@@ -125,6 +125,12 @@ pub fn angle(area: &Area, centre: Point, radius: f64, from: f64, to: f64) -> Dra
     Ok(())
 }
 
+/// Draws a line with an arrow head at its end.
+pub fn pointer(area: &Area, from: Point, to: Point) -> Drawn {
+    stroke(area, &[from, to], SYMBOL)?;
+    arrow(area, to, (to.0 - from.0, to.1 - from.1))
+}
+
 /// Draws an arrow head in a direction of any length.
 fn arrow(area: &Area, (x, y): Point, (dx, dy): Point) -> Drawn {
     let length = dx.hypot(dy);
@@ -135,7 +141,7 @@ fn arrow(area: &Area, (x, y): Point, (dx, dy): Point) -> Drawn {
 }
 
 /// Draws the line of a dimension, with arrows inside, or outside where it is short.
-fn dimension_line(area: &Area, a: Point, b: Point) -> Drawn {
+pub fn dimension_line(area: &Area, a: Point, b: Point) -> Drawn {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let length = dx.hypot(dy);
     if length >= 3.0 * ARROW[0] {

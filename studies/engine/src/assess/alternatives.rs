@@ -1,11 +1,14 @@
 //! The object → its usual variants and the ranges of its assumptions.
 
+use crate::assess::object::{AssessedObject, ObjectValues};
 use crate::input::parameters::Parameter;
+use crate::spec::numbers_in_space::{self, NumbersInSpace};
 use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::parameters::ParameterValues;
 use rocking_block::block::{Block, Body, Foundation};
+use rocking_block::space::SpaceBody;
 use rocking_block::unit::variables::{Kind, VARIABLES, Variable};
 
 /// Width of a wider base over that of the object.
@@ -58,7 +61,7 @@ pub(super) struct Usual {
 /// Returns the usual variants and assumptions of the object in the middle of a study.
 ///
 /// Ranges are those of the study's parameters. Quantities of the foundation with a single value get a usual range.
-pub(super) fn usual(sweep: &Sweep, block: &Block) -> Usual {
+pub(super) fn usual(sweep: &Sweep, values: &ObjectValues, object: &AssessedObject) -> Usual {
     let mut left_out = Vec::new();
     let mut fits = |name: &str, changes: &[Change]| match sweep.check_changes(changes) {
         Ok(()) => true,
@@ -72,27 +75,32 @@ pub(super) fn usual(sweep: &Sweep, block: &Block) -> Usual {
         ("base that slides", Change::FrictionOverThreshold(SLIDING)),
         ("tied to a wall on both sides", Change::Tied(TIED)),
     ];
-    let slides = SLIDING * (block.b - block.eccentricity.abs()) / block.h;
-    let is_none = |change: &Change| matches!(change, Change::FrictionOverThreshold(_)) && is_below(block, slides);
+    let slides = object.friction() <= SLIDING * object.slope();
+    // Only a block in the plane has ties.
+    let is_none = |change: &Change| match change {
+        Change::FrictionOverThreshold(_) => slides,
+        Change::Tied(_) => object.in_space().is_some(),
+        _ => false,
+    };
     let variants = variants.into_iter().filter(|(name, change)| !is_none(change) && fits(name, &[*change]));
     let variants: Vec<Alternative> =
         variants.map(|(name, change)| Alternative { name: name.into(), changes: vec![change] }).collect();
     let mut assumptions = study_ranges(sweep);
-    for assumption in foundation_ranges(sweep, block) {
+    let of_foundation = match (object, &values.in_space) {
+        (AssessedObject::Space(object), Some(numbers)) => foot_ranges(sweep, numbers, &object.body),
+        (AssessedObject::Plane(block), _) => foundation_ranges(sweep, block),
+        (AssessedObject::Space(_), None) => unreachable!("a block in space has its numbers"),
+    };
+    for assumption in of_foundation {
         if assumption.changes.iter().all(|change| fits(&assumption.name, &[*change])) {
             assumptions.push(assumption);
         }
     }
-    if is_below(block, slides) {
-        let friction = block.body.friction;
+    if slides {
+        let friction = object.friction();
         left_out.push(format!("base that slides: it slides as it is, with a coefficient of friction of {friction}"));
     }
     Usual { variants, assumptions, left_out }
-}
-
-/// Whether the friction of a block is limited, and at most this.
-fn is_below(block: &Block, friction: f64) -> bool {
-    block.body.friction > 0.0 && block.body.friction <= friction
 }
 
 /// Returns the ranges of the study's parameters.
@@ -103,16 +111,54 @@ fn study_ranges(sweep: &Sweep) -> Vec<Assumption> {
     };
     let real = sweep.parameters.iter().filter(|swept| swept.parameter.kind() == Kind::Real);
     let assumption = real.filter_map(|swept| {
-        let (values, variable) = (ends(&swept.values)?, swept.parameter.variable()?);
+        let values = ends(&swept.values)?;
         // Friction without a limit is no end of a range.
         if values.iter().any(|&value| swept.parameter.shown(value).is_infinite()) {
             return None;
         }
-        let changes = values.map(|value| Change::Parameter(variable, value));
+        let changes = values.map(|value| Change::of_parameter(&swept.parameter, value));
         let name = swept.parameter.heading();
         Some(Assumption { name, changes, values, middle: swept.values.at(0.5), is_given: true })
     });
     assumption.collect()
+}
+
+/// Returns usual ranges of the parameters of the feet of a block in space. These are η or ω_v, ξ_v, κ, and friction, if the study has a single
+/// value.
+fn foot_ranges(sweep: &Sweep, numbers: &NumbersInSpace, body: &SpaceBody) -> Vec<Assumption> {
+    let known = |name: &str| numbers_in_space::numbers().iter().find(|number| number.name == name);
+    let varies = |names: &[&str]| {
+        let mut found = sweep.parameters.iter().filter(|swept| names.contains(&swept.parameter.name()));
+        found.any(|swept| swept.values.at(0.0) != swept.values.at(1.0))
+    };
+    let heading = |name: &str| known(name).map_or(name.into(), |number| Parameter::from(number).heading());
+    let factors = |name: &'static str, others: &[&str], middle: f64, change: &dyn Fn(f64) -> Option<Change>| {
+        let values = FACTORS.map(|factor| factor * middle);
+        let [low, high] = FACTORS.map(change);
+        let assumption = Assumption { name: heading(name), changes: [low?, high?], values, middle, is_given: false };
+        Some(assumption).filter(|_| !varies(others))
+    };
+    let kappa = body.horizontal_stiffness / body.stiffness;
+    let of_kappa = |factor: f64| Some(Change::Number(known("kappa")?, factor * kappa));
+    // Feet of a list have ω_v, as do those whose ω_v or stiffness is given.
+    let is_eta = numbers.space.omega_v.is_none() && numbers.block.stiffness.is_none();
+    let (stiffness, middle) = if is_eta { ("eta", body.omega_v / body.p) } else { ("omega_v", body.omega_v) };
+    let friction = numbers.block.hold.friction.filter(|friction| friction.is_finite());
+    let of_friction = friction.and_then(|middle| {
+        let values = [(middle - FRICTION).max(0.5 * middle), middle + FRICTION];
+        let number = known("friction")?;
+        let changes = values.map(|value| Change::Number(number, value));
+        let assumption = Assumption { name: heading("friction"), changes, values, middle, is_given: false };
+        Some(assumption).filter(|_| !varies(&["friction"]))
+    });
+    let ratio = |change: fn(f64) -> Change| move |factor: f64| Some(change(factor));
+    let ranges = [
+        factors(stiffness, &["eta", "omega_v", "K"], middle, &ratio(Change::StiffnessRatio)),
+        factors("xi_v", &["xi_v", "C"], body.xi_v, &ratio(Change::DampingRatio)),
+        factors("kappa", &["kappa"], kappa, &of_kappa),
+        of_friction,
+    ];
+    ranges.into_iter().flatten().collect()
 }
 
 /// Returns usual ranges of the parameters of the foundation. These are η, ξ_v, ε, the factor on e, and friction, if the study has a single

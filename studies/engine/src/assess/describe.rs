@@ -1,29 +1,64 @@
 //! A plan → the object, its building, its ground motions and its hazard in numbers.
 
+use crate::assess::object::{AssessedObject, ObjectInSpace, ObjectValues};
 use crate::assess::plan::{Hazard, Plan};
-use crate::assess::results::{BuildingResult, HazardResult, MotionResult, ObjectResult, SupportsResult};
-use crate::intensity::Measure;
-use crate::spec::words::{Words, friction};
+use crate::assess::results::{
+    BodyResult, BuildingResult, HazardResult, MotionResult, ObjectResult, PlaneResult, SpaceResult, SupportsResult,
+};
+use crate::intensity::{ComponentMeasure, Measure, OverDirections};
+use crate::space::facts;
+use crate::spec::words::Words;
 use crate::statistics::range;
 use crate::sweep::Sweep;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::ParameterValues;
 use crate::sweep::strength::Strengths;
-use rocking_block::block::Block;
 use rocking_block::block::restraints::LinkKind;
-
-/// Returns the quasi-static horizontal acceleration (m/s²) that lifts a corner. `None` for a block with ties.
-pub(super) fn static_threshold(block: &Block) -> Option<f64> {
-    block.ties().is_empty().then(|| block.gravity * (block.b - block.eccentricity.abs()) / block.h)
-}
+use rocking_block::block::{Block, Foundation};
+use rocking_block::space::Base;
 
 pub(super) fn object(plan: &Plan) -> ObjectResult {
-    let Plan { sweep, block, .. } = plan;
-    let blocks = || {
-        (0..sweep.combinations().unwrap_or(0))
-            .filter_map(|number| sweep.values(&sweep.combination(number)).block().ok())
+    let Plan { sweep, object, .. } = plan;
+    let objects = || {
+        let of = |number: u64| ObjectValues::of(sweep, &sweep.combination(number)).object(sweep).ok();
+        (0..sweep.combinations().unwrap_or(0)).filter_map(of)
     };
-    let range = |value: fn(&Block) -> f64| range(blocks().map(|block| value(&block))).unwrap_or([value(block); 2]);
+    let over_all =
+        |value: fn(&AssessedObject) -> f64| range(objects().map(|object| value(&object))).unwrap_or([value(object); 2]);
+    let (width, center_height, mass, r0, eccentricity) = match object {
+        AssessedObject::Plane(block) => (2.0 * block.b, block.h, block.mass, block.r0, block.eccentricity),
+        AssessedObject::Space(object) => {
+            let ObjectInSpace { parameters, body } = &**object;
+            (2.0 * body.half_width, body.center_height, body.mass, body.r0, parameters.eccentricity[0])
+        }
+    };
+    ObjectResult {
+        foundation: object.in_plane().map_or(Foundation::Viscoelastic, |block| block.foundation).word(),
+        width,
+        center_height,
+        mass,
+        alpha: object.alpha(),
+        alpha_range: over_all(AssessedObject::alpha),
+        p: object.scales().p,
+        p_range: over_all(|object| object.scales().p),
+        r0,
+        g: object.scales().gravity,
+        friction: object.friction(),
+        friction_range: over_all(AssessedObject::friction),
+        eccentricity,
+        body: match object {
+            AssessedObject::Plane(block) => BodyResult::Plane(in_plane(block)),
+            AssessedObject::Space(object) => BodyResult::Space(Box::new(in_space(object))),
+        },
+        is_beside_the_middle: sweep
+            .parameters
+            .iter()
+            .any(|swept| matches!(&swept.values, ParameterValues::List(values) if values.len() % 2 == 0)),
+        static_threshold: object.static_threshold(),
+    }
+}
+
+fn in_plane(block: &Block) -> PlaneResult {
     let supports = block.ratios().viscoelastic().map(|ratios| SupportsResult {
         stiffness: block.stiffness,
         damping: block.damping,
@@ -31,41 +66,44 @@ pub(super) fn object(plan: &Plan) -> ObjectResult {
         delta_s: block.static_deflection(),
     });
     let links = |kind| block.ties().iter().filter(|tie| tie.kind == kind && tie.is_present()).count();
-    let e = supports.is_none().then(|| block.restitution());
-    ObjectResult {
-        foundation: block.foundation.word(),
-        width: 2.0 * block.b,
-        center_height: block.h,
-        mass: block.mass,
-        alpha: block.alpha,
-        alpha_range: range(|block| block.alpha),
-        p: block.p,
-        p_range: range(|block| block.p),
-        r0: block.r0,
+    PlaneResult {
         gamma: block.gamma,
-        g: block.gravity,
         epsilon: block.epsilon,
+        e: supports.is_none().then(|| block.restitution()),
         supports,
-        e,
-        friction: friction::to_user(block.friction),
-        friction_range: range(|block| block.friction).map(friction::to_user),
-        eccentricity: block.eccentricity,
         ties: links(LinkKind::Tie),
         dampers: links(LinkKind::Damper),
-        is_beside_the_middle: sweep
-            .parameters
-            .iter()
-            .any(|swept| matches!(&swept.values, ParameterValues::List(values) if values.len() % 2 == 0)),
-        static_threshold: static_threshold(block),
+    }
+}
+
+fn in_space(ObjectInSpace { parameters, body }: &ObjectInSpace) -> SpaceResult {
+    let depth = range(body.feet.iter().map(|foot| foot.place.y)).map_or(0.0, |[low, high]| high - low);
+    SpaceResult {
+        base: match parameters.base {
+            Base::Rectangle { .. } => "rectangle",
+            Base::Circle { .. } => "circle",
+            Base::List { .. } => "list",
+        },
+        depth,
+        feet: body.count(),
+        eccentricity_y: parameters.eccentricity[1],
+        inertia: facts::inertia(body),
+        omega_v: body.omega_v,
+        xi_v: body.xi_v,
+        kappa: parameters.kappa,
+        xi_h: parameters.xi_h.unwrap_or(body.xi_v),
+        stiffness: body.stiffness,
+        damping: body.damping,
+        delta_s: body.gravity / (body.omega_v * body.omega_v),
     }
 }
 
 pub(super) fn building(plan: &Plan) -> Option<BuildingResult> {
     let building = plan.sweep.building.as_ref()?;
-    let threshold = static_threshold(&plan.block);
+    let threshold = plan.object.static_threshold();
     let pga = |motion: &GroundMotion| {
         let [pga, pfa] =
-            [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, (&plan.block).into()));
+            [Measure::Pga, Measure::Pfa].map(|measure| motion.intensity(measure, 1.0, plan.object.scales()));
         Some(threshold? * pga? / pfa?)
     };
     let modes = building.modes();
@@ -79,17 +117,22 @@ pub(super) fn building(plan: &Plan) -> Option<BuildingResult> {
 }
 
 pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
-    let Plan { sweep, block, .. } = plan;
+    let Plan { sweep, object, measure, .. } = plan;
+    let of_object = object.scales();
+    // In space the measures are those of both components, in the way of the measure of the curves.
+    let over = sweep.space.as_ref().map(|_| measure.of_component().1.unwrap_or(OverDirections::RotD50));
+    let of_ground = |measure: Measure, pair: ComponentMeasure| over.map_or(measure, |over| Measure::OfPair(pair, over));
     let motion = |number: usize| {
         let motion = &sweep.motions[number];
-        let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, block.into()));
+        let scales = (0..sweep.strengths.count()).map(|strength| sweep.strengths.scale(strength, motion, of_object));
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
         MotionResult {
             name: motion.name() + &floor,
-            pga: motion.intensity(Measure::Pga, 1.0, block.into()),
-            pgv: motion.intensity(Measure::Pgv, 1.0, block.into()),
-            pfa: motion.intensity(Measure::Pfa, 1.0, block.into()),
-            pfv: motion.intensity(Measure::Pfv, 1.0, block.into()),
+            azimuth: sweep.space.as_ref().map(|_| motion.azimuth),
+            pga: motion.intensity(of_ground(Measure::Pga, ComponentMeasure::Pga), 1.0, of_object),
+            pgv: motion.intensity(of_ground(Measure::Pgv, ComponentMeasure::Pgv), 1.0, of_object),
+            pfa: motion.intensity(Measure::Pfa, 1.0, of_object),
+            pfv: motion.intensity(Measure::Pfv, 1.0, of_object),
             scales: range(scales).unwrap_or([1.0; 2]),
         }
     };

@@ -5,6 +5,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | `object` | a sweep, the values in its middle → the object, in the plane or in space |
 //! | `plan` | `[assess]` of a study file → states, hazard, variants, assumptions |
 //! | `alternatives` | the object → its usual variants and the ranges of its assumptions |
 //! | `results` | the numbers of a report |
@@ -17,6 +18,7 @@
 
 mod alternatives;
 mod describe;
+mod object;
 mod plan;
 mod pulses;
 mod results;
@@ -26,10 +28,11 @@ mod steps;
 mod work;
 
 pub use alternatives::{Alternative, Assumption};
+pub use object::{AssessedObject, ObjectInSpace, ObjectValues};
 pub use plan::{Hazard, Input, Plan, State};
 pub use results::{
-    BuildingResult, Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult, RateResult,
-    Report, Sensitivity, SizeResult, SlidingResult, StateResult,
+    BodyResult, BuildingResult, Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult,
+    PlaneResult, RateResult, Report, Sensitivity, SizeResult, SlidingResult, SpaceResult, StateResult,
 };
 pub use spectrum::SizeSpectrum;
 pub use states::StateCurve;

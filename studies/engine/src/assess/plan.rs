@@ -5,10 +5,11 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use crate::assess::alternatives::{self, Alternative, Assumption};
+use crate::assess::object::{AssessedObject, ObjectValues};
 use crate::fragility::Limit;
 use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, THE_FILE, number};
-use crate::intensity::Measure;
+use crate::intensity::{ComponentMeasure, Measure, OverDirections};
 use crate::risk::{HazardCurve, HazardOptions, read_hazard};
 use crate::spec::assess::{AssessTable, HazardTable, Site, StateTable, VariantTable};
 use crate::spec::study::StudyFile;
@@ -18,10 +19,8 @@ use crate::sweep::change::Change;
 use crate::sweep::file;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::strength::Strengths;
-use rocking_block::block::Block;
 use rocking_block::excitation::PulseShape;
-use rocking_block::unit::values::Values;
-use rocking_block::unit::variables::{Kind, Variable};
+use rocking_block::unit::variables::Kind;
 
 /// An assessment that is ready to run.
 #[derive(Clone, Debug)]
@@ -36,10 +35,10 @@ pub struct Plan {
     pub file: String,
     /// The runs.
     pub sweep: Sweep,
-    /// The variables of the object: each parameter in the middle of its range or list.
-    pub values: Values,
+    /// The values of the object: each parameter in the middle of its range or list.
+    pub values: ObjectValues,
     /// The object.
-    pub block: Block,
+    pub object: AssessedObject,
     /// Height of its body (m), if the study gives it.
     pub height: Option<f64>,
     /// The intensity measure of curves and hazard.
@@ -126,26 +125,26 @@ impl Plan {
         let assess = root.assess.as_ref().ok_or_else(|| root.refused("", expected))?;
         check_runs(&sweep, &root)?;
         check_names(&sweep, &root)?;
-        let values = sweep.middle();
-        let block = values
-            .block()
+        let values = ObjectValues::middle(&sweep);
+        let object = values
+            .object(&sweep)
             .map_err(|error| root.refused("assess", format!("the object in the middle of the study: {error}")))?;
-        let has_center_height = values[Variable::PhysicalCenterHeight] > 0.0;
         let measure = measure(&root, assess, &sweep)?;
-        let hazard = assess.hazard.as_ref().map(|table| hazard(&root, table, measure, block.gravity, folder));
+        let gravity = object.scales().gravity;
+        let hazard = assess.hazard.as_ref().map(|table| hazard(&root, table, measure, gravity, folder));
         let (input, hazard) = hazard.transpose()?.unzip();
         let mut inputs = vec![Input::of(file, text.as_bytes())];
         inputs.extend(input);
-        for name in sweep.motions.iter().flat_map(|motion| &motion.files).filter(|name| !name.is_empty()) {
+        for name in sweep.motions.iter().flat_map(GroundMotion::read_files) {
             if inputs.iter().all(|known| known.file != *name) {
                 let bytes = std::fs::read(folder.join(name))
                     .map_err(|error| source.wrong(&(0..0), format!("{name}: cannot be read: {error}")))?;
                 inputs.push(Input::of(name, &bytes));
             }
         }
-        let usual = alternatives::usual(&sweep, &block);
+        let usual = alternatives::usual(&sweep, &values, &object);
         let chosen = assess.variants.as_ref().map(|tables| variants(&root, tables, &sweep)).transpose()?;
-        let ranges = assess.sensitivity.as_ref().map(|_| sensitivity(&root, &sweep)).transpose()?;
+        let ranges = assess.sensitivity.as_ref().map(|_| sensitivity(&root, &sweep, &values)).transpose()?;
         let pulse = match &assess.pulse {
             Some(word) => {
                 let shape = PulseShape::named(word).filter(|shape| *shape != PulseShape::None);
@@ -162,7 +161,7 @@ impl Plan {
             author: assess.author.clone(),
             date: assess.date.clone(),
             file: file.into(),
-            height: (!has_center_height).then_some(2.0 * block.h),
+            height: values.height(&object),
             states: states(&root, assess, &sweep)?,
             hazard,
             years: assess.years.map_or(50.0, |years| years.0),
@@ -172,7 +171,7 @@ impl Plan {
             has_usual_variants: assess.variants.is_none(),
             sweep,
             values,
-            block,
+            object,
             measure,
             variants: chosen.unwrap_or(usual.variants),
             assumptions: ranges.unwrap_or(usual.assumptions),
@@ -183,14 +182,9 @@ impl Plan {
 
 /// Refuses a study whose runs cannot give a curve.
 fn check_runs(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFileError> {
-    if sweep.space.is_some() {
-        let message = "an assessment is for a block in the plane; expected rocking sweep and rocking fragility for one in space, or \
-                       [parameters] without depth, depth_ratio, base and feet";
-        return Err(root.refused("assess", message));
-    }
     let expected = match (&sweep.strengths, &sweep.ensemble) {
         _ if !sweep.motions.iter().all(|motion| motion.ground.horizontal.is_some()) => {
-            Some("[[records]] with a horizontal record each")
+            Some("[[records]] with a horizontal record each, in space x")
         }
         (Strengths::Least(..) | Strengths::Hunt(..), _) => {
             Some("levels or scales; an assessment fits curves to runs at strengths that do not depend on each other")
@@ -204,7 +198,7 @@ fn check_runs(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFileE
 
 /// Refuses a ground motion that is named twice: its runs would be one curve.
 fn check_names(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFileError> {
-    let key = |motion: &GroundMotion| (motion.names.clone(), motion.floor);
+    let key = |motion: &GroundMotion| (motion.name(), motion.floor, motion.azimuth.to_bits());
     for (number, motion) in sweep.motions.iter().enumerate() {
         if sweep.motions[..number].iter().any(|other| key(other) == key(motion)) {
             let found = format!("{} twice; expected each ground motion once", motion.name());
@@ -217,7 +211,10 @@ fn check_names(sweep: &Sweep, root: &Section<StudyFile>) -> Result<(), StudyFile
 /// Reads the measure; by default that of the levels, else PGV.
 fn measure(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Result<Measure, StudyFileError> {
     let chosen = assess.im.as_ref().map(|im| root.parsed("assess.im", im)).transpose()?;
-    let measure = chosen.or(sweep.strengths.measure()).unwrap_or(Measure::Pgv);
+    let measure = chosen.or(sweep.strengths.measure()).unwrap_or(match sweep.space {
+        Some(_) => Measure::OfPair(ComponentMeasure::Pgv, OverDirections::RotD50),
+        None => Measure::Pgv,
+    });
     if assess.im.is_some() && !sweep.measures.contains(&measure) {
         let known: Vec<String> = sweep.measures.iter().map(ToString::to_string).collect();
         return Err(root.wrong("assess.im", &format!("one of {}", known.join(", "))));
@@ -233,7 +230,7 @@ fn hazard(
     gravity: f64,
     folder: &Path,
 ) -> Result<(Input, Hazard), StudyFileError> {
-    if Measure::OF_BLOCK.contains(&measure) {
+    if measure.relative_to() != [false; 2] {
         let message =
             format!("a hazard curve has no {measure}; expected im = \"PGV\" or another measure of the ground");
         return Err(root.refused("assess.hazard.file", message));
@@ -266,19 +263,26 @@ fn hazard(
 
 /// Reads the states; by default three limits without a publication behind them. Ties may hold blocks beyond their balance.
 fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Result<Vec<State>, StudyFileError> {
-    let holds = sweep.holds();
+    let (holds, is_in_space) = (sweep.holds(), sweep.space.is_some());
     let Some(tables) = &assess.states else {
         let usual = [
             ("rocks visibly", Limit::Rotation(0.1)),
             ("rocks half way", Limit::Rotation(0.5)),
             if holds.has_links() { ("passes its balance", Limit::Balance) } else { ("overturns", Limit::Overturned) },
         ];
-        return Ok(usual.map(|(name, limit)| State { name: name.into(), limit, source: None }).to_vec());
+        let limit = |limit: Limit| if is_in_space { limit.in_space() } else { limit };
+        return Ok(usual.map(|(name, of)| State { name: name.into(), limit: limit(of), source: None }).to_vec());
     };
     let state = |(number, StateTable { name, limit, source }): (usize, &StateTable)| {
         let path = format!("assess.states.{number}.limit");
         let limit = limit.limit().map_err(|message| root.refused(&path, message))?;
+        let limit = if is_in_space { limit.in_space() } else { limit };
         let has_no_effect = match limit {
+            Limit::Balance | Limit::Plastic(_) | Limit::HalfCycles(_) if is_in_space => Some(
+                "a limit for a block in the plane; expected overturned, or one in space: tilt:0.5 over that of the balance, \
+                 twist:0.1, slip:0.1 or drift:0.1",
+            ),
+            Limit::Slip(_) | Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) if is_in_space => None,
             Limit::Slip(_) if !holds.friction => {
                 Some("a limit on the slip without friction; expected friction in [parameters]")
             }
@@ -321,7 +325,10 @@ fn is_more_severe(first: Limit, second: Limit) -> bool {
         (Limit::Rotation(first), Limit::Rotation(second))
         | (Limit::Slip(first), Limit::Slip(second))
         | (Limit::Plastic(first), Limit::Plastic(second)) => first >= second,
-        (Limit::HalfCycles(first), Limit::HalfCycles(second)) => first >= second,
+        (Limit::HalfCycles(first), Limit::HalfCycles(second))
+        | (Limit::Tilt(first), Limit::Tilt(second))
+        | (Limit::Twist(first), Limit::Twist(second))
+        | (Limit::Drift(first), Limit::Drift(second)) => first >= second,
         _ => false,
     }
 }
@@ -336,12 +343,11 @@ fn variants(
         let (name, path) = (&table.name, format!("assess.variants.{number}"));
         let (mut given, mut changes) = (Vec::new(), Vec::new());
         if let Some(table) = root.get(&format!("{path}.parameters")).and_then(|value| value.get_ref().as_table()) {
-            flatten(root.source, Vocabulary::Plane, "", table, &[], &mut given)?;
+            flatten(root.source, vocabulary(sweep), "", table, &[], &mut given)?;
         }
         for (name, value) in given {
-            let (parameter, variable) = parameter(root.source, &name, value)?;
-            let found = read_number(root.source, &parameter, value)?;
-            changes.push(Change::Parameter(variable, found));
+            let parameter = parameter(root.source, vocabulary(sweep), &name, value)?;
+            changes.push(Change::of_parameter(&parameter, read_number(root.source, &parameter, value)?));
         }
         changes.extend(table.width.map(|factor| Change::Width(factor.0)));
         changes.extend(table.friction_over_threshold.map(|ratio| Change::FrictionOverThreshold(ratio.0)));
@@ -359,32 +365,47 @@ fn variants(
 }
 
 /// Reads the ranges of assumptions.
-fn sensitivity(root: &Section<StudyFile>, sweep: &Sweep) -> Result<Vec<Assumption>, StudyFileError> {
-    let (source, middle) = (root.source, sweep.middle());
+fn sensitivity(
+    root: &Section<StudyFile>,
+    sweep: &Sweep,
+    middle: &ObjectValues,
+) -> Result<Vec<Assumption>, StudyFileError> {
+    let source = root.source;
     let table = root.get("assess.sensitivity").and_then(|value| value.get_ref().as_table());
     let mut ranges: Vec<_> = table.into_iter().flatten().collect();
     ranges.sort_by_key(|(key, _)| key.span().start);
     let read = |(key, value): (&toml::Spanned<std::borrow::Cow<str>>, SpannedValue)| {
         let name = key.get_ref();
-        let (parameter, variable) = parameter(source, name, value)?;
+        let parameter = parameter(source, vocabulary(sweep), name, value)?;
         let ends = value.get_ref().as_array().filter(|list| list.len() == 2);
         let ends = ends.ok_or_else(|| source.unexpected(name, value, "both ends of a range, as in [20, 80]"))?;
         let values = [read_number(source, &parameter, &ends[0])?, read_number(source, &parameter, &ends[1])?];
-        let changes = values.map(|value| Change::Parameter(variable, value));
+        let changes = values.map(|value| Change::of_parameter(&parameter, value));
         for change in changes {
             let checked = sweep.check_changes(&[change]);
             checked.map_err(|message| source.wrong(&value.span(), message))?;
         }
-        Ok(Assumption { name: parameter.heading(), changes, values, middle: middle[variable], is_given: true })
+        let middle = middle.number(&parameter).unwrap_or(f64::NAN);
+        Ok(Assumption { name: parameter.heading(), changes, values, middle, is_given: true })
     };
     ranges.into_iter().map(read).collect()
 }
 
+/// The bodies whose parameters variants and ranges name.
+fn vocabulary(sweep: &Sweep) -> Vocabulary {
+    if sweep.space.is_some() { Vocabulary::Space } else { Vocabulary::Plane }
+}
+
 /// Finds a real parameter by its name.
-fn parameter(source: StudyText, name: &str, value: SpannedValue) -> Result<(Parameter, Variable), StudyFileError> {
-    let parameter = Parameter::named(name).map_err(|message| source.wrong(&value.span(), message))?;
-    match (parameter.kind(), parameter.variable()) {
-        (Kind::Real, Some(variable)) => Ok((parameter, variable)),
+fn parameter(
+    source: StudyText,
+    vocabulary: Vocabulary,
+    name: &str,
+    value: SpannedValue,
+) -> Result<Parameter, StudyFileError> {
+    let parameter = vocabulary.parameter(name).map_err(|message| source.wrong(&value.span(), message))?;
+    match parameter.kind() {
+        Kind::Real => Ok(parameter),
         _ => {
             let message = format!("{name} is not a number; expected a parameter with a unit");
             Err(source.wrong(&value.span(), message))

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::assess::alternatives::Assumption;
 use crate::assess::plan::Input;
-use crate::fragility::{Interval, Limit, RowCounts};
+use crate::fragility::{Direction, Interval, Limit, RowCounts};
 use rocking_block::block::Ratios;
 
 /// The report on an object.
@@ -36,10 +36,14 @@ pub struct Report {
     pub pulse: String,
     /// The least pulses that overturn the object.
     pub pulses: Vec<LeastPulse>,
-    /// Blocks of the object's shape under all ground motions.
+    /// Blocks of the object's shape under all ground motions; none in space.
     pub sizes: Vec<SizeResult>,
     /// Measure or factor to which the ground motions of `sizes` are scaled.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub sizes_strength: String,
+    /// The runs by the direction of the ground motion, in a study with azimuths.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub directions: Vec<Direction>,
     /// Curves of the states.
     pub states: Vec<StateResult>,
     /// Confidence level of all intervals.
@@ -75,7 +79,7 @@ pub struct ObjectResult {
     pub center_height: f64,
     /// Mass (kg).
     pub mass: f64,
-    /// Slenderness α (rad).
+    /// Slenderness α (rad), in space that of the balance over the nearest edge.
     pub alpha: f64,
     /// Least and greatest α of the study (rad).
     pub alpha_range: [f64; 2],
@@ -86,10 +90,38 @@ pub struct ObjectResult {
     /// Distance R0 from the centre of mass to a corner (m).
     #[serde(rename = "R0")]
     pub r0: f64,
-    /// Shape factor γ (1).
-    pub gamma: f64,
     /// Gravitational acceleration (m/s²).
     pub g: f64,
+    /// Coefficient of friction; infinite, null in JSON, without a limit.
+    pub friction: f64,
+    /// Least and greatest coefficient of the study.
+    pub friction_range: [f64; 2],
+    /// Distance of the centre of mass from the middle of the base along x (m).
+    pub eccentricity: f64,
+    /// What only a block in the plane, or only one in space, has.
+    #[serde(flatten)]
+    pub body: BodyResult,
+    /// Whether a parameter is a list of an even number of values, so that the upper of its two middle values was taken.
+    pub is_beside_the_middle: bool,
+    /// Horizontal acceleration (m/s²) that slowly lifts a corner of the block, in space an edge. `None` for a block with ties.
+    pub static_threshold: Option<f64>,
+}
+
+/// What only a block in the plane, or only one in space, has.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum BodyResult {
+    /// In the plane.
+    Plane(PlaneResult),
+    /// In space.
+    Space(Box<SpaceResult>),
+}
+
+/// A block in the plane.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlaneResult {
+    /// Shape factor γ (1).
+    pub gamma: f64,
     /// Restitution ε of the landing corner (1).
     pub epsilon: f64,
     /// Of supports only.
@@ -98,20 +130,41 @@ pub struct ObjectResult {
     /// Restitution e of a rigid base only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub e: Option<f64>,
-    /// Coefficient of friction; infinite, null in JSON, without a limit.
-    pub friction: f64,
-    /// Least and greatest coefficient of the study.
-    pub friction_range: [f64; 2],
-    /// Distance of the centre of mass from the middle of the base (m).
-    pub eccentricity: f64,
     /// Number of ties.
     pub ties: usize,
     /// Number of dampers.
     pub dampers: usize,
-    /// Whether a parameter is a list of an even number of values, so that the upper of its two middle values was taken.
-    pub is_beside_the_middle: bool,
-    /// Horizontal acceleration (m/s²) that slowly lifts a corner of the block. `None` for a block with ties.
-    pub static_threshold: Option<f64>,
+}
+
+/// A block in space.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpaceResult {
+    /// Shape of the base: `rectangle`, `circle` or `list`.
+    pub base: &'static str,
+    /// Distance between the feet along y (m).
+    pub depth: f64,
+    /// Number of feet.
+    pub feet: usize,
+    /// Distance of the centre of mass from the middle of the base along y (m).
+    pub eccentricity_y: f64,
+    /// I_xx, I_yy, I_zz, I_xy, I_xz, I_yz about the centre of mass (kg.m²).
+    pub inertia: [f64; 6],
+    /// Circular frequency ω_v on all feet (rad/s).
+    pub omega_v: f64,
+    /// Vertical damping ratio ξ_v (1).
+    pub xi_v: f64,
+    /// Stiffness ratio κ (1).
+    pub kappa: f64,
+    /// Horizontal damping ratio ξ_h (1).
+    pub xi_h: f64,
+    /// Stiffness of each foot (N/m).
+    #[serde(rename = "K")]
+    pub stiffness: f64,
+    /// Damping of each foot (N.s/m).
+    #[serde(rename = "C")]
+    pub damping: f64,
+    /// Static deflection (m).
+    pub delta_s: f64,
 }
 
 /// Viscoelastic supports.
@@ -150,6 +203,9 @@ pub struct BuildingResult {
 pub struct MotionResult {
     /// Its name.
     pub name: String,
+    /// The azimuth of its first component (degrees), of an object in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<f64>,
     /// m/s².
     #[serde(rename = "PGA")]
     pub pga: Option<f64>,
@@ -174,6 +230,9 @@ pub struct LeastPulse {
     /// The floor on which the object stands, in a building whose ground has the pulse.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor: Option<usize>,
+    /// The azimuth of the pulse (degrees), of an object in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<f64>,
     /// Least amplitude a_p (m/s²) of the ground; `None` if none overturns it.
     pub amplitude: Option<f64>,
     /// `none`; or `upper` or `lower`, if the range of the search only bounds the value.
@@ -303,7 +362,7 @@ pub struct HazardResult {
 pub struct Comparison {
     /// Its name.
     pub name: String,
-    /// Slenderness α (rad).
+    /// Slenderness α (rad), in space that of the balance over the nearest edge.
     pub alpha: f64,
     /// m/s²; `None` for a block with ties.
     pub static_threshold: Option<f64>,

@@ -24,9 +24,10 @@ pub struct SizeSpectrum {
     pub strength: String,
 }
 
-/// Returns the spectrum and the strength of its ground motions. It is the middle one of the study's list.
-pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
-    let Plan { sweep, block, values, .. } = plan;
+/// Returns the spectrum of an object in the plane, and the strength of its ground motions. It is the middle one of the study's list.
+pub(super) fn of(plan: &Plan) -> Result<Option<(CheckedSpectrum, String)>, BlockError> {
+    let Plan { sweep, object, values, .. } = plan;
+    let Some(block) = object.in_plane() else { return Ok(None) };
     let middle = sweep.strengths.count() / 2;
     let strength = match &sweep.strengths {
         Strengths::Levels(measure, levels) => format!("{measure} = {} {}", levels[middle as usize], measure.unit()),
@@ -47,13 +48,13 @@ pub(super) fn of(plan: &Plan) -> Result<(CheckedSpectrum, String), BlockError> {
         bases: vec![FoundationCurve::of(block)],
         sizes: Sizes { least: p / RANGE, greatest: p * RANGE, count: SIZES },
         motions: motions.collect(),
-        pulse: values.pulse(),
-        settings: values.settings(Some(sweep.tolerance)),
+        pulse: values.variables.pulse(),
+        settings: values.variables.settings(Some(sweep.tolerance)),
         duration: sweep.duration,
         step: sweep.step,
         friction_demand: None,
     };
-    Ok((spectrum.checked()?, strength))
+    Ok(Some((spectrum.checked()?, strength)))
 }
 
 impl SizeSpectrum {

@@ -3,21 +3,22 @@
 use rayon::ThreadPool;
 
 use crate::assess::alternatives::{Alternative, Assumption};
-use crate::assess::describe::{building, hazard_result, motions, object, static_threshold, strengths};
+use crate::assess::describe::{building, hazard_result, motions, object, strengths};
 use crate::assess::plan::{Hazard, Plan};
 use crate::assess::results::{Comparison, Report, Sensitivity, SlidingResult};
 use crate::assess::spectrum::SizeSpectrum;
 use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::steps::{AssessError, Cache, Step, Work};
 use crate::assess::{pulses, spectrum};
-use crate::fragility::{Assessment, Component, Limit, SweepTable};
+use crate::fragility::{Assessment, Component, Direction, Limit, SweepTable};
+use crate::input::parameters::Vocabulary;
 use crate::output::runner::Study;
-use crate::spec::words::{Words, friction};
+use crate::spec::words::Words;
+use crate::spectrum::CheckedSpectrum;
 use crate::spectrum::statistics::{BlockOutcome, Statistics};
 use crate::sweep::change::Change;
 use rocking_block::block::restraints::LinkKind;
 use rocking_block::numerics::wide::VectorWidth;
-use rocking_block::unit::variables::Variable;
 
 /// Coefficients of friction of the runs that slide. Most pairs of `rocking foundations` lie between the first and the last.
 const FRICTIONS: [f64; 3] = [0.3, 0.5, 0.7];
@@ -38,8 +39,8 @@ pub struct Results {
     pub table: SweepTable,
     /// The curve of each state.
     pub states: Vec<StateCurve>,
-    /// Blocks of the object's shape in other sizes.
-    pub sizes: SizeSpectrum,
+    /// Blocks of the object's shape in other sizes, in the plane.
+    pub sizes: Option<SizeSpectrum>,
     /// The steps of the work.
     pub steps: Vec<Step>,
 }
@@ -60,11 +61,11 @@ pub fn assess(
 ) -> Result<Results, AssessError> {
     let Plan { sweep, measure, states, years, .. } = plan;
     let frictions = frictions(plan);
-    let (of_sizes, strength) = spectrum::of(plan)?;
+    let of_sizes = spectrum::of(plan)?;
     let sweeps = 1 + plan.variants.len() + frictions.len() + 2 * plan.assumptions.len();
     let all = sweeps as u64 * sweep.rows()
-        + of_sizes.rows()
-        + (plan.pulse_periods.len() * plan.floors().len().max(1)) as u64 * pulses::POINTS;
+        + of_sizes.as_ref().map_or(0, |(spectrum, _)| spectrum.rows())
+        + (plan.pulse_periods.len() * pulses::places(plan).len()) as u64 * pulses::POINTS;
     let mut work = Work::new(pool, width, keep, all, progress);
 
     let table = work.sweep("the object", sweep)?;
@@ -82,12 +83,12 @@ pub fn assess(
     }
     let mut sliding = Vec::new();
     for &friction in &frictions {
-        let changes = [Change::Parameter(Variable::Friction, friction)];
+        let changes = [of_friction(plan, friction)];
         let table = work.sweep(&format!("friction {friction}"), &sweep.with(&changes))?;
         sliding.push(sliding_result(plan, compared, friction, &table)?);
     }
-    if sweep.holds().friction {
-        sliding.push(sliding_result(plan, compared, friction::to_user(plan.block.friction), &table)?);
+    if slides(plan) {
+        sliding.push(sliding_result(plan, compared, plan.object.friction(), &table)?);
     }
     let mut sensitivity = Vec::new();
     for assumption in &plan.assumptions {
@@ -95,10 +96,7 @@ pub fn assess(
         let ends = [changed(&mut work, name, &changes[..1])?, changed(&mut work, name, &changes[1..])?];
         sensitivity.push(Sensitivity { assumption: assumption.clone(), ends });
     }
-    let table_of_sizes = work.table("other sizes", &of_sizes, &of_sizes.header().study)?;
-    let mut statistics = Statistics::new(&of_sizes);
-    statistics.add(&of_sizes, &BlockOutcome::all(&table_of_sizes)?);
-    let sizes = SizeSpectrum { spectrum: of_sizes, table: table_of_sizes, statistics, strength };
+    let sizes = of_sizes.map(|of_sizes| other_sizes(&mut work, of_sizes)).transpose()?;
     let pulses = work.search("pulses", |ran| pulses::least(plan, width, ran));
     let results: Vec<_> =
         states.iter().zip(&curves).map(|(state, curve)| curve.result(state, hazard, *years)).collect();
@@ -117,8 +115,9 @@ pub fn assess(
         im: measure.heading(),
         pulse: plan.pulse.word().into(),
         pulses,
-        sizes: sizes.results(),
-        sizes_strength: sizes.strength.clone(),
+        sizes: sizes.as_ref().map(SizeSpectrum::results).unwrap_or_default(),
+        sizes_strength: sizes.as_ref().map(|sizes| sizes.strength.clone()).unwrap_or_default(),
+        directions: directions(plan, &table, states[compared].limit)?,
         states: results,
         confidence: CONFIDENCE,
         intervals: intervals.map(Assessment::intervals),
@@ -135,12 +134,39 @@ pub fn assess(
     Ok(Results { report, table, states: curves, sizes, steps: work.steps })
 }
 
+/// Makes the spectrum of blocks in other sizes, under ground motions of a strength in words.
+fn other_sizes(work: &mut Work, of: (CheckedSpectrum, String)) -> Result<SizeSpectrum, AssessError> {
+    let (spectrum, strength) = of;
+    let table = work.table("other sizes", &spectrum, &spectrum.header().study)?;
+    let mut statistics = Statistics::new(&spectrum);
+    statistics.add(&spectrum, &BlockOutcome::all(&table)?);
+    Ok(SizeSpectrum { spectrum, table, statistics, strength })
+}
+
+/// Returns the runs by direction, of an object in space under several.
+fn directions(plan: &Plan, table: &SweepTable, limit: Limit) -> Result<Vec<Direction>, AssessError> {
+    let found = plan.object.in_space().map(|_| table.directions(limit)).transpose()?.unwrap_or_default();
+    Ok(if found.len() > 1 { found } else { Vec::new() })
+}
+
+/// Whether the study limits the friction of its blocks.
+fn slides(plan: &Plan) -> bool {
+    match plan.object.in_space() {
+        Some(_) => plan.sweep.parameters.iter().any(|swept| swept.parameter.is_friction()),
+        None => plan.sweep.holds().friction,
+    }
+}
+
+/// The change to a coefficient of friction.
+fn of_friction(plan: &Plan, friction: f64) -> Change {
+    let vocabulary = if plan.object.in_space().is_some() { Vocabulary::Space } else { Vocabulary::Plane };
+    let parameter = vocabulary.parameter("friction").unwrap_or_else(|message| unreachable!("{message}"));
+    Change::of_parameter(&parameter, friction)
+}
+
 /// Returns the coefficients of friction to try. There are none for a study with friction, or if a corner could jam.
 fn frictions(plan: &Plan) -> Vec<f64> {
-    let fits = |friction: &f64| {
-        let change = Change::Parameter(Variable::Friction, *friction);
-        !plan.sweep.holds().friction && plan.sweep.check_changes(&[change]).is_ok()
-    };
+    let fits = |friction: &f64| !slides(plan) && plan.sweep.check_changes(&[of_friction(plan, *friction)]).is_ok();
     FRICTIONS.into_iter().filter(fits).collect()
 }
 
@@ -160,7 +186,7 @@ fn comparison(
     };
     let found = StateCurve::new(table, plan.measure, limit, hazard)?;
     let sweep = plan.sweep.with(changes);
-    let block = sweep.block(&plan.values)?;
+    let object = plan.values.object(&sweep)?;
     let holds = sweep.holds();
     let greatest = |columns: Vec<String>| -> Result<Option<f64>, AssessError> {
         let mut found: Option<f64> = None;
@@ -169,22 +195,24 @@ fn comparison(
         }
         Ok(found)
     };
-    let slip = greatest(holds.friction.then(|| "peak.slip".to_string()).into_iter().collect())?;
+    let has_slip = if object.in_plane().is_some() { holds.friction } else { object.friction().is_finite() };
+    let slip = greatest(has_slip.then(|| "peak.slip".to_string()).into_iter().collect())?;
     let force = |of: LinkKind| {
         let links = holds.links().filter(|(kind, _)| *kind == of);
         let force =
             greatest(links.map(|(kind, i)| format!("peak.{}_{}.{}", kind.word(), i + 1, kind.force())).collect());
-        force.map(|force| force.map(|force| force / (block.mass * block.gravity)))
+        force.map(|force| force.map(|force| force / object.weight()))
     };
-    let ties = || block.ties().iter().filter(|tie| tie.kind == LinkKind::Tie && tie.is_present());
+    let links = object.in_plane().map(|block| block.ties()).unwrap_or_default();
+    let ties = || links.iter().filter(|tie| tie.kind == LinkKind::Tie && tie.is_present());
     let distances = ties().map(|tie| (tie.ground[0] - tie.block[0]).abs()).filter(|distance| *distance > 0.0);
     let can_break = ties().any(|tie| tie.strength > 0.0);
     let broken = can_break.then(|| table.numbers("ties.broken")).transpose()?;
     Ok(Comparison {
         name: name.into(),
-        alpha: block.alpha,
-        static_threshold: static_threshold(&block),
-        friction: friction::to_user(block.friction),
+        alpha: object.alpha(),
+        static_threshold: object.static_threshold(),
+        friction: object.friction(),
         limit,
         runs: found.counts,
         curve: found.curve(),

@@ -28,6 +28,7 @@
 //! | `store` | cases with their measures, batch by batch → a list of rows, or sorted rows if they are many |
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
 //! | `export` | lognormal curves → the files of pelicun and OpenQuake |
+//! | `directions` | the table of a sweep in space, a limit → its outcomes by the direction of the ground motion |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
 //!
 //! ```
@@ -45,6 +46,7 @@ mod bootstrap;
 mod cases;
 mod clusters;
 mod data;
+mod directions;
 mod export;
 mod goodness;
 mod ida;
@@ -68,6 +70,7 @@ pub use bootstrap::{Bootstrap, bootstrap};
 pub use cases::{Case, Motions, RowCounts, completed};
 pub use clusters::Independence;
 pub use data::Data;
+pub use directions::Direction;
 pub use export::{Component, LossProgram, openquake, pelicun};
 pub use goodness::{Goodness, Group};
 pub use ida::{Ida, IdaCurve, Response, curve_names, describes_curve};

@@ -3,8 +3,10 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | `bisection` | a scan and a function of a value → the changes of its result |
+//! | `shaken` | a run, in the plane or in space → the same run at another strength, and the usual strengths |
 
 mod bisection;
+mod shaken;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,14 +15,13 @@ use rayon::slice::ParallelSlice;
 
 use crate::output::runner;
 use crate::run::Run;
-use crate::run::batch::outcomes;
 use crate::run::outcome::End;
+use crate::run::rows::{Experiment, RunOutcome};
 pub use bisection::{OutcomeBoundary, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, BlockError, Corner, Foundation};
-use rocking_block::excitation::Pulse;
-use rocking_block::excitation::records::Ground;
+use rocking_block::block::{Block, BlockError};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
+pub use shaken::Shaken;
 
 /// Receives the number of runs done and the number known to be needed, after each run.
 pub type SearchProgress<'a> = &'a (dyn Fn(u64, u64) + Sync);
@@ -29,10 +30,10 @@ pub type SearchProgress<'a> = &'a (dyn Fn(u64, u64) + Sync);
 ///
 /// Each thread steps several runs at once in vectors of this width; the result depends neither on the threads nor on the width.
 /// The runs known to be needed are first those of the scan, then those of the bisections too.
-fn changes_of_end(
+fn changes_of_end<E: Experiment>(
     scan: &Scan,
     width: Option<VectorWidth>,
-    run: impl Fn(f64) -> Run + Sync,
+    run: impl Fn(f64) -> E + Sync,
     progress: SearchProgress,
 ) -> OutcomeMap<End> {
     let (done, mut known) = (AtomicU64::new(0), scan.points);
@@ -44,8 +45,8 @@ fn changes_of_end(
         let size = runner::batch(width, values.len() as u64, 1, rayon::current_num_threads() as u64);
         // A scan may have millions of values: only the ends are kept.
         let ends = |values: &[(usize, f64)]| {
-            let outcomes = outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
-            outcomes.iter().map(|outcome| outcome.end).collect::<Vec<End>>()
+            let outcomes = E::outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
+            outcomes.iter().map(RunOutcome::end).collect::<Vec<End>>()
         };
         values.par_chunks(size as usize).map(ends).collect::<Vec<Vec<End>>>().concat()
     };
@@ -78,49 +79,14 @@ pub fn damping_against_separation(
     Ok(changes_of_end(scan, width, run, progress))
 }
 
-/// The ground motion whose strength is searched.
-#[derive(Clone, Debug)]
-pub enum Shaking {
-    /// A pulse; the search varies its amplitude a_p (m/s²).
-    Pulse(Pulse),
-    /// Records; the search varies the factor on them.
-    Records(Ground),
-}
-
-/// The range of strengths in which a block is likely to overturn first. It goes up to ten times a PGA of g tan α.
-///
-/// On a rigid base under horizontal motion it begins at g tan α (the smaller one of both sides), below which no block rocks. Otherwise
-/// it begins at zero: viscoelastic supports respond to weaker motions, vertical motion reduces the weight, and ties may pull to a side.
-pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
-    let (pga, is_horizontal) = match shaking {
-        Shaking::Pulse(_) => (1.0, true),
-        Shaking::Records(Ground { horizontal, vertical }) => {
-            (horizontal.as_ref().map_or(0.0, |record| record.peak().acceleration.abs()), vertical.is_none())
-        }
-    };
-    let static_limit = |alpha: f64| block.gravity * libm::tan(alpha) / pga;
-    let holds = block.foundation == Foundation::Rigid && is_horizontal && block.ties().is_empty();
-    let [left, right] = Corner::each(|corner| static_limit(block.alpha_of(corner)));
-    [if holds { left.min(right) } else { 0.0 }, 10.0 * static_limit(block.alpha)]
-}
-
-/// Scans the strength of the ground motion of a block that starts from rest. Each run ends when the block has come down.
+/// Scans the strength of the ground motion of a run. Each run ends when the block has come down.
 ///
 /// [`OutcomeMap::overturning`] gives the minimum overturning amplitude, or factor.
-pub fn overturning(
-    block: &Block,
-    shaking: &Shaking,
-    settings: Settings,
+pub fn overturning<E: Shaken>(
+    run: &E,
     scan: &Scan,
     width: Option<VectorWidth>,
     progress: SearchProgress,
 ) -> OutcomeMap<End> {
-    let run = |strength: f64| {
-        let run = Run::at_rest(*block, settings);
-        match shaking {
-            Shaking::Pulse(pulse) => Run { pulse: Pulse { amplitude: strength, ..*pulse }, ..run },
-            Shaking::Records(ground) => Run { ground: ground.clone().scaled(strength), ..run },
-        }
-    };
-    changes_of_end(scan, width, run, progress)
+    changes_of_end(scan, width, |strength| run.at_strength(strength), progress)
 }

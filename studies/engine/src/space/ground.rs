@@ -27,6 +27,17 @@ impl ComponentNames {
     }
 }
 
+/// Refuses an azimuth that is given, by its name, where it turns nothing. Without y it turns x alone, a motion along one line.
+///
+/// # Errors
+/// A message with the name.
+pub fn check_azimuth(name: &str, is_given: bool, has_x: bool, has_pulse: bool) -> Result<(), String> {
+    match !is_given || has_x || has_pulse {
+        true => Ok(()),
+        false => Err(format!("{name} has no effect without a horizontal record or a pulse, which it turns")),
+    }
+}
+
 /// Returns the motion of the ground, with both horizontal components turned by an azimuth (rad).
 ///
 /// # Errors

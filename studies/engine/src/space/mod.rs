@@ -14,13 +14,15 @@ pub mod outcome;
 mod stopping_rule;
 pub mod table;
 
-use rocking_block::excitation::PulseShape;
-use rocking_block::run::{Ending, SimulationError};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::run::{Ending, Settings, SimulationError};
 use rocking_block::space::energies::SpaceEnergies;
+use rocking_block::space::excitation::MAX_PULSES;
 use rocking_block::space::outputs::SpaceObservation;
 use rocking_block::space::run::SpaceCounts;
 use rocking_block::space::{
-    Base, SpaceEvent, SpaceGround, SpaceInitial, SpaceInputs, SpaceParameters, SpacePeaks, SpaceRun, SpaceSetup,
+    Base, DirectedPulse, SpaceBody, SpaceEvent, SpaceGround, SpaceInitial, SpaceInputs, SpaceParameters, SpacePeaks,
+    SpaceRun, SpaceSetup,
 };
 
 use crate::run::outcome::End;
@@ -86,6 +88,25 @@ pub fn foot_names(parameters: &SpaceParameters) -> Vec<String> {
 }
 
 impl RunInSpace {
+    /// A run of a block from rest without excitation, until its outcome is known, with rows at the start and the end only.
+    pub fn at_rest(parameters: SpaceParameters, body: SpaceBody, settings: Settings) -> RunInSpace {
+        RunInSpace {
+            parameters,
+            setup: SpaceSetup { body, settings, pulses: [DirectedPulse::NONE; MAX_PULSES] },
+            initial: SpaceInitial::default(),
+            ground: SpaceGround::default(),
+            duration: None,
+            output_step: f64::INFINITY,
+        }
+    }
+
+    /// The run under a horizontal pulse with an azimuth (degrees).
+    #[must_use]
+    pub fn with_pulse(mut self, pulse: Pulse, azimuth: f64) -> RunInSpace {
+        self.setup.pulses[0] = DirectedPulse::horizontal(pulse, azimuth.to_radians());
+        self
+    }
+
     /// Checks that the history fits into memory.
     ///
     /// # Errors

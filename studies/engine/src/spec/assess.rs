@@ -19,7 +19,7 @@ pub struct AssessTable {
     pub author: Option<String>,
     /// Date of the study, on the first page, as 2026-11-29 in quotes.
     pub date: Option<String>,
-    /// Measure of the curves; by default that of the levels, else PGV.
+    /// Measure of the curves; by default that of the levels, else PGV, in space PGV.RotD50.
     pub im: Option<String>,
     /// Years of the probabilities; by default 50.
     pub years: Option<Positive>,
@@ -77,7 +77,8 @@ pub enum Site {
 pub struct StateTable {
     /// Name of the state.
     pub name: String,
-    /// "overturned", "balance", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20".
+    /// "overturned", "balance", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"; in space a number
+    /// for the tilt over that of the balance, "twist:0.1" [rad], "slip:0.1" or "drift:0.1" [m].
     pub limit: Word,
     /// The publication or decision behind it.
     pub source: Option<String>,
@@ -90,7 +91,7 @@ pub struct StateTable {
 pub struct VariantTable {
     /// Name of the variant.
     pub name: String,
-    /// Factor on the width of the base.
+    /// Factor on the width of the base, in space also on its depth.
     pub width: Option<Positive>,
     /// Coefficient of friction over the static threshold b/h; below 1 the block slides before it rocks.
     pub friction_over_threshold: Option<Positive>,

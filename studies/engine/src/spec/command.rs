@@ -3,8 +3,9 @@
 use rocking_block::block::Foundation;
 use rocking_block::block::restraints::Tie;
 
+use crate::spec::space::FeetSpec;
 use crate::spec::words::Words;
-use crate::spec::{BlockSpec, option};
+use crate::spec::{BlockSpec, SpaceSpec, option};
 
 /// A command line in progress.
 #[derive(Clone, Debug)]
@@ -46,6 +47,29 @@ impl CommandLine {
         self.unless("foundation", spec.foundation().word(), Foundation::Viscoelastic.word());
         for tie in spec.hold.links() {
             self.tie(tie.kind.word(), &tie);
+        }
+        self
+    }
+
+    /// Adds the given parameters of a block in space.
+    pub fn block_in_space(&mut self, shared: &BlockSpec, space: &SpaceSpec) -> &mut CommandLine {
+        let own = space.clone().numbers_mut().map(|(name, value)| (name, *value));
+        let numbers = shared.numbers().into_iter().chain(own);
+        // Friction without a limit is the default.
+        for (name, value) in numbers.filter_map(|(name, value)| Some((name, value.filter(|x| x.is_finite())?))) {
+            self.option(&option(name), value);
+        }
+        if let Some(base) = space.base {
+            self.option("base", base.word());
+        }
+        match &space.feet {
+            Some(FeetSpec::Count(count)) => _ = self.option("feet", count),
+            Some(FeetSpec::File(path)) => _ = self.option("feet", path.display()),
+            None => (),
+        }
+        if let Some(tensor) = &space.inertia_tensor {
+            let numbers: Vec<String> = tensor.iter().map(f64::to_string).collect();
+            self.option("inertia_tensor", numbers.join(","));
         }
         self
     }

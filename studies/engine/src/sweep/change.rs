@@ -1,8 +1,13 @@
-//! A block → the same block with another base, foundation, friction or ties.
+//! A block → the same block with another base, foundation, friction or ties; in space without ties.
 
+use crate::input::parameters::Parameter;
 use crate::run::outcome::Holds;
+use crate::space::facts;
+use crate::spec::SpecError;
+use crate::spec::numbers_in_space::{NumbersInSpace, SpaceNumber};
 use rocking_block::block::restraints::{LinkKind, Tie, tie};
 use rocking_block::block::{Block, BlockError, BlockParameters, Body, KelvinVoigt, Outline, Springs, Supports};
+use rocking_block::space::{Base, BaseSize, FootPlace, SpaceBody, SpaceParameters, SpaceSupports};
 use rocking_block::unit::links::LINKS;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
@@ -21,7 +26,9 @@ const HARDENING: f64 = 0.03;
 pub enum Change {
     /// Another value of a parameter, in its unit.
     Parameter(Variable, f64),
-    /// A factor on the width of the base. Mass, inertia, height of the centre of mass, supports and ties stay.
+    /// Another value of a number of a block in space, in its unit.
+    Number(&'static SpaceNumber, f64),
+    /// A factor on the width of the base, in space also on its depth. Mass, inertia, height of the centre of mass, supports and ties stay.
     Width(f64),
     /// A factor on the stiffness ratio η; ξ_v stays.
     StiffnessRatio(f64),
@@ -40,11 +47,21 @@ pub enum Change {
 }
 
 impl Change {
+    /// Another value of a parameter of a study, in the plane or in space.
+    pub(crate) fn of_parameter(parameter: &Parameter, value: f64) -> Change {
+        match (parameter.variable(), parameter.in_space_number()) {
+            (Some(variable), _) => Change::Parameter(variable, value),
+            (None, Some(number)) => Change::Number(number, value),
+            (None, None) => unreachable!("{} is a variable or a number", parameter.name()),
+        }
+    }
+
     /// The parameter that it changes, if it is one.
     pub(super) fn parameter(self) -> Option<Variable> {
         match self {
             Change::Parameter(variable, _) => Some(variable),
-            Change::Width(_)
+            Change::Number(..)
+            | Change::Width(_)
             | Change::StiffnessRatio(_)
             | Change::DampingRatio(_)
             | Change::FrictionOverThreshold(_)
@@ -68,7 +85,7 @@ impl Change {
     pub fn block(self, block: Block, changes: &[Change]) -> Result<Block, BlockError> {
         let Body { b, h, r0, mass, gravity, .. } = block.body;
         match self {
-            Change::Parameter(..) => Ok(block),
+            Change::Parameter(..) | Change::Number(..) => Ok(block),
             Change::Width(factor) => {
                 rebuilt(&Block { body: Body { b: b * factor, ..block.body }, ..block }, block.springs())
             }
@@ -112,6 +129,52 @@ impl Change {
         }
     }
 
+    /// Makes the change of a number of a block in space, if it is one.
+    pub(super) fn number(self, numbers: &mut NumbersInSpace) {
+        if let Change::Number(number, value) = self {
+            *numbers.number_mut(number) = Some(value);
+        }
+    }
+
+    /// The parameters of a block in space with the change.
+    ///
+    /// # Errors
+    /// Ties and dampers, which only a block in the plane has.
+    pub(super) fn in_space(self, parameters: SpaceParameters, body: &SpaceBody) -> Result<SpaceParameters, SpecError> {
+        let feet = |stiffness: f64, damping: f64| SpaceSupports::OfFoot { stiffness, damping };
+        let (stiffness, damping) = (body.stiffness, body.damping);
+        let of_plane = |parameter| Err(SpecError::OfPlane { parameter, instead: "expected a change without it" });
+        match self {
+            Change::Parameter(..) | Change::Number(..) => Ok(parameters),
+            Change::Width(factor) => {
+                let size =
+                    BaseSize::Lengths { width: 2.0 * body.half_width * factor, center_height: body.center_height };
+                let base = match parameters.base {
+                    Base::Rectangle { depth_ratio, .. } => Base::Rectangle { size, depth_ratio },
+                    Base::Circle { feet, .. } => Base::Circle { size, feet },
+                    Base::List { feet, center_height } => {
+                        let wider = |foot: FootPlace| FootPlace { x: factor * foot.x, y: factor * foot.y, ..foot };
+                        Base::List { feet: feet.into_iter().map(wider).collect(), center_height }
+                    }
+                };
+                let inertia = Some(facts::inertia(body));
+                Ok(SpaceParameters { base, supports: feet(stiffness, damping), inertia, ..parameters })
+            }
+            Change::StiffnessRatio(factor) => {
+                let supports = feet(stiffness * factor * factor, damping * factor);
+                Ok(SpaceParameters { supports, ..parameters })
+            }
+            Change::DampingRatio(factor) => {
+                Ok(SpaceParameters { supports: feet(stiffness, damping * factor), ..parameters })
+            }
+            Change::FrictionOverThreshold(ratio) => {
+                Ok(SpaceParameters { friction: ratio * body.edge_distance() / body.center_height, ..parameters })
+            }
+            Change::Tied(_) => of_plane("ties"),
+            Change::Damped(_) => of_plane("dampers"),
+        }
+    }
+
     /// Friction and ties of blocks with the change.
     pub(super) fn holds(self, holds: Holds) -> Holds {
         match self {
@@ -120,7 +183,7 @@ impl Change {
             Change::Tied(_) => Holds { ties: holds.ties + 2, ..holds },
             Change::Damped(_) => Holds { dampers: holds.dampers + 2, yields: true, ..holds },
             Change::Parameter(variable, value) => holds.or(holds_of_variables(|of| of == variable && value > 0.0)),
-            Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => holds,
+            Change::Number(..) | Change::Width(_) | Change::StiffnessRatio(_) | Change::DampingRatio(_) => holds,
         }
     }
 }

@@ -57,7 +57,8 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
     let (mut motions, mut remarks) = records::read(&file, folder, vocabulary, &of_record, || gravity(&given, source))?;
-    motions = space::turned(&file, motions)?;
+    let has_pulse = given.iter().any(|given| given.parameter.variable() == Some(Variable::PulseShape));
+    motions = space::turned(&file, motions, has_pulse)?;
     let building = building::file::read(&file)?;
     check::building(&file, &motions, &strengths)?;
     if let Some((building, floors)) = &building {

@@ -40,7 +40,7 @@ use crate::run::outcome::Holds;
 use crate::run::{Run, is_moved};
 use crate::space::RunInSpace;
 use crate::spec::SpecError;
-use crate::spec::numbers_in_space::BeginningSpec;
+use crate::spec::numbers_in_space::{BeginningSpec, NumbersInSpace};
 use crate::sweep::change::{Change, holds_of_variables, tie_field};
 use crate::sweep::check::Checks;
 use crate::sweep::ensemble::Ensemble;
@@ -54,6 +54,7 @@ use rocking_block::block::{Block, BlockError};
 use rocking_block::excitation::records::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
+use rocking_block::space::{SpaceBody, SpaceInitial, SpaceParameters};
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 
@@ -159,6 +160,12 @@ impl Sweep {
         let has_record = self.motions.iter().all(|motion| !motion.ground.is_empty());
         let in_plane = values().filter(|_| self.space.is_none());
         let mut remarks = doubts::of_blocks(in_plane.filter_map(|values| self.block(&values).ok()));
+        let in_space = self.combinations_to_check(checks).filter_map(|number| {
+            let (blocks, numbers) = self.space.as_ref().zip(self.row_values(&self.combination(number)).in_space)?;
+            let (parameters, body, _) = blocks.block(&numbers).ok()?;
+            Some((parameters, body, numbers.block.mass.is_some()))
+        });
+        remarks.extend(doubts::of_blocks_in_space(in_space));
         remarks.extend(doubts::of_pulses(values().map(|values| (values.pulse(), values[Variable::G])), has_record));
         remarks
     }
@@ -203,11 +210,19 @@ impl Sweep {
     /// The first invalid parameter, or the condition under which a block would read an unread one.
     pub fn check_changes(&self, changes: &[Change]) -> Result<(), String> {
         let changed = self.with(changes);
+        if self.space.is_some() {
+            let made = (0..self.combinations().unwrap_or(0)).try_for_each(|number| {
+                let numbers = self.row_values(&self.combination(number)).in_space;
+                numbers.iter().try_for_each(|numbers| changed.block_in_space(numbers).map(|_| ()))
+            });
+            return made.map_err(|error| error.spelled(str::to_owned));
+        }
         let is_of_tie = |variable| {
             let kind = |change: &Change| match change {
                 Change::Tied(_) => Some(LinkKind::Tie),
                 Change::Damped(_) => Some(LinkKind::Damper),
                 Change::Parameter(..)
+                | Change::Number(..)
                 | Change::Width(_)
                 | Change::StiffnessRatio(_)
                 | Change::DampingRatio(_)
@@ -232,10 +247,14 @@ impl Sweep {
             .map_or(Ok(()), |(name, needed)| Err(format!("{name} is read by no block of the study; expected {needed}")))
     }
 
-    /// The variables in the middle of the study, each in its range's or list's middle.
-    pub fn middle(&self) -> Values {
-        let middle: Vec<f64> = self.parameters.iter().map(|swept| swept.values.at(0.5)).collect();
-        self.values(&middle)
+    /// The numbers of the block in space in a combination, if the study is one of blocks in space.
+    pub fn numbers_in_space(&self, combination: &[f64]) -> Option<Box<NumbersInSpace>> {
+        self.space.as_ref().map(|space| Box::new(space.numbers(&self.parameters, combination)))
+    }
+
+    /// The combination in the middle of the study, each parameter in its range's or list's middle.
+    pub fn middle(&self) -> Vec<f64> {
+        self.parameters.iter().map(|swept| swept.values.at(0.5)).collect()
     }
 
     /// A ground motion at one of the strengths. It is scaled for a block if the strength is relative to it.
@@ -251,6 +270,25 @@ impl Sweep {
     pub fn block(&self, values: &Values) -> Result<Block, BlockError> {
         let changed = self.changes.iter().fold(values.clone(), |values, change| change.values(values));
         self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block, &self.changes))
+    }
+
+    /// The block in space of these numbers with the changes of the sweep, and its beginning.
+    ///
+    /// # Errors
+    /// The first number that is not valid, or is not read, or a change that only a block in the plane has.
+    pub fn block_in_space(
+        &self,
+        numbers: &NumbersInSpace,
+    ) -> Result<(SpaceParameters, SpaceBody, SpaceInitial), SpecError> {
+        let blocks = self.space.as_ref().unwrap_or_else(|| unreachable!("a study of blocks in space"));
+        let mut numbers = numbers.clone();
+        self.changes.iter().for_each(|change| change.number(&mut numbers));
+        let (mut parameters, mut body, initial) = blocks.block(&numbers)?;
+        for change in &self.changes {
+            parameters = change.in_space(parameters, &body)?;
+            body = SpaceBody::new(&parameters)?;
+        }
+        Ok((parameters, body, initial))
     }
 
     /// Whether a record, a pulse or the initial state moves the block.

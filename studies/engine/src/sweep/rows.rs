@@ -109,8 +109,7 @@ fn next_level<E: SweptRun>(hunt: &Hunt, rows: &[SweepRow<E>]) -> f64 {
 impl Sweep {
     /// The values of the parameters in a combination.
     pub(super) fn row_values(&self, combination: &[f64]) -> RowValues {
-        let in_space = self.space.as_ref().map(|space| Box::new(space.numbers(&self.parameters, combination)));
-        RowValues { variables: self.values(combination), in_space }
+        RowValues { variables: self.values(combination), in_space: self.numbers_in_space(combination) }
     }
 
     /// The inputs and the run of a row. The measure has a `hunted` level if other rows decide it.

@@ -8,6 +8,7 @@ use crate::input::parameters::{Parameter, Vocabulary};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, number};
 use crate::intensity::BlockScales;
 use crate::output::table::TableColumn;
+use crate::space::ground::check_azimuth;
 use crate::space::{RunInSpace, outcome};
 use crate::spec::numbers_in_space::NumbersInSpace;
 use crate::spec::space::{BaseShape, FeetSpec, MAKES_SPACE, feet_of_table};
@@ -19,10 +20,7 @@ use crate::sweep::Sweep;
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::SweptParameter;
 use crate::sweep::rows::{RowValues, SweepRow, SweptRun};
-use rocking_block::space::excitation::MAX_PULSES;
-use rocking_block::space::{
-    DirectedPulse, FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters, SpaceSetup,
-};
+use rocking_block::space::{FootPlace, SpaceBody, SpaceInitial, SpaceParameters};
 
 /// What all blocks in space of a study share.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,8 +111,11 @@ fn refuse_of_plane(file: &Section<StudyFile>) -> Result<(), StudyFileError> {
 pub(super) fn turned(
     file: &Section<StudyFile>,
     motions: Vec<GroundMotion>,
+    has_pulse: bool,
 ) -> Result<Vec<GroundMotion>, StudyFileError> {
     let Some(azimuths) = &file.study.azimuths else { return Ok(motions) };
+    let has_x = motions.iter().any(|motion| motion.ground.horizontal.is_some());
+    check_azimuth("azimuths", true, has_x, has_pulse).map_err(|message| file.refused("study.azimuths", message))?;
     let of_motion: Vec<Vec<f64>> = match azimuths {
         Azimuths::List(list) => {
             for (number, azimuth) in list.iter().enumerate() {
@@ -194,30 +195,23 @@ impl RowValues {
 }
 
 impl SweptRun for RunInSpace {
-    fn of(sweep: &Sweep, RowValues { variables, in_space }: &RowValues) -> (BlockScales, RunInSpace) {
-        let made = sweep.space.as_ref().zip(in_space.as_ref()).map(|(blocks, numbers)| blocks.block(numbers));
-        let (parameters, body, initial) =
-            made.expect("a study of blocks in space").expect("all blocks of a study are valid");
-        let scales = BlockScales::from(&body);
-        let mut pulses = [DirectedPulse::NONE; MAX_PULSES];
-        pulses[0] = DirectedPulse::horizontal(variables.pulse(), 0.0);
-        let setup = SpaceSetup { body, settings: variables.settings(Some(sweep.tolerance)), pulses };
-        let run = RunInSpace {
-            parameters,
-            setup,
-            initial,
-            ground: SpaceGround::default(),
-            duration: sweep.duration,
-            output_step: sweep.step.unwrap_or(f64::INFINITY),
+    fn of(sweep: &Sweep, values: &RowValues) -> (BlockScales, RunInSpace) {
+        let RowValues { variables, in_space } = values;
+        let numbers = in_space.as_ref().expect("a study of blocks in space");
+        let (parameters, body, initial) = sweep.block_in_space(numbers).expect("all blocks of a study are valid");
+        let scales = match sweep.changes.is_empty() {
+            true => BlockScales::from(&body),
+            false => sweep.scales_in_space(values).expect("all blocks of a study are valid"),
         };
-        (scales, run)
+        let at_rest = RunInSpace::at_rest(parameters, body, variables.settings(Some(sweep.tolerance)));
+        let (duration, output_step) = (sweep.duration, sweep.step.unwrap_or(f64::INFINITY));
+        (scales, RunInSpace { initial, duration, output_step, ..at_rest.with_pulse(variables.pulse(), 0.0) })
     }
 
     /// The pulse turns with the records.
-    fn under(mut self, motion: &GroundMotion, scale: f64) -> RunInSpace {
+    fn under(self, motion: &GroundMotion, scale: f64) -> RunInSpace {
         let pulse = self.setup.pulses[0].pulse;
-        self.setup.pulses[0] = DirectedPulse::horizontal(pulse, motion.azimuth.to_radians());
-        RunInSpace { ground: motion.in_space(scale), ..self }
+        RunInSpace { ground: motion.in_space(scale), ..self.with_pulse(pulse, motion.azimuth) }
     }
 
     fn columns<'a>(_: &'a Sweep) -> Vec<TableColumn<'a, SweepRow<'a, RunInSpace>>> {

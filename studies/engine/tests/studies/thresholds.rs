@@ -5,7 +5,7 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
 use rocking_studies::run::Run;
-use rocking_studies::search::{Scan, Shaking, Threshold, overturning};
+use rocking_studies::search::{Scan, Threshold, overturning};
 
 /// Allowed relative error of a derivative.
 const TOLERANCE: f64 = 1e-6;
@@ -46,7 +46,8 @@ impl Search {
     fn threshold(&self) -> f64 {
         let [from, to] = self.range;
         let scan = Scan { from, to, points: 2, resolution: 1e-15 };
-        let map = overturning(&self.block(), &Shaking::Pulse(self.pulse), self.settings(), &scan, None, &|_, _| ());
+        let run = Run { pulse: self.pulse, ..Run::at_rest(self.block(), self.settings()) };
+        let map = overturning(&run, &scan, None, &|_, _| ());
         assert_eq!(map.changes.len(), 1, "{map:?}");
         match map.overturning() {
             Threshold::At(strength) => strength,

@@ -8,21 +8,25 @@ use clap::{Args, Parser, Subcommand};
 use crate::options::accelerograms::{Accelerograms, of_one_motion};
 use crate::options::block::{block, in_options};
 use crate::options::checks::check;
+use crate::options::excitation::SecondComponentOptions;
 use crate::options::explicit::ExplicitOptions;
+use crate::options::in_space;
 use crate::options::run::ProcessorOptions;
 use crate::output::files::{NamedFile, Outputs, check_distinct};
 use crate::output::formats::check_table;
 use crate::output::progress::Progress;
 use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
-use rocking_block::excitation::PulseShape;
+use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
+use rocking_studies::search::{self, OutcomeMap, Scan, Shaken, Threshold};
+use rocking_studies::space::RunInSpace;
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::run::separations;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{BlockSpec, GaborSpec, PulseSpec, RunSpec, limits};
+use rocking_studies::spec::{BlockSpec, GaborSpec, PulseSpec, RunSpec, SpaceSpec, limits};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -39,7 +43,7 @@ enum Target {
     /// Find the smallest xi_v without complete separation in free vibration from theta_dot(0) = 0.95 alpha p
     #[command(mut_args(|arg| if OF_NO_SEARCH_FOR_DAMPING.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
     Damping(Box<Damping>),
-    /// Find the smallest amplitude of a pulse, or factor on a record, that overturns a block
+    /// Find the smallest amplitude of a pulse, or factor on records, that overturns a block, in the plane or in space
     #[command(mut_args(of_one_motion))]
     Overturning(Box<Overturning>),
 }
@@ -76,11 +80,14 @@ struct Overturning {
     gabor: GaborSpec,
     #[command(flatten)]
     accelerograms: Accelerograms,
+    #[command(flatten)]
+    second: SecondComponentOptions,
     /// Lower end of the range of amplitudes [m/s2] or factors; by default 0, or on a rigid base without a vertical record and without
     /// ties a PGA of g tan(alpha), with alpha of the side with less base, below which no block rocks
     #[arg(long, value_name = "A")]
     from: Option<f64>,
-    /// Upper end of the range of amplitudes [m/s2] or factors; by default ten times a PGA of g tan(alpha)
+    /// Upper end of the range of amplitudes [m/s2] or factors; by default ten times a PGA of g tan(alpha), in space with alpha over the
+    /// nearest edge and the PGA of both components together
     #[arg(long, value_name = "A")]
     to: Option<f64>,
     /// Width to which each change is bisected, in the unit of the amplitude or factor
@@ -91,6 +98,8 @@ struct Overturning {
     on_separation: OnSeparation,
     #[command(flatten)]
     block: BlockSpec,
+    #[command(flatten)]
+    space: SpaceSpec,
     #[command(flatten)]
     search: SearchOptions,
 }
@@ -162,22 +171,42 @@ impl Damping {
 }
 
 impl Overturning {
-    /// Searches for the smallest strength that overturns.
+    /// Searches for the smallest strength that overturns a block, in the plane or in space.
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         explicit.refuse_unless(!explicit.has("record"), &["pulse", "period", "phase", "cycles"], "with --record")?;
-        self.search.check_table(&self.accelerograms.named())?;
+        let is_in_space = in_space::makes_space(&self.space, explicit, &["record-y", "azimuth"])?;
+        let files = [self.accelerograms.named(), self.second.named().into_iter().collect()].concat();
+        self.search.check_table(&files)?;
+        let settings = Settings { on_separation: self.on_separation, ..self.search.settings()? };
+        if is_in_space {
+            self.search.processor.refuse_lanes("for blocks in space, which are stepped one by one")?;
+            let (parameters, body) = in_space::block(&self.space, &self.block)?;
+            let gravity = body.gravity;
+            let ground = self.second.ground(&self.accelerograms, explicit, gravity, None, !explicit.has("record"))?;
+            let [x, _, vertical] = ground.records.each_ref().map(Option::is_some);
+            let pulse = self.pulse(x, vertical)?;
+            let at_rest = RunInSpace::at_rest(parameters, body, settings);
+            let run = RunInSpace { ground, ..at_rest.with_pulse(pulse.unwrap_or(Pulse::NONE), self.second.azimuth) };
+            return self.search(&run, pulse.is_some());
+        }
         let block = block(&self.block)?;
-        let (shaking, name, unit) = self.shaking(block.gravity)?;
-        let [least, greatest] = search::usual_strengths(&block, &shaking);
+        let ground = self.accelerograms.read(block.gravity)?.swap_remove(0);
+        let pulse = self.pulse(ground.horizontal.is_some(), ground.vertical.is_some())?;
+        let run = Run { ground, pulse: pulse.unwrap_or(Pulse::NONE), ..Run::at_rest(block, settings) };
+        self.search(&run, pulse.is_some())
+    }
+
+    fn search<E: Shaken>(&self, run: &E, is_pulse: bool) -> anyhow::Result<()> {
+        let (name, unit) = if is_pulse { ("a_p", " m/s2") } else { ("scale", "") };
+        let [least, greatest] = run.usual_strengths();
         let (from, to) = (self.from.unwrap_or(least), self.to.unwrap_or(greatest));
         let scan = self.search.scan(from, to, self.resolution)?;
-        let settings = Settings { on_separation: self.on_separation, ..self.search.settings()? };
         let width = self.search.processor.width();
         self.search.search(
             name,
             unit,
             &scan,
-            |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
+            |progress| Ok(search::overturning(run, &scan, width, progress)),
             OutcomeMap::overturning,
             |_, threshold, shown| match threshold {
                 Threshold::At(least) => format!("first overturning at {name} = {}{unit}", shown(least)),
@@ -195,19 +224,17 @@ impl Overturning {
         )
     }
 
-    /// Returns the excitation, with name and unit of the unknown.
-    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
-        let ground = self.accelerograms.read(gravity)?.swap_remove(0);
-        if ground.horizontal.is_some() {
-            return Ok((Shaking::Records(ground), "scale", ""));
+    /// Returns the pulse whose amplitude is unknown; `None` with a horizontal record.
+    fn pulse(&self, has_record: bool, has_vertical: bool) -> anyhow::Result<Option<Pulse>> {
+        if has_record {
+            return Ok(None);
         }
-        anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
+        anyhow::ensure!(!has_vertical, "--vertical without --record; expected both, or a pulse alone");
         anyhow::ensure!(self.pulse != PulseShape::None, "--pulse none overturns no block; expected a pulse");
         let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
         let (shape, period, gabor) = (Some(self.pulse), Some(period), self.gabor.clone());
         let pulse = PulseSpec { shape, period, gabor, ..PulseSpec::default() };
-        let pulse = pulse.with_amplitude(None).map_err(in_options)?;
-        Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
+        Ok(Some(pulse.with_amplitude(None).map_err(in_options)?))
     }
 }
 

@@ -1,20 +1,22 @@
 //! `rocking sketch`: options → a block → its sketch and its values.
 
-use rocking_studies::spec::BlockSpec;
+use rocking_studies::spec::{BlockSpec, SpaceSpec};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
 
-use crate::commands::simulate::summary::parameters;
-use crate::options::block;
+use crate::commands::simulate::summary::{add_block_in_space, parameters};
+use crate::options::explicit::ExplicitOptions;
+use crate::options::{block, in_space};
 use crate::output::files::Outputs;
 use crate::output::formats::PictureOptions;
 use crate::output::report::ReportOptions;
 use crate::output::summary::Summary;
 use rocking_block::block::{Block, Foundation};
+use rocking_block::space::{SpaceBody, SpaceParameters};
 use rocking_charts::history::block_line;
-use rocking_charts::sketch::Sketch;
+use rocking_charts::sketch::{Sketch, SketchInSpace};
 
 /// Options of `rocking sketch`.
 #[derive(Parser)]
@@ -22,21 +24,30 @@ pub struct SketchCommand {
     #[command(flatten)]
     block: BlockSpec,
     #[command(flatten)]
+    space: SpaceSpec,
+    #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
     report: ReportOptions,
 }
 
 /// Runs the command.
-pub fn run(options: &SketchCommand) -> anyhow::Result<()> {
-    let SketchCommand { block: given, picture, report } = options;
+pub fn run(options: &SketchCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let SketchCommand { block: given, space, picture, report } = options;
     let format = picture.format()?;
-    let block = block::block(given)?;
+    let (svg, summary) = if in_space::makes_space(space, explicit, &[])? {
+        let (parameters, body) = in_space::block(space, given)?;
+        let height = given.center_height.is_none().then_some(2.0 * body.center_height);
+        let svg = SketchInSpace { parameters: &parameters, body: &body, height }.svg()?;
+        (svg, summary_in_space(&parameters, &body))
+    } else {
+        let block = block::block(given)?;
+        (Sketch { block, height: given.body_height(&block) }.svg()?, summary(&block))
+    };
     let plot = picture.plot.clone().map_or_else(default_output, Ok)?;
     let mut outputs = Outputs::open([("plot", Some(plot.as_path()))])?;
-    outputs.fill("plot", || Ok(format.encode(&Sketch { block, height: given.body_height(&block) }.svg()?)?))?;
+    outputs.fill("plot", || Ok(format.encode(&svg)?))?;
     let written = outputs.write()?;
-    let summary = summary(&block);
     report.print("sketch", &written, &[], &(summary.text + &written.lines()), &summary.json)
 }
 
@@ -45,6 +56,43 @@ fn default_output() -> anyhow::Result<PathBuf> {
     let folder = Path::new("out");
     std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     Ok(folder.join("sketch.png"))
+}
+
+/// The values of a block in space, with those that `simulate` does not report.
+fn summary_in_space(parameters: &SpaceParameters, body: &SpaceBody) -> Summary {
+    let mut summary = Summary::default();
+    summary.entry("model", "block in space");
+    add_block_in_space(&mut summary, parameters, body);
+    let (stiffness, damping) = (body.stiffness, body.damping);
+    let deflection = body.gravity / (body.omega_v * body.omega_v);
+    summary.item(
+        "K",
+        stiffness,
+        "feet",
+        format!(
+            "{} with K = {stiffness:.4e} N/m, C = {damping:.4e} N.s/m each, δ_s = {:.3} mm",
+            body.count(),
+            1e3 * deflection
+        ),
+    );
+    summary.entry("C", damping);
+    summary.entry("delta_s", deflection);
+    // The least ground acceleration over the nearest edge on rigid feet.
+    let slope = body.edge_distance() / body.center_height;
+    let (rocks, slides) = (slope * body.gravity, body.friction * body.gravity);
+    match body.friction < slope {
+        true => summary.item(
+            "sliding_acceleration",
+            slides,
+            "slides",
+            format!("beyond μ g = {slides:.4} m/s² on rigid feet"),
+        ),
+        false => {
+            let text = format!("beyond g tan α_edge = {rocks:.4} m/s² over the nearest edge on rigid feet");
+            summary.item("rocking_acceleration", rocks, "rocks", text);
+        }
+    }
+    summary
 }
 
 /// The values of a block, with those that `simulate` does not report.

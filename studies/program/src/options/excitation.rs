@@ -12,12 +12,12 @@ use crate::options::run::warn;
 use crate::output::files::NamedFile;
 use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::space::{DirectedPulse, SpaceGround};
+use rocking_block::space::SpaceGround;
 use rocking_charts::numerals::significant;
 use rocking_records::Record;
 use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
-use rocking_studies::space::ground::{ComponentNames, of_components};
+use rocking_studies::space::ground::{ComponentNames, check_azimuth, of_components};
 use rocking_studies::spec::PulseSpec;
 use rocking_studies::spec::pulse::text;
 use rocking_studies::spectrum::statistics::direction;
@@ -41,17 +41,17 @@ pub struct SecondComponentOptions {
     /// Accelerogram of the horizontal ground motion along y, a quarter turn ahead of --record; `-` for standard input
     #[arg(long, value_name = "FILE")]
     record_y: Option<PathBuf>,
-    /// Direction of --record and of the pulse, from +x towards +y; it turns both horizontal components together [degrees]
+    /// Direction of --record and of the pulse, from +x towards +y; it turns --record-y, if any, with them [degrees]
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
-    azimuth: f64,
+    pub azimuth: f64,
 }
 
 /// The excitation of a run in space.
 pub struct ExcitationInSpace {
     /// Scaled records.
     pub ground: SpaceGround,
-    /// Pulse with its direction.
-    pub pulse: DirectedPulse,
+    /// Pulse, along the azimuth.
+    pub pulse: Pulse,
     /// Both in words, for summaries and pictures.
     pub description: String,
 }
@@ -127,37 +127,41 @@ impl SecondComponentOptions {
         default: Option<Record>,
     ) -> anyhow::Result<ExcitationInSpace> {
         let has_record = default.is_some() || !first.accelerograms.is_empty();
-        check("azimuth", self.azimuth, |_| true, "a finite angle")?;
         check_scale(explicit, first.scale, has_record)?;
-        let files = first.accelerograms.files()[0];
-        let has_x = files.horizontal.is_some();
-        OPTIONS.check_pair(has_x, self.record_y.is_some()).map_err(anyhow::Error::msg)?;
-        let (mut grounds, y) = first.accelerograms.read_with_y(gravity, self.record_y.as_deref())?;
-        let ground = grounds.swap_remove(0);
-        anyhow::ensure!(
-            !explicit.has("azimuth") || y.is_some() || ground.horizontal.is_none() && first.pulse.has_shape(),
-            "--azimuth without --record-y; expected both horizontal components of the motion that it turns, or a pulse alone"
-        );
-        let records = [ground.horizontal.or(default), y, ground.vertical];
-        let records = records.map(|record| record.map(|record| record.scaled(first.scale)));
+        let ground = self.ground(&first.accelerograms, explicit, gravity, default, first.pulse.has_shape())?;
+        let ground = ground.scaled_and_shifted(first.scale, 0.0);
         let pulse = first.pulse.pulse().map_err(in_options)?;
         warn(doubts::of_pulses([(pulse, gravity)], has_record));
+        let files = first.accelerograms.files()[0];
         let paths = [files.horizontal, self.record_y.as_deref(), files.vertical];
         let mut parts: Vec<String> = Vec::new();
-        for ((record, path), direction) in records.iter().zip(paths).zip(["x ", "y ", "vertical "]) {
+        for ((record, path), direction) in ground.records.iter().zip(paths).zip(["x ", "y ", "vertical "]) {
             parts.extend(record.as_ref().map(|record| describe_record(direction, record, path, gravity)));
         }
         parts.extend(describe_pulse(&pulse));
         if self.azimuth != 0.0 && !parts.is_empty() {
             parts.push(format!("azimuth {}°", self.azimuth));
         }
-        let azimuth = self.azimuth.to_radians();
-        let ground = of_components(records, azimuth, OPTIONS).map_err(anyhow::Error::msg)?;
-        Ok(ExcitationInSpace {
-            ground,
-            pulse: DirectedPulse::horizontal(pulse, azimuth),
-            description: parts.join(" + ").replacen(" + azimuth", ", azimuth", 1),
-        })
+        Ok(ExcitationInSpace { ground, pulse, description: parts.join(" + ").replacen(" + azimuth", ", azimuth", 1) })
+    }
+
+    /// Reads the components and turns them. This gravity (m/s²) converts those in g, and `default` replaces a record along x.
+    pub fn ground(
+        &self,
+        accelerograms: &Accelerograms,
+        explicit: &ExplicitOptions,
+        gravity: f64,
+        default: Option<Record>,
+        has_pulse: bool,
+    ) -> anyhow::Result<SpaceGround> {
+        check("azimuth", self.azimuth, |_| true, "a finite angle")?;
+        let has_x = accelerograms.files()[0].horizontal.is_some();
+        OPTIONS.check_pair(has_x, self.record_y.is_some()).map_err(anyhow::Error::msg)?;
+        let (mut grounds, y) = accelerograms.read_with_y(gravity, self.record_y.as_deref())?;
+        let ground = grounds.swap_remove(0);
+        let x = ground.horizontal.or(default);
+        check_azimuth("--azimuth", explicit.has("azimuth"), x.is_some(), has_pulse).map_err(anyhow::Error::msg)?;
+        of_components([x, y, ground.vertical], self.azimuth.to_radians(), OPTIONS).map_err(anyhow::Error::msg)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | [`accelerograms`] | options, files → records |
 //! | [`excitation`] | options → records and a pulse |
 //! | [`mod@block`] | options of a single block → the block |
+//! | [`in_space`] | options of a block in space → the block |
 //! | [`single_run`] | settings of a single run → the run |
 //! | [`run`] | options shared by studies → settings, a table of many runs |
 //! | [`fit`] | options, table of a sweep → its rows, a limit, the method of intervals |
@@ -27,6 +28,8 @@ pub mod accelerograms;
 pub mod excitation;
 
 pub mod block;
+
+pub mod in_space;
 
 pub mod single_run;
 

@@ -88,6 +88,12 @@ pub struct ProcessorOptions {
 }
 
 impl ProcessorOptions {
+    /// Refuses a number of lanes for runs that are not stepped in lanes.
+    pub fn refuse_lanes(&self, why: &str) -> anyhow::Result<()> {
+        anyhow::ensure!(self.lanes.is_none(), "--lanes has no effect {why}");
+        Ok(())
+    }
+
     /// Returns the width of the vectors, or none if each block is stepped alone.
     pub fn width(&self) -> Option<VectorWidth> {
         self.lanes.map_or_else(VectorWidth::widest, VectorWidth::at_most)
@@ -116,8 +122,7 @@ pub struct StudyOptions {
 impl StudyOptions {
     /// Refuses a number of lanes for a study whose runs are not stepped in lanes.
     pub fn refuse_lanes(&self, why: &str) -> anyhow::Result<()> {
-        anyhow::ensure!(self.processor.lanes.is_none(), "--lanes has no effect {why}");
-        Ok(())
+        self.processor.refuse_lanes(why)
     }
 
     /// The file of the table, which every study but one in parts has.

@@ -40,6 +40,36 @@ fn sketches_show_the_dimensions_of_the_block() {
     assert!(texts.iter().any(|text| text.starts_with(&format!("η = {eta:.2}, ξv = "))), "{eta}: {texts:?}");
 }
 
+/// A block in space has its lengths and the names of its feet, and is refused what it does not have.
+#[test]
+fn blocks_in_space_are_sketched_in_axonometry() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = "sketch --width 0.8 --depth 1.2 --height 3.2 --eta 60 --mass 7800 --friction 0.4 --plot block.svg";
+    let printed = stdout(folder.path(), &size.split(' ').collect::<Vec<_>>());
+    assert!(printed.starts_with("block         in space, 0.8 m × 1.2 m"), "{printed}");
+    // g tan α_edge = 9.81 · 0.4/1.6.
+    assert!(printed.contains("rocks         beyond g tan α_edge = 2.4525 m/s² over the nearest edge"), "{printed}");
+    let texts = texts(&std::fs::read_to_string(folder.path().join("block.svg")).unwrap());
+    for expected in [
+        "2b = 0.8 m",
+        "depth = 1.2 m",
+        "h = 1.6 m",
+        "2h = 3.2 m",
+        "SW",
+        "NW",
+        "SE",
+        "NE",
+        "M = 7800 kg",
+        "friction μ = 0.4",
+    ] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} is not in {texts:?}");
+    }
+    assert!(texts.iter().any(|text| text.starts_with("αedge = 0.245 rad = 14.04°")), "{texts:?}");
+    let expected =
+        "--kappa has no effect without one of --depth, --depth-ratio, --base, --feet, which make a block in space";
+    refused(folder.path(), &["sketch", "--kappa", "2"], &[expected]);
+}
+
 /// A rigid base has neither supports nor their values.
 #[test]
 fn a_rigid_base_has_no_supports() {

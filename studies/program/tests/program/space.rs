@@ -227,11 +227,11 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "--depth 1 --record x.csv --record-y short.csv",
-        "--record-y has a duration of 1.49 s; expected that of --record, 1.99 s; cut the components to the samples that all have",
+        "--record-y has 150 samples; expected the 200 samples of --record; cut the components to the samples that all have",
     ),
     (
-        "--depth 1 --record x.csv --azimuth 30",
-        "--azimuth without --record-y; expected both horizontal components of the motion that it turns, or a pulse alone",
+        "--depth 1 --vertical x.csv --azimuth 30",
+        "--azimuth has no effect without a horizontal record or a pulse, which it turns",
     ),
     ("--record x.csv --record-y y.csv", "--record-y has no effect {space}"),
     ("--pulse one-sine --amplitude 3 --azimuth 30", "--azimuth has no effect {space}"),
@@ -286,6 +286,25 @@ fn feet_of_a_table_are_those_of_a_rectangle() {
     for (a, b) in of_list.iter().zip(&of_rectangle) {
         assert!((a - b).abs() < 1e-9, "{a}, {b}");
     }
+}
+
+/// A component alone is a motion along the azimuth: one along 90° shakes the block along y as a square one along x.
+#[test]
+fn an_azimuth_turns_a_record_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |azimuth: &str, column: &str| {
+        let block =
+            "simulate --depth-ratio 1 --alpha 0.2 --p 2 --xi-v 0.2 --csv run.csv --duration 3 --scale 4 --record";
+        let arguments: Vec<&str> = block.split(' ').chain([RECORD, "--azimuth", azimuth]).collect();
+        stdout(folder.path(), &arguments);
+        Table::read(&folder.path().join("run.csv")).column(column)
+    };
+    let (along_x, along_y) = (run("0", "tilt_x"), run("90", "tilt_y"));
+    assert!(along_x.iter().any(|tilt| tilt.abs() > 0.01));
+    let apart = along_x.iter().zip(&along_y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart}");
+    let across = run("90", "tilt_x");
+    assert!(across.iter().all(|tilt| tilt.abs() < 1e-6));
 }
 
 #[test]

@@ -74,7 +74,14 @@ struct RawCurve {
 impl RawCurve {
     fn curve(self, options: &HazardOptions) -> Result<HazardCurve, Mismatch> {
         let wanted = options.measure.as_deref().map(canonical);
+        let mut remarks = Vec::new();
         let measure = match (self.measure, wanted) {
+            (Some(found), Some(wanted)) if component_of(&wanted).as_ref() == Some(&found) => {
+                remarks.push(format!(
+                    "the curve names {found} alone, and was taken as one of {wanted}: the ground-motion model says which it is"
+                ));
+                Some(wanted)
+            }
             (Some(found), Some(wanted)) if found != wanted => {
                 return Err(Mismatch::new(format!("a hazard curve of {found}"), format!("one of {wanted}")));
             }
@@ -91,7 +98,6 @@ impl RawCurve {
             let found = format!("{} levels and {} values", levels.len(), values.len());
             return Err(Mismatch::new(found, "a value for each level"));
         }
-        let mut remark = None;
         if let Some(years) = self.years {
             if let Some((level, value)) = levels.iter().zip(&values).find(|(_, value)| !(0.0..=1.0).contains(*value)) {
                 return Err(Mismatch::new(format!("the probability {value} at the level {level}"), "0 to 1"));
@@ -100,12 +106,12 @@ impl RawCurve {
             (levels, values) = levels.into_iter().zip(values).filter(|(_, value)| *value < 1.0).unzip();
             if levels.len() < all {
                 let certain = all - levels.len();
-                remark = Some(format!("{certain} levels have a probability of 1, and so no rate, and were left out"));
+                remarks.push(format!("{certain} levels have a probability of 1, and so no rate, and were left out"));
             }
             values.iter_mut().for_each(|value| *value = -libm::log1p(-*value) / years);
         }
         let mut curve = HazardCurve::new(&levels, &values)?.scaled(factor);
-        curve.remarks.splice(0..0, remark);
+        curve.remarks.splice(0..0, remarks);
         (curve.measure, curve.unit) = (measure, unit);
         Ok(curve)
     }
@@ -253,11 +259,20 @@ fn measure_and_level(name: &str) -> Option<(String, f64)> {
     })
 }
 
+/// Returns the measure of a single component behind one of both: hazard curves name the measure, and their models how components combine.
+fn component_of(measure: &str) -> Option<String> {
+    let (component, over) = measure.parse::<Measure>().ok()?.of_component();
+    over.map(|_| component.to_string())
+}
+
 /// Returns the wanted measure of several in a file, or the only one.
 fn chosen_measure(measures: &[String], options: &HazardOptions) -> Result<String, Mismatch> {
     let wanted = options.measure.as_deref().map(canonical);
     match (&wanted, measures) {
         (Some(wanted), _) if measures.contains(wanted) => Ok(wanted.clone()),
+        (Some(wanted), _) if component_of(wanted).is_some_and(|component| measures.contains(&component)) => {
+            Ok(component_of(wanted).unwrap_or_default())
+        }
         (None, [only]) => Ok(only.clone()),
         _ => {
             let expected = wanted.map_or("the choice of one".into(), |wanted| format!("one of {wanted}"));

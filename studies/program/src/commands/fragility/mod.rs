@@ -17,6 +17,7 @@ use crate::output::files::{NamedFile, Outputs};
 use crate::output::formats::PictureOptions;
 use crate::output::report::ReportOptions;
 use report::{MeasureReport, SurfaceReport, summary, warning_of_left_out};
+use rocking_charts::directions::directions;
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
@@ -32,7 +33,7 @@ pub struct FragilityCommand {
     #[arg(value_name = "TABLE")]
     table: PathBuf,
     /// Intensity measure, or any other column of positive numbers, with or without its unit; several are compared
-    #[arg(long, value_name = "COLUMN", required = true)]
+    #[arg(long, value_name = "COLUMN", required_unless_present = "plot_polar")]
     im: Vec<String>,
     #[command(flatten)]
     fit: FitOptions,
@@ -45,6 +46,9 @@ pub struct FragilityCommand {
     /// Picture of incremental dynamic analysis, peaks over the levels of a sweep; SVG or PNG by its extension
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     ida: Option<PathBuf>,
+    /// Polar chart of the outcomes by azimuth, of a table of blocks in space, also without --im; SVG or PNG by its extension
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot_polar: Option<PathBuf>,
     /// Write the curve for a program of loss assessment
     #[arg(long, value_parser = choices::loss_program(), value_name = "PROGRAM", requires = "export_to", help_heading = "Export")]
     export: Option<LossProgram>,
@@ -72,12 +76,13 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     let plot = options.picture.plot.as_deref();
     let format = options.picture.format()?;
     let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
+    let polar_format = options.plot_polar.as_deref().map(PictureFormat::of).transpose()?;
     let exports = options.export_files();
     if options.export == Some(LossProgram::Pelicun) {
         let folder = options.export_to.as_deref().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     }
-    let outputs = [("plot", plot), ("ida", ida.as_deref())];
+    let outputs = [("plot", plot), ("ida", ida.as_deref()), ("plot-polar", options.plot_polar.as_deref())];
     let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
     let mut outputs = Outputs::checked(&[NamedFile::new("the table", &options.table)], outputs)?;
 
@@ -92,7 +97,7 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
             Err(error) => return Err(error),
         }
     }
-    if curves.is_empty() {
+    if curves.is_empty() && !im.is_empty() {
         return Err(without_curve.remove(0));
     }
     let mut warnings = Vec::from_iter(warning_of_left_out(&table.counts));
@@ -115,6 +120,11 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
         let curves = Ida::read(&rows, &im[0])?;
         let svg = charts::ida(&table.blocks, &curves, &rows.heading(&im[0])?)?;
         outputs.fill("ida", || Ok(format.encode(&svg)?))?;
+    }
+    if let Some(format) = polar_format {
+        let rows = fit.table(&options.table)?;
+        let svg = directions(&table.blocks, &rows.directions(table.limit)?, table.limit)?;
+        outputs.fill("plot-polar", || Ok(format.encode(&svg)?))?;
     }
     let written = outputs.write()?;
     warn(&warnings);

@@ -148,7 +148,7 @@ pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) ->
     } else {
         String::new()
     };
-    let (TableCases { name, limit, counts, .. }, link, intervals) = (table, fit.link, &curves[0].intervals);
+    let (TableCases { name, limit, counts, .. }, link) = (table, fit.link);
     let mut summary = Summary::default();
     summary.item("table", name, "table", format!("{name}: {all} rows{left_out}"));
     if table.is_in_space {
@@ -156,14 +156,17 @@ pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) ->
     }
     let limit = limit.to_string();
     summary.item("limit", &limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
+    summary.entry("rows", counts);
+    // A polar chart needs no measure.
+    let [first, ..] = curves else { return summary };
+    let intervals = &first.intervals;
     let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * fit.ci);
     summary.item("link", link.word(), "curve", text);
     summary.entry("confidence", fit.ci);
     summary.entry("intervals", intervals);
-    summary.entry("rows", counts);
     let measures = || curves.iter().map(|curve| &curve.report);
     let head = ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"];
-    let beside = curves[0].report.beside.iter().map(|other| format!("p beside {other}"));
+    let beside = first.report.beside.iter().map(|other| format!("p beside {other}"));
     let mut lines = vec![head.map(String::from).into_iter().chain(beside).collect()];
     lines.extend(measures().map(|measure| measure.fields.clone()));
     summary.text += &aligned(&lines, 0..0);

@@ -7,21 +7,19 @@ use super::{SimulateCommand, summary};
 use crate::options::block::in_options;
 use crate::options::excitation::SecondComponentOptions;
 use crate::options::explicit::ExplicitOptions;
-use crate::options::input;
+use crate::options::in_space;
 use crate::output::files::Outputs;
 use crate::output::progress::Progress;
 use crate::output::summary::{Object, Summary};
 use rocking_block::run::{Ending, OnSeparation};
-use rocking_block::space::excitation::MAX_PULSES;
-use rocking_block::space::{DirectedPulse, SpaceBody, SpaceEvent, SpaceInitial, SpaceParameters, SpaceSetup};
-use rocking_charts::history_in_space::{block_line, history as picture};
+use rocking_block::space::{SpaceBody, SpaceEvent, SpaceInitial};
+use rocking_charts::history_in_space::history as picture;
 use rocking_charts::picture::PictureFormat;
 use rocking_charts::plan::plan;
 use rocking_studies::run::outcome::End;
 use rocking_studies::space::{HistoryInSpace, RunInSpace, facts, foot_names, table};
+use rocking_studies::spec::SpaceSpec;
 use rocking_studies::spec::numbers_in_space::BeginningSpec;
-use rocking_studies::spec::space::{MAKES_SPACE, feet_of_table};
-use rocking_studies::spec::{SpaceSpec, option};
 
 /// Options of a block in space.
 #[derive(Args)]
@@ -53,9 +51,8 @@ pub struct SpaceOptions {
 /// Options of an initial state in space.
 pub const INITIAL: [&str; 6] = ["tilt-x", "tilt-y", "twist", "omega-x", "omega-y", "omega-z"];
 
-/// Options that have an effect in space only.
-const OF_SPACE: [&str; 8] =
-    ["record-y", "azimuth", "eccentricity-y", "inertia-tensor", "omega-v", "kappa", "xi-h", "plot-plan"];
+/// Options that have an effect in space only, beside those of the block.
+const OF_SPACE: [&str; 3] = ["record-y", "azimuth", "plot-plan"];
 
 /// Options of the plane only, beside those of the block, and what is expected instead.
 const OF_PLANE: [(&str, &str); 5] = [
@@ -69,24 +66,13 @@ const OF_PLANE: [(&str, &str); 5] = [
 impl SpaceOptions {
     /// Whether the block is one in space. Otherwise options without effect are refused.
     pub fn make_space(&self, explicit: &ExplicitOptions) -> anyhow::Result<bool> {
-        let is_given = self.block.is_given();
-        let makes = MAKES_SPACE.map(|name| format!("--{}", option(name))).join(", ");
-        for options in [&OF_SPACE[..], &INITIAL] {
-            explicit.refuse_unless(
-                is_given,
-                options,
-                &format!("without one of {makes}, which make a block in space"),
-            )?;
-        }
-        Ok(is_given)
+        in_space::makes_space(&self.block, explicit, &[&OF_SPACE[..], &INITIAL].concat())
     }
 }
 
 /// Runs the command.
 pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    for (option, instead) in OF_PLANE {
-        anyhow::ensure!(!explicit.has(option), "--{option} is for a block in the plane; {instead}");
-    }
+    in_space::refuse_of_plane(explicit, &OF_PLANE)?;
     explicit.refuse_unless(!options.quiet, &["events"], "with --quiet")?;
     let format = options.picture.format()?;
     let plan_format = options.plot_plan.as_deref().map(PictureFormat::of).transpose()?;
@@ -124,30 +110,22 @@ impl SimulateCommand {
     /// Returns the run in space and a description of its excitation.
     fn run_in_space(&self, explicit: &ExplicitOptions) -> anyhow::Result<(RunInSpace, String)> {
         let space = &self.space;
-        let read_feet = |path: &std::path::Path| {
-            let (name, text) = input::text(path).map_err(|error| format!("{error:#}"))?;
-            feet_of_table(&name, &text)
-        };
-        let parameters = space.block.parameters(&self.block, read_feet).map_err(in_options)?;
-        let body = SpaceBody::new(&parameters)?;
+        let (parameters, body) = in_space::block(&space.block, &self.block)?;
         let initial = self.initial_in_space()?;
         let embedded = self.embedded(explicit)?;
         let excitation = space.second.read(&self.excitation, explicit, parameters.gravity, embedded)?;
         let settings = self.single_run.settings(self.on_separation.unwrap_or(OnSeparation::Fly)).map_err(in_options)?;
-        let pulses: [DirectedPulse; MAX_PULSES] =
-            std::array::from_fn(|i| if i == 0 { excitation.pulse } else { DirectedPulse::NONE });
         let time_step = excitation.ground.records.iter().flatten().map(|record| record.time_step).reduce(f64::min);
         let description = match excitation.description.as_str() {
             "" => "free motion".into(),
             text => text.into(),
         };
         let run = RunInSpace {
-            parameters,
-            setup: SpaceSetup { body, settings, pulses },
             initial,
             ground: excitation.ground,
             duration: self.single_run.duration,
             output_step: self.single_run.step_of(time_step),
+            ..RunInSpace::at_rest(parameters, body, settings).with_pulse(excitation.pulse, space.second.azimuth)
         };
         Ok((run, description))
     }
@@ -168,8 +146,7 @@ fn summary_of(run: &RunInSpace, history: &HistoryInSpace, excitation: &str, with
     let mut summary = Summary::default();
     summary.entry("model", "block in space");
     summary.item("excitation", excitation, "excitation", excitation);
-    let line = format!("in space, {}, M = {} kg", block_line(&run.parameters, body), body.mass);
-    summary.item("block", parameters(&run.parameters, body), "block", line);
+    summary::add_block_in_space(&mut summary, &run.parameters, body);
     add_end(&mut summary, run, history);
     add_peaks(&mut summary, body, history);
     add_events(&mut summary, run, history, with_events);
@@ -206,12 +183,6 @@ fn summary_of(run: &RunInSpace, history: &HistoryInSpace, excitation: &str, with
         }
     }
     summary
-}
-
-/// The parameters of a block.
-fn parameters(parameters: &SpaceParameters, body: &SpaceBody) -> Object {
-    let numbers: Object = facts::of_block(parameters, body).into_iter().collect();
-    numbers.with("inertia", facts::inertia(body)).with("feet", facts::feet(body))
 }
 
 /// Adds how the run ended.

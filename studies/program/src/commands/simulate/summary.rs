@@ -8,12 +8,15 @@ use crate::output::summary::{Object, Summary};
 use rocking_block::block::restraints::{LinkKind, TieState};
 use rocking_block::block::{Block, Corner, Foundation};
 use rocking_block::simulation::{Ending, Energies};
+use rocking_block::space::{SpaceBody, SpaceParameters};
 use rocking_block::system::events::Event;
 use rocking_charts::history::{block_line, link_names};
+use rocking_charts::history_in_space;
 use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::outcome::{Count, End, Holds};
 use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::{History, Run};
+use rocking_studies::space::facts;
 use rocking_studies::spec::words::Words;
 
 /// Summarizes a run; names are those of the tables and of the FMU's variables.
@@ -49,6 +52,14 @@ pub fn of(
     }
     gradients::add_lines(&mut summary, gradients);
     summary
+}
+
+/// Adds the parameters of a block in space.
+pub fn add_block_in_space(summary: &mut Summary, parameters: &SpaceParameters, body: &SpaceBody) {
+    let numbers: Object = facts::of_block(parameters, body).into_iter().collect();
+    let numbers = numbers.with("inertia", facts::inertia(body)).with("feet", facts::feet(body));
+    let line = format!("in space, {}, M = {} kg", history_in_space::block_line(parameters, body), body.mass);
+    summary.item("block", numbers, "block", line);
 }
 
 /// The parameters of a block that have a meaning for it.

@@ -1,5 +1,6 @@
-//! Reports on an object: their numbers equal those of the single commands, their bytes, and refusals; [`page`] has the words.
+//! Reports on an object: their numbers equal those of the single commands, their bytes, and refusals; [`page`] has the words, [`in_space`] objects in space.
 
+mod in_space;
 mod page;
 
 use std::fs;

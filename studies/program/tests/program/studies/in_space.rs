@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{Table, fails, program, refusal, stdout};
+use crate::program::{Table, refusal, stdout};
 use crate::studies::{labels, resumes_to_the_same_bytes};
 
 /// Two blocks under two pairs, in two directions, at two scales: 16 rows.
@@ -271,15 +271,19 @@ fn what_only_the_plane_has_is_refused_by_name() {
         let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
         assert!(message.contains(expected) && message.contains("study.toml:"), "{new}: {message}");
     }
-    let folder = folder(STUDY);
+    // Free motion has no direction.
+    let (head, _) = STUDY.split_once("\n[[records]]").unwrap();
+    let free = head.replace("scales = [0.7, 1.5]\nperiods = [0.4]", "").replace("eta", "initial.tilt_x = 0.05\neta");
+    let folder = folder(&free);
+    let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
+    let expected = "study.toml:4: azimuths has no effect without a horizontal record or a pulse, which it turns";
+    assert_eq!(message, expected);
+    std::fs::write(folder.path().join("study.toml"), STUDY).unwrap();
     let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "s.csv", "--lanes", "4"]);
     assert_eq!(
         message,
         "--lanes has no effect on blocks in space, which are stepped one by one; expected --threads alone"
     );
-    std::fs::write(folder.path().join("study.toml"), format!("{STUDY}\n[assess]\ntitle = \"A stone\"\n")).unwrap();
-    let message = fails(&mut program(folder.path(), &[&["assess", "study.toml", "--out", "page"]]));
-    assert!(message.contains("an assessment is for a block in the plane; expected rocking sweep"), "{message}");
     // Components of other lengths are cut only if the study says so.
     let text = std::fs::read_to_string(folder.path().join("b.csv")).unwrap();
     let shorter: String = text.lines().take(200).map(|line| format!("{line}\n")).collect();

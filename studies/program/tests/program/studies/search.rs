@@ -7,7 +7,7 @@ use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::search::{Scan, Shaking, damping_against_separation, overturning};
+use rocking_studies::search::{Scan, damping_against_separation, overturning};
 
 use crate::program::{RECORD, Table, files, refused, stdout};
 
@@ -54,7 +54,7 @@ fn overturning_is_found_with_the_island_above_it() {
     let block = Block::from_dimensionless(&RIGID, &Common::default()).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0, ..Pulse::NONE };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
-    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, &|_, _| ());
+    let found = overturning(&Run { pulse, ..Run::at_rest(block, Settings::default()) }, &scan, WIDTH, &|_, _| ());
     let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
     assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
     for change in &found.changes {
@@ -75,7 +75,7 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
         let block = Block::from_dimensionless(&Dimensionless { p, ..RIGID }, &Common::default()).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0, ..Pulse::NONE };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
-        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, &|_, _| ())
+        overturning(&Run { pulse, ..Run::at_rest(block, Settings::default()) }, &scan, WIDTH, &|_, _| ())
             .least(End::Overturned)
             .unwrap()
     };
@@ -215,6 +215,81 @@ fn a_least_value_is_exact_or_reported_as_a_bound() {
     let (value, bound, answer) = search(&["damping", "--alpha", "0.25", "--p", "1", "--from", "0.5", "--points", "3"]);
     assert_eq!((value, bound.as_str()), (Some(0.5), "upper"));
     assert!(answer.contains("at most"), "{answer}");
+}
+
+/// A block in space that turns with its pulse overturns at the same amplitude, and `simulate` confirms both sides of the least one.
+#[test]
+fn blocks_in_space_are_searched_along_an_azimuth() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = |width: &str, depth: &str| {
+        format!(
+            "--width {width} --depth {depth} --height 2 --omega-v 150 --xi-v 0.2 --friction 0.6 --pulse one-sine --period 0.5"
+        )
+    };
+    let search = |of_block: &str, azimuth: &str| {
+        let line = format!(
+            "search overturning {of_block} --azimuth {azimuth} --points 31 --resolution 1e-4 --csv o.csv --json"
+        );
+        let printed = stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        serde_json::from_str::<serde_json::Value>(&printed).unwrap()["least"].as_f64().unwrap()
+    };
+    let (across, along) = (block("0.4", "0.8"), block("0.8", "0.4"));
+    let weak = search(&across, "0");
+    assert!((weak - search(&along, "90")).abs() < 2e-4, "{weak}");
+    let strong = search(&across, "90");
+    assert!(strong > 2.0 * weak, "{strong}, {weak}");
+    let table = Table::read(&folder.path().join("o.csv"));
+    for (row, column, outcome) in [(0, "to", "completed"), (1, "from", "overturning")] {
+        let amplitude = table.get(row, column);
+        let line =
+            format!("simulate {across} --azimuth 90 --amplitude {amplitude} --tolerance 1e-6 --step 1e6 --csv x.csv");
+        let printed = stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        assert!(printed.contains(outcome), "{amplitude}: {printed}");
+    }
+    for (more, expected) in [
+        ("--lanes 4", "--lanes has no effect for blocks in space"),
+        ("--foundation rigid", "--foundation rigid is for a block in the plane"),
+        ("--epsilon 0.5", "--epsilon is for a block in the plane"),
+    ] {
+        let line = format!("search overturning {across} {more}");
+        refused(folder.path(), &line.split(' ').collect::<Vec<_>>(), &[expected]);
+    }
+    let plane = ["search", "overturning", "--period", "0.5", "--azimuth", "30"];
+    refused(folder.path(), &plane, &["--azimuth has no effect without one of --depth"]);
+}
+
+/// Both components of a motion are searched with one factor, from zero on; `simulate` confirms both sides of the least one.
+#[test]
+fn pairs_are_searched_over_their_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, frequency) in [("x", 9.0), ("y", 7.0)] {
+        let row = |i: i32| {
+            let t = f64::from(i) * 0.01;
+            format!("{t},{}\n", (t * std::f64::consts::PI / 2.0).sin() * (frequency * t).sin())
+        };
+        let text = format!("t [s],a [m/s2]\n{}", (0..200).map(row).collect::<String>());
+        std::fs::write(folder.path().join(format!("{name}.csv")), text).unwrap();
+    }
+    let block = "--width 0.3 --depth 0.5 --height 1.6 --eta 60 --xi-v 0.2 --record x.csv --record-y y.csv --azimuth 20";
+    let line = format!("search overturning {block} --points 21 --resolution 1e-3 --csv o.csv");
+    let printed = stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    assert!(printed.starts_with("scale = 0 to "), "{printed}");
+    let table = Table::read(&folder.path().join("o.csv"));
+    for (row, column, outcome) in [(0, "to", "completed"), (1, "from", "overturning")] {
+        let scale = table.get(row, column);
+        let line = format!("simulate {block} --scale {scale} --tolerance 1e-6 --step 1e6 --csv run.csv");
+        let printed = stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        assert!(printed.contains(outcome), "{scale}: {printed}");
+    }
+    // Up to ten times a PGA of g tan α over the nearest edge, of both components together.
+    let last = table.rows.len() - 1;
+    let both: f64 = (0..200)
+        .map(|i| {
+            let t = f64::from(i) * 0.01;
+            (t * std::f64::consts::PI / 2.0).sin().abs() * (9.0 * t).sin().hypot((7.0 * t).sin())
+        })
+        .fold(0.0, f64::max);
+    assert!((table.number(last, "to") * both / (98.1 * 0.15 / 0.8) - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -5,8 +5,9 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::simulation::Settings;
 use rocking_records::{ReadOptions, Unit, read};
 use rocking_studies::intensity::pgv;
+use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
-use rocking_studies::search::{Scan, Shaking, overturning};
+use rocking_studies::search::{Scan, overturning};
 use rocking_studies::spec::study::Distribution;
 use rocking_studies::sweep::ensemble::{SpreadTarget, SpreadWidth, UncertainQuantity};
 
@@ -153,8 +154,8 @@ fn least_levels_and_islands_are_those_of_a_search() {
         let block = Block::from_dimensionless(&given, &Common::default()).unwrap();
         let settings = Settings { on_separation: rocking_block::simulation::OnSeparation::Fly, ..Settings::default() };
         let scan = Scan { from: 0.2 / pgv, to: 4.0 / pgv, points: 60, resolution: 1e-3 / pgv };
-        let shaking = Shaking::Records(Ground { horizontal: Some(record.clone()), vertical: None });
-        let found = overturning(&block, &shaking, settings, &scan, None, &|_, _| ());
+        let ground = Ground { horizontal: Some(record.clone()), vertical: None };
+        let found = overturning(&Run { ground, ..Run::at_rest(block, settings) }, &scan, None, &|_, _| ());
         assert_eq!(table.get(row, "outcome"), "overturned");
         let level = table.number(row, "least.PGV [m/s]");
         assert!((level / (found.least(End::Overturned).unwrap() * pgv) - 1.0).abs() < 1e-9, "{level}");
