@@ -174,15 +174,18 @@ def reliability(happened, probability):
     return [(float(p.mean()), float(h.mean()), len(p)) for p, h in rows if len(p)]
 
 
-def judged(happened, probability):
+def judged(happened, probability, rank=None):
+    """Judges predictions. A prediction of yes or no has no Brier score, and an AUC only by the measure `rank` behind it."""
     said = probability > 0.5
     both = np.sum(said & happened)
+    is_graded = bool(np.any((probability > 0) & (probability < 1)))
+    score = probability if is_graded else rank
     return {
         "accuracy": float(np.mean(said == happened)),
         "precision": float(both / said.sum()) if said.any() else math.nan,
         "recall": float(both / happened.sum()) if happened.any() else math.nan,
-        "AUC": auc(happened, probability),
-        "Brier": float(np.mean((probability - happened) ** 2)),
+        "AUC": math.nan if score is None else auc(happened, score),
+        "Brier": float(np.mean((probability - happened) ** 2)) if is_graded else math.nan,
     }
 
 
@@ -193,6 +196,19 @@ def mcnemar(happened, first, second):
     n, k = only_a + only_b, min(only_a, only_b)
     tail = sum(math.comb(n, i) for i in range(k + 1)) / 2**n if n else 1.0
     return only_a, only_b, min(1.0, 2 * tail)
+
+
+def gain(happened, first, second, motions, samples=4000, seed=1):
+    """Returns the accuracy of the first prediction less that of the second, with its 95 % interval over samples of the motions.
+
+    Tests under the same motion at other scales are not independent.
+    """
+    right = ((first > 0.5) == happened).astype(float) - ((second > 0.5) == happened)
+    names, codes = np.unique(motions, return_inverse=True)
+    sums, counts = np.bincount(codes, right), np.bincount(codes)
+    drawn = np.random.default_rng(seed).integers(len(names), size=(samples, len(names)))
+    gains = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
+    return float(right.mean()), *(float(end) for end in np.quantile(gains, [0.025, 0.975]))
 
 
 def logit(probability):
@@ -216,9 +232,13 @@ def assess(rock, fit, test, made):
         f"this model, alpha = {naive(test, rock):.3f} (naive)": made(test, naive(test, rock)),
         "always stays": np.zeros(len(happened)),
     }
+    ranks = {}
     for name in ("pga", "pgv"):
         limit = threshold(fit.column(name), fitted_to)
         predictions[f"{name.upper()} threshold"] = np.where(test.column(name) >= limit, 1.0, 0.0)
+        ranks[f"{name.upper()} threshold"] = test.column(name)
+    beta = logistic(intensity(fit)[1:], fitted_to)
+    predictions["logistic, ln PGV"] = applied(beta, intensity(test)[1:])
     beta = logistic(intensity(fit), fitted_to)
     predictions["logistic, ln PGA, ln PGV"] = applied(beta, intensity(test))
     beta = logistic([*intensity(fit), logit(made(fit, best))], fitted_to)
@@ -235,9 +255,13 @@ def assess(rock, fit, test, made):
         "tests": len(happened),
         "overturned": int(happened.sum()),
         "alpha": {"rule": rule(test, rock), "fitted": best, "naive": naive(test, rock)},
-        "predictions": {name: judged(happened, p) for name, p in predictions.items()},
+        "predictions": {name: judged(happened, p, ranks.get(name)) for name, p in predictions.items()},
         "reliability": reliability(happened, predictions[ours]),
         "McNemar": {"against": best_other, "only ours right": only_ours, "only other right": only_other, "p": chance},
+        "gains": {
+            f"{one} over {other}": gain(happened, predictions[one], predictions[other], test.motions())
+            for one, other in ((list(predictions)[0], "PGV threshold"), (ours, "PGV threshold"), (ours, best_other))
+        },
         "scores": {name: [happened.tolist(), p.tolist()] for name, p in list(predictions.items())[:2]},
     }
 
@@ -315,8 +339,10 @@ def show(results):
         test = found["McNemar"]
         print(
             f"  McNemar against {test['against']}: {test['only ours right']} tests only the model predicts, "
-            f"{test['only other right']} only the other (p = {test['p']:.2f})"
+            f"{test['only other right']} only the other (p = {test['p']:.2f}, if tests of one motion were independent)"
         )
+        for name, (mean, low, high) in found["gains"].items():
+            print(f"  accuracy of {name}: {mean:+.3f} ({low:+.3f} to {high:+.3f}, 95 % by motions)")
 
 
 def show_cross_validated(results):

@@ -33,7 +33,7 @@ def documented(row):
 
 
 def printed(judge):
-    return [f"{judge[name]:.3f}" for name in ("accuracy", "AUC", "Brier")]
+    return ["–" if np.isnan(judge[name]) else f"{judge[name]:.3f}" for name in ("accuracy", "AUC", "Brier")]
 
 
 @pytest.mark.check

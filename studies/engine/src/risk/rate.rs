@@ -1,6 +1,6 @@
 //! A hazard curve, a fragility curve → annual rate, deaggregation, interval.
 
-use crate::fragility::{Assessment, Interval};
+use crate::fragility::{Assessment, Independence, Interval};
 use crate::risk::curve::FragilityCurve;
 use crate::risk::hazard::HazardCurve;
 use rocking_block::numerics::roots::sign_change;
@@ -114,12 +114,17 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
 ///
 /// With a bootstrap, the interval of the rates of its curves. Otherwise the rates of the lower and the upper end of the pointwise
 /// band, which lie at least as far apart as those of any curve inside the band.
+///
+/// The rate is that of all motions of a site; rows of a single one do not tell how far it may be wrong.
 pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     /// Points of the band; between them the probability is linear in the logarithm.
     const POINTS: u32 = 240;
     /// Upper end of the band below which it is left out. The number of halvings of the measure to get there follows.
     const NEGLIGIBLE: f64 = 1e-9;
     const HALVINGS: usize = 30;
+    if assessment.independence == Independence::OneMotion {
+        return [None; 2];
+    }
     let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
     let of_fit = |fit: &_| match FragilityCurve::of(fit) {
         Ok(curve) => AnnualRate::new(hazard, &curve).rate,

@@ -4,7 +4,7 @@ use crate::commands::rate::Fragility;
 use crate::output::summary::{Object, Summary};
 use rocking_charts::numerals::{self, significant};
 use rocking_charts::rate::{per_year, per_year_to};
-use rocking_studies::fragility::{Interval, split_heading};
+use rocking_studies::fragility::{Assessment, Independence, Interval, split_heading};
 use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
@@ -82,7 +82,13 @@ impl RateReport<'_> {
         let notable = notable
             .map(|(fraction, place)| format!("{} % of the rate comes from {} {place}", percent(fraction), self.im));
         let remarks = self.found.hazard.remarks.iter().map(|remark| format!("{}: {remark}", self.file));
-        remarks.chain(notable).collect()
+        let is_of_one = |assessment: &&Assessment| assessment.independence == Independence::OneMotion;
+        let of_one = self.fragility.assessment.as_ref().filter(is_of_one).map(|_| {
+            "all rows are of one ground motion: the curve has no scatter from motion to motion, so that this is not the rate of a site, and no \
+             interval is known"
+                .into()
+        });
+        remarks.chain(of_one).chain(notable).collect()
     }
 
     /// Summarizes the rate.
