@@ -72,8 +72,8 @@ impl PortfolioPage<'_> {
         helps(object)
     }
 
-    fn unknown(&self, object: &RankedObject) -> Vec<String> {
-        unknown(object)
+    fn unknown(&self, object: &RankedObject) -> String {
+        unknown(object).join("; ")
     }
 }
 
@@ -144,7 +144,7 @@ fn unknown(object: &RankedObject) -> Vec<String> {
                 (found.outside_hazard, "beyond the hazard curve"),
             ];
             let beyond = beyond.into_iter().filter(|(share, _)| *share >= NOTABLE);
-            unknown.extend(beyond.map(|(share, of)| format!("{:.0} % of the rate, from {of}", 100.0 * share)));
+            unknown.extend(beyond.map(|(share, of)| format!("{:.0}\u{a0}% of the rate, from {of}", 100.0 * share)));
         }
         (None, None, _) => unknown.push("the rate: the study names no hazard".into()),
         (None, Some(_), Some(reason)) => {
@@ -188,7 +188,7 @@ fn sentences(portfolio: &Portfolio) -> Vec<String> {
     }
     if let Some(together) = together {
         sentences.push(format!(
-            "The rates of {} add up to {}: on average one of them is lost in {} years, often several in one earthquake.",
+            "The rates of {} add up to {} per year: on average one of them reaches its limit in {} years, often several in one earthquake.",
             counted(ranked.len() as u64, "object"),
             rate(together),
             years(1.0 / together)
@@ -200,6 +200,16 @@ fn sentences(portfolio: &Portfolio) -> Vec<String> {
         }
         None => sentences.push("No study names a hazard, so that the objects have no rates and no order.".into()),
     }
+    let without = objects.iter().filter(|object| object.rank.is_none() && object.state.runs.exceeded > 0);
+    sentences.extend(without.map(|object| {
+        format!(
+            "“{}” has no rate and thus no rank: {} of {} runs {}.",
+            object.title,
+            numbers::exceeded(&object.state.runs),
+            object.state.runs.all(),
+            exceed(object.state.limit)
+        )
+    }));
     let uncertain = ranked.iter().filter(|object| object.ranks.is_some_and(|[low, high]| low < high)).count();
     if uncertain > 0 && ranked.len() > 1 {
         sentences.push(format!(

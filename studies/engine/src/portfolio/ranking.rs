@@ -160,10 +160,14 @@ impl Portfolio {
         let has_same_motions = reports.windows(2).all(|pair| records(&pair[0].0) == records(&pair[1].0));
         let mut objects: Vec<RankedObject> =
             reports.into_iter().map(|(study, report)| RankedObject::new(study, report)).collect();
-        // Equal rates, and objects without one, stay in the order of their files.
+        // Without rates, those that exceed their limits in more runs come first. Equal ones stay in the order of their files.
+        let place = |object: &RankedObject| {
+            let runs = object.state.runs;
+            [object.rate().unwrap_or(f64::NEG_INFINITY), runs.exceeded as f64 / runs.all().max(1) as f64]
+        };
         objects.sort_by(|one, other| {
-            let [one, other] = [one, other].map(|object| object.rate().unwrap_or(f64::NEG_INFINITY));
-            other.total_cmp(&one)
+            let ([rate, exceeded], [of_other, by_other]) = (place(one), place(other));
+            of_other.total_cmp(&rate).then(by_other.total_cmp(&exceeded))
         });
         let bounds: Vec<Option<[f64; 2]>> = objects.iter().map(RankedObject::bounds).collect();
         let ranked = bounds.iter().flatten().count();
