@@ -157,7 +157,7 @@ impl Portfolio {
     pub(super) fn new(reports: Vec<(&ObjectStudy, Report)>, refused: Vec<RefusedStudy>) -> Portfolio {
         let (years, confidence) = reports.first().map_or((f64::NAN, f64::NAN), |(_, of)| (of.years, of.confidence));
         let hazard = reports.iter().find_map(|(_, report)| report.hazard.clone());
-        let has_same_motions = reports.windows(2).all(|pair| records(&pair[0].0) == records(&pair[1].0));
+        let has_same_motions = reports.windows(2).all(|pair| records(pair[0].0) == records(pair[1].0));
         let mut objects: Vec<RankedObject> =
             reports.into_iter().map(|(study, report)| RankedObject::new(study, report)).collect();
         // Without rates, those that exceed their limits in more runs come first. Equal ones stay in the order of their files.
