@@ -153,7 +153,7 @@ fn an_invalid_study_does_not_cost_the_others() {
     assert_eq!(out.status.code(), Some(1));
     let error = text(&out.stderr);
     let reason = "museum/invalid.toml:18: years = 0; expected a number > 0";
-    assert!(error.contains(&reason), "{error}");
+    assert!(error.contains(reason), "{error}");
     assert!(error.contains("1 of 4 studies could not be assessed: museum/invalid.toml"), "{error}");
     assert!(text(&out.stdout).contains(&format!("not assessed  {reason}")), "{}", text(&out.stdout));
     let page = fs::read_to_string(folder.join("portfolio/portfolio.html")).unwrap();
