@@ -46,7 +46,7 @@ pub fn run(options: &PortfolioCommand) -> anyhow::Result<()> {
     let PortfolioCommand { studies, out, force, processor, report } = options;
     let studies = Studies::read(studies)?;
     for study in &studies.valid {
-        warn(&named(study, &study.plan.sweep.remarks));
+        warn(named(study, &study.plan.sweep.remarks));
         assess::make_folder(&out.join(&study.name), PAGE, *force)?;
     }
     let page = assess::make_folder(out, PORTFOLIO_PAGE, *force)?;
@@ -66,7 +66,7 @@ pub fn run(options: &PortfolioCommand) -> anyhow::Result<()> {
     };
     let portfolio = assess_all(&studies, &pool, processor.width(), Some(keep), &show, each)?;
     bar.clear();
-    warn(&portfolio.refused.iter().map(|refused| refused.reason.clone()).collect::<Vec<_>>());
+    warn(portfolio.refused.iter().map(|refused| refused.reason.clone()));
     write(&portfolio, out, &page, &warnings, report)?;
     let count = portfolio.refused.len();
     anyhow::ensure!(
