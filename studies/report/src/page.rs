@@ -5,7 +5,7 @@ use askama::Template;
 use crate::commands::commands;
 use crate::numbers::{self, heading, interval, limit, long, rate, short};
 use crate::pictures::Picture;
-use crate::sentences::{summary, verdict};
+use crate::sentences::{motions, summary, verdict};
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
 use rocking_studies::assess::{Comparison, Counts, CurveResult, LeastPulse, Plan, RateResult, Report, Results};
@@ -93,6 +93,10 @@ impl Page<'_> {
     /// Writes a range, or its only value.
     fn range(&self, [low, high]: &[f64; 2]) -> String {
         if low == high { long(*low) } else { format!("{} to {}", long(*low), long(*high)) }
+    }
+
+    fn motions(&self) -> String {
+        motions(self.report)
     }
 
     fn span(&self, [low, high]: &[f64; 2]) -> String {

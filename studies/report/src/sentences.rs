@@ -36,7 +36,7 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
         "The object {happens} in {} of {} computed runs under {} with a {} from {} to {}{unit}{half}{stands}.",
         numbers::exceeded(&state.runs),
         state.runs.all(),
-        counted(report.motions.len() as u64, "ground motion"),
+        motions(report),
         spelled(&measure),
         short(least),
         short(greatest)
@@ -80,7 +80,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         "In {} ({} × {} × {}) {}.",
         counted(report.runs, "run"),
         counted(report.blocks, "block"),
-        counted(report.motions.len() as u64, "ground motion"),
+        motions(report),
         counted(report.strengths.len() as u64, "strength"),
         join(&counts)
     ));
@@ -132,6 +132,16 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
     sentences.extend(best_variants(report));
     sentences.extend(strongest_assumption(report));
     sentences
+}
+
+/// Counts the ground motions. One in both polarities is one motion.
+pub fn motions(report: &Report) -> String {
+    let motions = counted(report.motions.len() as u64, "ground motion");
+    match report.reversed {
+        0 => motions,
+        all if all == report.motions.len() => motions + " in both polarities",
+        some => motions + &format!(" ({some} also reversed)"),
+    }
 }
 
 fn object(object: &ObjectResult, building: Option<&BuildingResult>) -> String {
